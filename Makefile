@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
+#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture
+#   make test    proves that everything works (checks, unit, native, conformance, end to end)
+#   make check   lint, types, C++ warnings as errors, the import rule
+#   make bench   the performance figures, as ratios within one run
+#   make docs    regenerates what is generated in docs/ and checks every link
+#   make fuzz    the long form of the fuzz loops (SECONDS=60)
+SHELL := /bin/bash
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+NATIVE := build/native
+NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
+SECONDS ?= 60
+
+.PHONY: demo test check bench docs fuzz build native-tests unit clean help
+help:
+	@sed -n '2,10p' Makefile
+
+demo: $(VENV)/.built
+	@tools/setup.sh group demo
+	$(BIN)/python examples/scara/run.py --picture build/scara.png
+
+test: $(VENV)/.built
+	@tools/setup.sh group test
+	@tools/setup.sh system
+	@tools/test.sh
+
+unit: $(VENV)/.built
+	@tools/setup.sh group test
+	$(BIN)/python -m pytest tests/unit -q -n 2
+
+check: $(VENV)/.built
+	@tools/setup.sh group test
+	@tools/check.sh
+
+bench: $(VENV)/.built $(NATIVE)/.built
+	$(BIN)/unitylink bench
+
+docs: $(VENV)/.built
+	@tools/setup.sh group test
+	$(BIN)/python protocol/generate.py
+	$(BIN)/python -m pytest tests/unit/docs -q
+
+fuzz: $(NATIVE)/.built
+	@for target in $(NATIVE)/fuzz_*; do [ -x $$target ] && $$target --seconds $(SECONDS) || exit 1; done
+
+build: $(VENV)/.built
+native-tests: $(NATIVE)/.built
+	$(NATIVE)/unitylink_tests
+
+# The editable install lists the modules it knows, so a module that comes or goes needs a new install.
+build/.modules: .FORCE
+	@mkdir -p build && find src -type f ! -name '*.pyc' | sort > $@.new && \
+	if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+.FORCE:
+.PHONY: .FORCE
+
+$(VENV)/.built: $(NATIVE_SOURCES) build/.modules
+	@PYTHON=$(PYTHON) tools/setup.sh build
+
+$(NATIVE)/.built: $(NATIVE_SOURCES) $(wildcard bench/native/*) $(VENV)/.built
+	@tools/setup.sh system
+	@tools/setup.sh native
+
+clean:
+	rm -rf build $(VENV)

@@ -1,0 +1,127 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+-- The constants of the wire protocols. Generated from protocol/protocol.toml by protocol/generate.py; edit there.
+library ieee;
+use ieee.std_logic_1164.all;
+
+package protocol_pkg is
+
+  subtype byte_t is std_logic_vector(7 downto 0);
+
+  -- protocol
+  constant protocol_name_c : string := "unity-link";
+  constant protocol_classic_version_c : natural := 1;
+
+  -- bytes
+  constant byte_plain_head_c : byte_t := x"23";
+  constant byte_checked_head_c : byte_t := x"24";
+  constant byte_plain_publish_c : byte_t := x"25";
+  constant byte_checked_publish_c : byte_t := x"26";
+  constant byte_error_mark_c : byte_t := x"3F";
+  constant byte_data_mark_c : byte_t := x"3A";
+  constant byte_checksum_mark_c : byte_t := x"2A";
+  constant byte_line_feed_c : byte_t := x"0A";
+  constant byte_carriage_return_c : byte_t := x"0D";
+  constant byte_field_separator_c : byte_t := x"2C";
+
+  -- crc8
+  constant crc8_polynomial_c : byte_t := x"07";
+  constant crc8_initial_c : byte_t := x"00";
+  constant crc8_check_c : byte_t := x"F4";
+
+  -- command
+  constant command_read_c : string := "R";
+  constant command_read_many_c : string := "RM";
+  constant command_write_c : string := "W";
+  constant command_read_configuration_c : string := "RLC";
+  constant command_write_group_addresses_c : string := "WSA";
+  constant command_write_group_rate_c : string := "WSR";
+  constant command_read_group_c : string := "RSI";
+  constant command_enable_publishing_c : string := "EPS";
+  constant command_enable_checked_publishing_c : string := "EPC";
+  constant command_disable_publishing_c : string := "DPS";
+  constant command_write_event_mask_c : string := "WIC";
+  constant command_read_event_mask_c : string := "RIC";
+
+  -- reply
+  constant reply_read_c : string := "S_R";
+  constant reply_read_many_c : string := "S_RM";
+  constant reply_write_c : string := "S_W";
+  constant reply_read_configuration_c : string := "CNF";
+  constant reply_write_group_addresses_c : string := "S_WSA";
+  constant reply_write_group_rate_c : string := "S_WSR";
+  constant reply_read_group_c : string := "S_RSI";
+  constant reply_enable_publishing_c : string := "S_EPS";
+  constant reply_enable_checked_publishing_c : string := "S_EPC";
+  constant reply_disable_publishing_c : string := "S_DPS";
+  constant reply_write_event_mask_c : string := "S_WIC";
+  constant reply_read_event_mask_c : string := "S_RIC";
+  constant reply_publish_c : string := "PUB";
+
+  -- application_error
+  constant application_error_incomplete_command_c : string := "E_ICC";
+  constant application_error_missing_address_c : string := "E_MAB";
+  constant application_error_missing_data_c : string := "E_MDB";
+  constant application_error_invalid_block_size_c : string := "E_IBS";
+  constant application_error_invalid_group_size_c : string := "E_ILA";
+  constant application_error_invalid_group_c : string := "E_ISG";
+  constant application_error_bus_error_read_c : string := "E_FBR";
+  constant application_error_bus_error_write_c : string := "E_FBW";
+  constant application_error_bus_timeout_c : string := "E_BAT";
+  constant application_error_publish_vanished_c : string := "E_IPR";
+
+  -- datalink_error
+  constant datalink_error_message_too_long_c : byte_t := x"F0";
+  constant datalink_error_format_c : byte_t := x"F1";
+  constant datalink_error_odd_digits_c : byte_t := x"F2";
+  constant datalink_error_invalid_character_c : byte_t := x"F3";
+  constant datalink_error_checksum_c : byte_t := x"F4";
+  constant datalink_error_physical_c : byte_t := x"F5";
+
+  -- limits
+  constant limits_address_bits_max_c : natural := 32;
+  constant limits_data_bits_min_c : natural := 8;
+  constant limits_data_bits_max_c : natural := 32;
+  constant limits_read_many_max_c : natural := 255;
+  constant limits_groups_max_c : natural := 256;
+  constant limits_group_size_max_c : natural := 255;
+  constant limits_rate_bytes_max_c : natural := 4;
+  constant limits_groups_2012_c : natural := 16;
+  constant limits_group_size_2012_c : natural := 32;
+  constant limits_fifo_bytes_default_c : natural := 16;
+  constant limits_event_mask_bytes_min_c : natural := 2;
+  constant limits_bus_timeout_clocks_c : natural := 100;
+  constant limits_clock_hz_default_c : natural := 50000000;
+  constant limits_base_hz_default_c : natural := 1000;
+
+  -- tosnet
+  constant tosnet_address_bits_c : natural := 11;
+  constant tosnet_memory_words_c : natural := 1024;
+  constant tosnet_node_shift_c : natural := 6;
+  constant tosnet_register_shift_c : natural := 3;
+  constant tosnet_in_bit_c : natural := 2;
+  constant tosnet_status_c : natural := 1024;
+  constant tosnet_packet_counter_c : natural := 1025;
+  constant tosnet_reset_counter_c : natural := 1026;
+  constant tosnet_error_counter_c : natural := 1027;
+  constant tosnet_network_registers_c : natural := 1280;
+  constant tosnet_async_tx_status_c : natural := 1536;
+  constant tosnet_async_tx_control_c : natural := 1537;
+  constant tosnet_async_tx_data_c : natural := 1538;
+  constant tosnet_async_rx_status_c : natural := 1792;
+  constant tosnet_async_rx_data_c : natural := 1794;
+  constant tosnet_status_online_bit_c : natural := 31;
+  constant tosnet_status_master_bit_c : natural := 30;
+  constant tosnet_status_packet_error_bit_c : natural := 29;
+  constant tosnet_status_system_halt_bit_c : natural := 28;
+  constant tosnet_status_network_sync_bit_c : natural := 27;
+  constant tosnet_status_node_id_shift_c : natural := 20;
+  constant tosnet_status_node_address_shift_c : natural := 16;
+  constant tosnet_status_read_error_bit_c : natural := 8;
+  constant tosnet_status_write_error_bit_c : natural := 7;
+  constant tosnet_status_commit_aborted_bit_c : natural := 5;
+  constant tosnet_status_read_pointer_bit_c : natural := 3;
+  constant tosnet_status_write_pointer_bit_c : natural := 2;
+  constant tosnet_status_read_frozen_bit_c : natural := 1;
+  constant tosnet_status_commit_pending_bit_c : natural := 0;
+
+end package protocol_pkg;

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Write the protocol constants of protocol.toml out for Python, C++, VHDL and the documentation.
+
+    python protocol/generate.py            write what is stale
+    python protocol/generate.py --check    write nothing, name what is stale, exit 1 if anything is
+
+One function per artefact; the table goes in, text comes out, so that the same input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "protocol" / "protocol.toml"
+NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit there."
+
+Table = dict[str, Any]
+
+
+def read_table() -> Table:
+    return tomllib.loads(SOURCE.read_text(encoding="utf-8"))
+
+
+def python_text(table: Table) -> str:
+    lines = [
+        "# SPDX-License-Identifier: BSD-3-Clause",
+        f'"""The constants of the wire protocols.\n\n{NOTE}\n"""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from types import MappingProxyType",
+        "from typing import Final",
+        "",
+    ]
+
+    def constant(name: str, value: object) -> None:
+        lines.append(f"{name}: Final = {python_literal(value)}")
+
+    for key, value in table["protocol"].items():
+        constant(key.upper(), value)
+    for section in ("bytes", "crc8", "command", "reply", "limits", "tosnet"):
+        lines.append("")
+        prefix = (
+            ""
+            if section == "limits"
+            else f"{section.upper().rstrip('S') if section == 'bytes' else section.upper()}_"
+        )
+        for key, value in table[section].items():
+            constant(prefix + key.upper(), value)
+    for section, title in (
+        ("application_error", "APPLICATION_ERRORS"),
+        ("datalink_error", "DATALINK_ERRORS"),
+    ):
+        lines += ["", f"{title}: Final = MappingProxyType(", "    {"]
+        lines += [
+            f"        {python_literal(e['code'])}: {python_literal(e['meaning'])},"
+            for e in table[section].values()
+        ]
+        lines += ["    }", ")"]
+        for key, entry in table[section].items():
+            constant(f"{section.upper()}_{key.upper()}", entry["code"])
+    return "\n".join(lines) + "\n"
+
+
+def python_literal(value: object) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    assert isinstance(value, int)
+    return str(value)
+
+
+def cpp_text(table: Table) -> str:
+    lines = [
+        "// SPDX-License-Identifier: BSD-3-Clause",
+        f"// The constants of the wire protocols. {NOTE}",
+        "#pragma once",
+        "",
+        "#include <cstdint>",
+        "#include <string_view>",
+        "",
+        "namespace unitylink::protocol {",
+        "",
+    ]
+    for section, values in table.items():
+        if section in ("application_error", "datalink_error"):
+            lines.append(f"namespace {section} {{")
+            for key, entry in values.items():
+                typed = cpp_typed(key, entry["code"], "std::uint8_t")
+                lines.append(f"inline constexpr {typed};  // {entry['meaning']}")
+            lines += [f"}}  // namespace {section}", ""]
+            continue
+        kind = {"bytes": "char", "crc8": "std::uint8_t"}.get(section, "std::uint32_t")
+        namespace = "version" if section == "protocol" else section
+        lines.append(f"namespace {namespace} {{")
+        lines += [f"inline constexpr {cpp_typed(key, value, kind)};" for key, value in values.items()]
+        lines += [f"}}  // namespace {namespace}", ""]
+    lines.append("}  // namespace unitylink::protocol")
+    return "\n".join(lines) + "\n"
+
+
+def cpp_typed(name: str, value: object, kind: str) -> str:
+    if isinstance(value, str):
+        return f'std::string_view {name} = "{value}"'
+    return f"{kind} {name} = {f'0x{value:02X}' if kind in ('char', 'std::uint8_t') else value}"
+
+
+def vhdl_text(table: Table) -> str:
+    lines = [
+        "-- SPDX-License-Identifier: BSD-3-Clause",
+        f"-- The constants of the wire protocols. {NOTE}",
+        "library ieee;",
+        "use ieee.std_logic_1164.all;",
+        "",
+        "package protocol_pkg is",
+        "",
+        "  subtype byte_t is std_logic_vector(7 downto 0);",
+    ]
+    for section, values in table.items():
+        lines += ["", f"  -- {section}"]
+        for key, raw in values.items():
+            value = raw["code"] if isinstance(raw, dict) else raw
+            name = f"{section.rstrip('s') if section == 'bytes' else section}_{key}_c"
+            if isinstance(value, str):
+                kind, text = "string", f'"{value}"'
+            elif section in ("bytes", "crc8", "datalink_error"):
+                kind, text = "byte_t", f'x"{value:02X}"'
+            else:
+                kind, text = "natural", str(value)
+            lines.append(f"  constant {name} : {kind} := {text};")
+    lines += ["", "end package protocol_pkg;"]
+    return "\n".join(lines) + "\n"
+
+
+def markdown_text(table: Table) -> str:
+    lines = [f"<!-- {NOTE} -->", "# Protocol constants", ""]
+    for section, values in table.items():
+        lines += [f"## {section}", ""]
+        first = next(iter(values.values()))
+        if isinstance(first, dict):
+            lines += ["| name | code | meaning |", "|---|---|---|"]
+            lines += [
+                f"| {k} | {markdown_value(e['code'], section)} | {e['meaning']} |" for k, e in values.items()
+            ]
+        else:
+            lines += ["| name | value |", "|---|---|"]
+            lines += [f"| {k} | {markdown_value(v, section)} |" for k, v in values.items()]
+        lines.append("")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def markdown_value(value: object, section: str) -> str:
+    if isinstance(value, str):
+        return f"`{value}`"
+    assert isinstance(value, int)
+    if section == "bytes":
+        shown = chr(value) if 0x21 <= value < 0x7F else {0x0A: "LF", 0x0D: "CR"}.get(value, "")
+        return f"`{shown}` ({value:02X} hex)"
+    if section in ("crc8", "datalink_error", "tosnet"):
+        return f"{value} ({value:02X} hex)"
+    return str(value)
+
+
+ARTEFACTS = {
+    "src/unitylink/protocol.py": python_text,
+    "native/include/unitylink/protocol.hpp": cpp_text,
+    "gateware/common/protocol_pkg.vhd": vhdl_text,
+    "docs/protocol-constants.md": markdown_text,
+}
+
+
+def main(arguments: list[str]) -> int:
+    check = arguments == ["--check"]
+    if arguments and not check:
+        print(__doc__, file=sys.stderr)
+        return 2
+    table = read_table()
+    stale = [name for name, text in ARTEFACTS.items() if current(name) != text(table)]
+    for name in stale:
+        if check:
+            print(f"stale: {name}; run: python protocol/generate.py")
+        else:
+            path = ROOT / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(ARTEFACTS[name](table), encoding="utf-8")
+            print(f"wrote {name}")
+    return 1 if check and stale else 0
+
+
+def current(name: str) -> str | None:
+    path = ROOT / name
+    return path.read_text(encoding="utf-8") if path.exists() else None
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every error Unity-Link raises, as one tree.
+
+    UnityLinkError
+    ├── LinkError                  something about a link; knows .item .address .attempts .elapsed_s
+    │   ├── LinkTimeout            the device did not answer in time; reads had no effect, writes see below
+    │   ├── OutcomeUnknown         a write was sent and its answer lost: it may or may not have happened
+    │   ├── LinkClosed             the port is closed, gone, or was unplugged
+    │   ├── LinkBusy               another program holds the port or the board
+    │   ├── LinkNotFound           there is no such port, host or file
+    │   ├── BusError               the device answered that its bus refused or did not answer the address
+    │   ├── ProtocolError          the device answered something this protocol does not have
+    │   ├── NetworkError           the network behind the gateware is down, halted, or dropped a commit
+    │   └── DeviceMismatch         the device cannot do what is asked (widths, groups, publishing)
+    ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
+    ├── UrlError                   a link URL that cannot be understood (ValueError)
+    ├── SpecError                  a UL-spec with errors; carries .diagnostics
+    └── BindingError               a generated file that does not belong to this library, spec or link
+
+Whose fault it is can be read from the branch: `LinkError` is the world outside, the others are the caller's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class UnityLinkError(Exception):
+    """Base of every error of this library."""
+
+
+class LinkError(UnityLinkError):
+    """Something about a link failed.
+
+    `item` is the name from the spec where a layer above knew it, `address` the word address,
+    `attempts` how often the request was sent, `elapsed_s` the time from the first attempt to the verdict.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        item: str | None = None,
+        address: int | None = None,
+        attempts: int = 0,
+        elapsed_s: float = 0.0,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.item = item
+        self.address = address
+        self.attempts = attempts
+        self.elapsed_s = elapsed_s
+
+    def with_item(self, item: str) -> Self:
+        """Name the item this error is about, unless a lower layer already did; return self for `raise`.
+
+        >>> str(LinkTimeout("read of 0x0088 unanswered", address=0x88).with_item("j1.cpos"))
+        'j1.cpos: read of 0x0088 unanswered'
+        """
+        if self.item is None:
+            self.item = item
+        return self
+
+    def __str__(self) -> str:
+        return f"{self.item}: {self.message}" if self.item else self.message
+
+
+class LinkTimeout(LinkError):
+    """The device did not answer in time."""
+
+
+class OutcomeUnknown(LinkError):
+    """A request with side effects was sent and its answer was lost: it may or may not have been executed.
+
+    Read the item back (or re-establish a known state) before going on; nothing was repeated by itself.
+    """
+
+
+class LinkClosed(LinkError):
+    """The port is closed, gone, or was unplugged."""
+
+
+class LinkBusy(LinkError):
+    """Another program holds the port or the board."""
+
+
+class LinkNotFound(LinkError):
+    """There is no such port, host or file."""
+
+
+class BusError(LinkError):
+    """The device answered that its bus refused the address, or that nothing answered at it."""
+
+
+class ProtocolError(LinkError):
+    """The device answered something the protocol does not have, or refused a command."""
+
+
+class NetworkError(LinkError):
+    """The real-time network behind the gateware is offline, halted, or dropped a commit: see the message."""
+
+
+class DeviceMismatch(LinkError):
+    """The device cannot do what is asked: widths, group sizes, read-multiple, publishing."""
+
+
+class ValueRangeError(UnityLinkError, ValueError):
+    """A value, address or count that cannot be sent; nothing was."""
+
+
+class UrlError(UnityLinkError, ValueError):
+    """A link URL that cannot be understood."""
+
+
+class SpecError(UnityLinkError):
+    """A UL-spec has errors; `diagnostics` holds all of them, `str()` is the rendered report."""
+
+    def __init__(self, report: str, diagnostics: Sequence[object] = ()) -> None:
+        super().__init__(report)
+        self.diagnostics = tuple(diagnostics)
+
+
+class BindingError(UnityLinkError):
+    """A generated file that does not belong to this library version, this spec or this link."""

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The whole proof, in the order in which a failure tells most. A part that cannot run is a failure, not a skip.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+bin=.venv/bin
+say() { printf '\n=== %s\n' "$1"; }
+started=$SECONDS
+
+say "checks"
+tools/check.sh
+say "native tests"
+build/native/unitylink_tests
+say "native fuzz loops, short form"
+for fuzzer in build/native/fuzz_*; do
+  [ -x "$fuzzer" ] && [ ! -d "$fuzzer" ] || continue
+  "$fuzzer" --seconds 3 --seed 1
+done
+say "generated VHDL compiles"
+ghdl -a --std=08 --workdir=build gateware/common/protocol_pkg.vhd
+say "demo"
+"$bin/python" -m pip --version >/dev/null
+tools/setup.sh group demo
+"$bin/python" examples/scara/run.py --picture build/scara.png
+[ -s build/scara.png ]
+say "recorded exchanges of the 2012 gateware"
+"$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
+say "tests"
+"$bin/python" -m pytest tests -q -n 2
+printf '\nall passed in %d s\n' $((SECONDS - started))
