@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""UL-spec, the specification language: from text to a checked, frozen model; docs/ul-spec.md describes it.
+
+>>> result = compile_text("public led() { @on = 0x10: WRITE(); }", "led.ul")
+>>> [(path, hex(element.address)) for path, element in result.spec.walk()]
+[('on', '0x10')]
+"""
+
+from __future__ import annotations
+
+from .codes import CODES, Code
+from .compile import Result, compile_file, compile_text, load
+from .diagnostics import Diagnostic, render, summary
+from .format import format_text
+from .model import Element, Group, Instance, LinkBinding, Member, Publish, Span, Spec
+
+__all__ = [
+    "CODES",
+    "Code",
+    "Diagnostic",
+    "Element",
+    "Group",
+    "Instance",
+    "LinkBinding",
+    "Member",
+    "Publish",
+    "Result",
+    "Span",
+    "Spec",
+    "compile_file",
+    "compile_text",
+    "format_text",
+    "load",
+    "render",
+    "summary",
+]

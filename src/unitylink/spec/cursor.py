@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A place in the tokens, and how it moves: expecting, looking ahead, reporting, skipping what is wrong."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+
+from .diagnostics import Reporter
+from .lexer import Tokens
+from .syntax import Name, Number
+
+
+class Panic(Exception):
+    """What follows cannot be read; a diagnostic was given. Never leaves this file."""
+
+
+class Cursor:
+    """Where the parser is; `broken` tells of the member being read."""
+
+    def __init__(self, reporter: Reporter, tokens: Tokens) -> None:
+        self.reporter = reporter
+        self.tokens = tokens
+        self.kinds = tokens.kinds
+        self.texts = tokens.texts
+        self.i = 0
+        self.broken = False  # the member being read has a mistake that leaves its meaning open
+        self.first = 0  # the token the member or head being read starts with
+
+    # --- words ----------------------------------------------------------------------------------------------
+
+    def name(self, what: str) -> Name:
+        kind = self.kinds[self.i]
+        if kind not in ("name", "keyword"):
+            raise self.unexpected(what)
+        text = self.texts[self.i]
+        if kind == "keyword":
+            self.report(
+                "UL014", self.i, f"`{text}` is a keyword, not a name", f"as a name it is written `^{text}`"
+            )
+        self.i += 1
+        return Name(text, self.tokens.starts[self.i - 1], self.tokens.ends[self.i - 1])
+
+    def names(self, what: str) -> list[Name]:
+        """Read names and the `)` after them; the `(` is read already."""
+        if self.accept(")"):
+            return []
+        names = [self.name(what)]
+        while not self.accept(")"):
+            self.expect(",", "`,` or `)`")
+            names.append(self.name(what))
+        return names
+
+    def number(self, what: str) -> Number:
+        if self.kinds[self.i] != "number":
+            raise self.unexpected(what)
+        text = self.texts[self.i]
+        start, end = self.tokens.starts[self.i], self.tokens.ends[self.i]
+        self.i += 1
+        hexadecimal = text[:2] in ("0x", "0X")
+        digits = (text[2:] if hexadecimal else text).lstrip("0") or "0"
+        if len(digits) > 20:  # beyond 64 bits; int() of a very long text is slow
+            return Number(1 << 64, start, end)
+        try:
+            return Number(int(digits, 16 if hexadecimal else 10), start, end)
+        except ValueError:  # malformed, and reported as UL008
+            self.broken = True
+            return Number(0, start, end)
+
+    def address(self) -> Number:
+        text = self.texts[self.i]
+        number = self.number("an address such as 0x80")
+        if text[:2] not in ("0x", "0X") and not self.broken:
+            hint = f"write 0x{number.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
+            self.report("UL019", self.i - 1, "addresses are written in hexadecimal", hint)
+            self.broken = True
+        return number
+
+    def accept(self, kind: str) -> bool:
+        found = self.kinds[self.i] == kind
+        self.i += found
+        return found
+
+    def expect(self, kind: str, what: str) -> None:
+        if self.kinds[self.i] != kind:
+            raise self.unexpected(what)
+        self.i += 1
+
+    def semicolon(self) -> None:
+        if self.accept(";"):
+            return
+        ended = self.kinds[self.i] in ("}", "end") or self.on_new_line()
+        if ended or self.at_member() or self.at_head():
+            if not self.faulty():
+                end = self.tokens.ends[self.i - 1]
+                self.reporter.report("UL011", end, end, "`;` is missing here", "add `;`")
+            return
+        raise self.unexpected("`;`")
+
+    # --- looking ahead, reporting, skipping -----------------------------------------------------------------
+
+    def at_head(self) -> bool:
+        """Is this the beginning of a constructor: `public`, or `name(names)` and then `:` or `{`?"""
+        kinds, i = self.kinds, self.i
+        if kinds[i] == "keyword" and self.texts[i] == "public":
+            return True
+        if kinds[i] != "name" or kinds[i + 1] != "(":
+            return False
+        i += 2
+        while kinds[i] in ("name", ","):
+            i += 1
+        return kinds[i] == ")" and kinds[i + 1] in (":", "{")
+
+    def at_member(self, on_new_line: bool = False) -> bool:
+        """Is this the beginning of a member that cannot be the rest of another?"""
+        kinds, i = self.kinds, self.i
+        if on_new_line and not self.on_new_line():
+            return False
+        if kinds[i] == "@" and kinds[i + 1] == "name":
+            fixed = kinds[i + 2] == "=" and kinds[i + 3] == "number" and kinds[i + 4] == ":"
+            return fixed or kinds[i + 2] == ":"
+        if kinds[i] == "keyword" and self.texts[i] == "TOSNET":
+            return kinds[i + 1] == "("
+        return kinds[i] == "name" and kinds[i + 1] in (":", "=")
+
+    def on_new_line(self) -> bool:
+        if self.i == 0:
+            return True
+        between = self.reporter.source.text[self.tokens.ends[self.i - 1] : self.tokens.starts[self.i]]
+        return "\n" in between or "\r" in between
+
+    def faulty(self) -> bool:
+        """Did the lexer find something wrong in what is being read? Then a misfit there is no news."""
+        if self.kinds[self.i] == "end" and self.tokens.truncated:
+            return True
+        return self._fault_before(self.tokens.ends[self.i])
+
+    def touched(self) -> bool:
+        """Like `faulty`, of what has been read, without the token that comes next."""
+        return self._fault_before(self.tokens.ends[self.i - 1] if self.i else 0)
+
+    def _fault_before(self, end: int) -> bool:
+        faults = self.tokens.faults
+        before = min(self.first, self.i) - 1
+        at = bisect_left(faults, self.tokens.ends[before] if before >= 0 else 0)
+        return at < len(faults) and faults[at] < end
+
+    def report(self, code: str, i: int, message: str, hint: str) -> None:
+        self.reporter.report(code, self.tokens.starts[i], self.tokens.ends[i], message, hint)
+
+    def unexpected(self, what: str, hint: str = "") -> Panic:
+        """Report that `what` was expected where the current token stands; return the exception to raise."""
+        if self.faulty():
+            return Panic()
+        i = self.i
+        kind, text = self.kinds[i], self.texts[i]
+        found = {"end": "the end of the file", "string": "a string"}.get(kind, f"`{text[:40]}`")
+        start, end = self.tokens.starts[i], self.tokens.ends[i]
+        if i and (kind == "end" or self.on_new_line()):  # point behind the line where it is missing
+            start = end = self.tokens.ends[i - 1]
+        self.reporter.report("UL010", start, end, f"expected {what} but found {found}", hint)
+        return Panic()
+
+    def skip_member(self) -> None:
+        """Go behind the next `;`, or to a `}`, a head, or a line that starts like a member."""
+        while (kind := self.kinds[self.i]) not in ("end", "}"):
+            if kind == ";":
+                self.i += 1
+                return
+            if self.on_new_line() and (self.at_head() or self.at_member()):
+                return
+            if kind == "keyword" and self.texts[self.i] == "public":
+                return
+            self.i += 1
+
+    def skip_to_body(self) -> bool:
+        """After a broken head go to its members; return False if there are none."""
+        while (kind := self.kinds[self.i]) != "end":
+            if kind in ("{", "}"):
+                self.i += kind == "{"
+                return True
+            if self.on_new_line() and self.at_head():
+                return False
+            if self.on_new_line() and self.at_member():
+                return True
+            self.i += 1
+        return False
+
+    def skip_to_head(self) -> None:
+        """Go to the next thing that may stand outside constructors, over bodies in braces."""
+        depth = 0
+        first = self.i
+        while (kind := self.kinds[self.i]) != "end":
+            word = self.texts[self.i] if kind == "keyword" else ""
+            here = self.i > first and (word == "public" or (depth == 0 and self.on_new_line()))
+            if here and (word == "link" or self.at_head()):
+                return
+            self.i += 1
+            if (kind == "}" and depth <= 1) or (kind == ";" and self.i == first + 1):
+                return
+            depth += (kind == "{") - (kind == "}")

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Diagnostics: what is wrong in a spec, where, and what to do about it; and how that is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .codes import CODES
+from .model import Span
+from .source import Source
+from .suggest import nearest
+
+KEPT = 1000  # diagnostics of one compilation that are kept
+SHOWN = 100  # diagnostics that `render` prints
+_SUGGESTIONS = 20  # names searched for a near miss in one compilation
+
+_RED, _YELLOW, _BLUE, _BOLD, _OFF = "\x1b[1;31m", "\x1b[1;33m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One mistake ("error") or doubt ("warning") in a spec; `code` is stable, `hint` says what to do."""
+
+    severity: str
+    code: str
+    message: str
+    span: Span
+    hint: str = ""
+    excerpt: str = ""  # the source line, or the part of a long one around the caret
+    caret: int = 0  # offset of the caret in `excerpt`
+    width: int = 1  # length of the caret
+
+    def to_json(self) -> dict[str, object]:
+        """Return the form `--json` prints."""
+        return {
+            "severity": self.severity,
+            "code": self.code,
+            "file": self.span.file,
+            "line": self.span.line,
+            "column": self.span.column,
+            "message": self.message,
+            "hint": self.hint,
+        }
+
+
+class Reporter:
+    """Collects the diagnostics of one source; says each thing once for each place."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.failed = False  # an error was reported
+        self._found: dict[tuple[str, int], Diagnostic] = {}
+        self._suggestions = _SUGGESTIONS
+
+    def report(self, code: str, start: int, end: int, message: str, hint: str = "") -> None:
+        """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place."""
+        severity = CODES[code].severity
+        self.failed = self.failed or severity == "error"
+        if (code, start) in self._found:
+            return
+        if self.full:
+            return
+        excerpt, caret, width = self.source.excerpt(start, end)
+        span = self.source.span(start, end)
+        self._found[code, start] = Diagnostic(severity, code, message, span, hint, excerpt, caret, width)
+
+    @property
+    def full(self) -> bool:
+        """Are there so many that no more are kept? Then there is no use in looking for more."""
+        return len(self._found) >= KEPT
+
+    def did_you_mean(self, name: str, candidates: Iterable[str], otherwise: str = "") -> str:
+        """Return the hint that names the candidate nearest to `name`, or `otherwise` if none is near."""
+        self._suggestions -= 1
+        found = nearest(name, candidates) if self._suggestions >= 0 else None
+        return f"did you mean `{found}`?" if found else otherwise
+
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """Return all diagnostics in the order of the text."""
+        ordered = sorted(self._found.values(), key=lambda d: (d.span.start, d.code))
+        if self.full:
+            message = f"there are more than {KEPT:,} diagnostics; the rest is not listed"
+            severity = "error" if self.failed else "warning"
+            hint = "correct those above and check again"
+            ordered.append(Diagnostic(severity, "UL000", message, ordered[-1].span, hint))
+        return tuple(ordered)
+
+
+def render(diagnostics: Sequence[Diagnostic], *, color: bool = False) -> str:
+    """Return the report a person reads: each diagnostic with its line and a caret, then a summary line.
+
+    At most 100 are shown, then the number of the others. Without diagnostics the report is empty.
+    """
+    if not diagnostics:
+        return ""
+    parts = [_render_one(diagnostic, color) for diagnostic in diagnostics[:SHOWN]]
+    if len(diagnostics) > SHOWN:
+        parts.append(f"... and {len(diagnostics) - SHOWN:,} more\n")
+    parts.append(summary(diagnostics))
+    return "\n".join(parts) + "\n"
+
+
+def summary(diagnostics: Sequence[Diagnostic]) -> str:
+    """Return "2 errors, 1 warning"."""
+    errors = sum(1 for diagnostic in diagnostics if diagnostic.severity == "error")
+    counts = [(errors, "error"), (len(diagnostics) - errors, "warning")]
+    return ", ".join(f"{n:,} {word}{'' if n == 1 else 's'}" for n, word in counts if n) or "no errors"
+
+
+def _render_one(diagnostic: Diagnostic, color: bool) -> str:
+    accent, blue, bold, off = ("", "", "", "")
+    if color:
+        accent, blue, bold, off = (_RED if diagnostic.severity == "error" else _YELLOW), _BLUE, _BOLD, _OFF
+    span = diagnostic.span
+    margin = " " * len(str(span.line))
+    lines = [
+        f"{accent}{diagnostic.severity}[{diagnostic.code}]{off}{bold}: {diagnostic.message}{off}",
+        f"{margin}{blue}-->{off} {span.file}:{span.line}:{span.column}",
+    ]
+    if diagnostic.excerpt:
+        caret = " " * diagnostic.caret + "^" * diagnostic.width
+        lines.append(f"{margin} {blue}|{off}")
+        lines.append(f"{blue}{span.line} |{off} {diagnostic.excerpt}")
+        lines.append(f"{margin} {blue}|{off} {accent}{caret}{off}")
+    if diagnostic.hint:
+        lines.append(f"{margin} {blue}={off} {bold}help{off}: {diagnostic.hint}")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The formatter: one canonical layout, that of the paper's Fig. 1; every comment is kept, the meaning too.
+
+It works on tokens and comments, not on the syntax tree, so it cannot lose what it does not understand.
+"""
+
+from __future__ import annotations
+
+import re
+
+from ..errors import SpecError
+from .diagnostics import Reporter, render
+from .lexer import Tokens
+from .parser import parse
+from .source import MAX_BYTES, Source
+
+WIDTH = 110  # a longer statement goes on in the next line, behind a comma
+_INDENT = "   "
+_CONTINUATION = "      "  # added to the indent of a statement's further lines
+_NEW_LINE = re.compile(r"\r\n?|\n")
+
+
+def format_text(text: str, file: str = "<text>") -> str:
+    r"""Return `text` in the canonical layout; raise `SpecError` if it has syntax errors.
+
+    >>> format_text("public led(){@on=0x10:WRITE( ID = 'LED' ,CRC);} // one\n")
+    "public led() {\n   @on = 0x10: WRITE(ID='LED', CRC);\n}  // one\n"
+    """
+    if len(text) > MAX_BYTES:
+        raise SpecError(f"{file}: the text is larger than {MAX_BYTES:,} bytes")
+    reporter = Reporter(Source(file, text))
+    _, tokens = parse(reporter)
+    if reporter.failed:
+        diagnostics = reporter.diagnostics()
+        raise SpecError(render(diagnostics), diagnostics)
+    return _Writer(text, tokens).run()
+
+
+class _Writer:
+    def __init__(self, text: str, tokens: Tokens) -> None:
+        self.text = text
+        self.tokens = tokens
+        self.lines: list[list[str]] = []  # each as the parts it is put together from
+        self.pieces: list[
+            list[str]
+        ] = []  # words of the line being written; it may be broken between two pieces
+        self.in_statement = False
+        self.continued = False  # the line being written is not the statement's first
+        self.depth = 0
+        self.opened = False  # the line before opened a body
+        self.brackets: list[bool] = []  # for each open bracket: is there a space behind its commas?
+        self.head = False  # the statement has had no `:` yet, so its `=` is a definition
+        self.previous = ""  # the token before, "" at the beginning of a statement
+        self.before_previous = ""
+        self.commented = False  # a comment stands between the token before and this one
+
+    def run(self) -> str:
+        count = self.tokens.kinds.index("end")
+        items = [(start, end, -1) for start, end in self.tokens.comments]
+        items += [(self.tokens.starts[i], self.tokens.ends[i], i) for i in range(count)]
+        items.sort()
+        last = 0
+        for start, end, i in items:
+            breaks = len(_NEW_LINE.findall(self.text, last, start))
+            word = self.text[start:end]
+            if i < 0:
+                self._comment(_NEW_LINE.sub("\n", word.rstrip()), breaks)
+            else:
+                self._token(word, self.tokens.kinds[i], breaks)
+            last = end
+        return "".join("".join(line).rstrip(" ") + "\n" for line in self.lines)
+
+    def _comment(self, word: str, breaks: int) -> None:
+        if self.in_statement:
+            to_the_end = word.startswith("//")
+            gap = "  " if to_the_end else " "
+            self._piece((gap if self.pieces else "") + word)
+            self.commented = True
+            if to_the_end:
+                self._flush()
+                self.continued = True
+        elif breaks == 0 and self.lines:
+            self.lines[-1].append("  " + word)
+        else:
+            self._blank_line(breaks)
+            self._add(_INDENT * self.depth + word)
+
+    def _token(self, word: str, kind: str, breaks: int) -> None:
+        if kind == "}" and not self.in_statement:
+            self.depth -= 1
+            self._add("}")
+            return
+        if not self.in_statement:
+            self._blank_line(breaks)
+            self.in_statement = self.head = True
+            self.previous = self.before_previous = ""
+        if self.commented or self._space_before(word, kind):
+            word = " " + word
+        self.commented = False
+        self._piece(word)
+        self._note(word.strip(), kind)
+        if kind in (";", "{"):
+            self._flush()
+            self.in_statement = self.continued = False
+            self.opened = kind == "{"
+            self.depth += self.opened
+
+    def _note(self, word: str, kind: str) -> None:
+        """Remember what the spaces behind this token depend on."""
+        if kind == "(":
+            in_body = self.depth > 0
+            spaced = self.previous in ("TOSNET", "READ", "WRITE")
+            call = in_body and self.previous not in ("@", "=", "PUBLISH", "ALL")
+            self.brackets.append(spaced or call)
+        elif kind == ")" and self.brackets:
+            self.brackets.pop()
+        elif kind == ":":
+            self.head = False
+        self.before_previous, self.previous = self.previous, word
+
+    def _space_before(self, word: str, kind: str) -> bool:
+        previous = self.previous
+        if previous in ("public", "link", "signed", ":"):
+            return True
+        if previous == ",":
+            return self.brackets[-1] if self.brackets else True
+        if previous == "=" or kind == "=":
+            return self.head and not self.brackets
+        return kind == "{" or (kind == "@" and previous == ")") or (kind == "(" and previous == "@")
+
+    def _piece(self, word: str) -> None:
+        """Add to the line; a line may be broken behind a comma, and nowhere else."""
+        if self.pieces and not (self.pieces[-1][-1] == "," and word != ","):
+            self.pieces[-1].append(word)
+        else:
+            self.pieces.append([word])
+
+    def _flush(self) -> None:
+        indent = _INDENT * self.depth
+        line = indent + (_CONTINUATION if self.continued else "")
+        empty = True
+        for words in self.pieces:
+            piece = "".join(words)
+            if not empty and len(line) + len(piece) > WIDTH:
+                self._add(line)
+                line = indent + _CONTINUATION
+                empty = True
+            line += piece.lstrip() if empty else piece
+            empty = False
+        if not empty:
+            self._add(line)
+        self.pieces = []
+
+    def _blank_line(self, breaks: int) -> None:
+        """Keep one blank line where there were some, except at the beginning of the file or of a body."""
+        if breaks > 1 and self.lines and not self.opened:
+            self._add("")
+
+    def _add(self, line: str) -> None:
+        self.lines.append([line])
+        self.opened = False

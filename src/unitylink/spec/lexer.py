@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Text to tokens and comments, by one master pattern; every wrong character is reported once and left out."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from dataclasses import dataclass, field
+
+from .diagnostics import Reporter
+
+KEYWORDS = frozenset(
+    (
+        "link",
+        "public",
+        "TOSNET",
+        "CTRL",
+        "BASE",
+        "COMM",
+        "READ",
+        "WRITE",
+        "ID",
+        "CRC",
+        "PUBLISH",
+        "ALL",
+        "signed",
+    )
+)
+MAX_TOKENS = 300_000
+_LOOKAHEAD = 5
+MAX_NAME = 100  # characters of a name: paths are made of names, so this bounds every path
+
+_MASTER = re.compile(
+    r"""
+      (?P<space>[ \t\r\n\f\v]+)
+    | (?P<name>\^?[A-Za-z_][A-Za-z_0-9]*)
+    | (?P<mark>[@(){},;:=.+])
+    | (?P<number>0[xX][0-9A-Fa-f]+(?![A-Za-z_0-9])|[0-9]+(?![A-Za-z_0-9]))
+    | (?P<string>"[^"\\\r\n]*(?:\\[^\r\n][^"\\\r\n]*)*"|'[^'\\\r\n]*(?:\\[^\r\n][^'\\\r\n]*)*')
+    | (?P<comment>//[^\r\n]*|/\*[\s\S]*?\*/)
+    | (?P<bad_comment>/\*[\s\S]*)
+    | (?P<bad_string>["'][^\r\n]*)
+    | (?P<bad_number>[0-9][A-Za-z_0-9]*)
+    | (?P<bad>[^ \t\r\n\f\vA-Za-z_0-9@(){},;:=.+"'/^]+|[/^])
+    """,
+    re.VERBOSE,
+)
+
+_ESCAPE = re.compile(r"\\(u[0-9A-Fa-f]{4}|.?)", re.DOTALL)
+_ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'": "'", "\\": "\\"}
+
+
+@dataclass
+class Tokens:
+    """The tokens of a text as parallel lists; the last ones are of kind "end", so that one may look ahead.
+
+    A kind is "name", "keyword", "number", "string", "end", or the punctuation mark itself. `texts` holds a
+    name without its `^` and everything else as written.
+    """
+
+    kinds: list[str] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    starts: list[int] = field(default_factory=list)
+    ends: list[int] = field(default_factory=list)
+    comments: list[tuple[int, int]] = field(default_factory=list)  # (start, end) of each
+    faults: list[int] = field(default_factory=list)  # where a wrong character was reported
+    truncated: bool = False  # text is missing: a comment or the token limit swallowed the rest
+
+
+def tokenize(reporter: Reporter) -> Tokens:
+    """Return the tokens of the reporter's source; report wrong characters, strings, numbers and comments."""
+    text = reporter.source.text
+    tokens = Tokens()
+    kinds, texts, starts, ends = tokens.kinds, tokens.texts, tokens.starts, tokens.ends
+    position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
+    for match in _MASTER.finditer(text, position):
+        kind = match.lastgroup
+        if kind == "space":
+            continue
+        start, end = match.span()
+        word = text[start:end]
+        if kind == "mark":
+            kind = word
+        elif kind == "name":
+            if word in KEYWORDS:
+                kind = "keyword"
+            elif word[0] == "^":
+                word = word[1:]
+            if len(word) > MAX_NAME:
+                word = _shorten(reporter, word, start, end)
+        elif kind == "comment":
+            tokens.comments.append((start, end))
+            continue
+        elif kind == "string":
+            if "\\" in word:
+                _check_escapes(reporter, tokens, word, start)
+        elif kind != "number":
+            assert kind is not None  # every alternative of the pattern is named
+            if kind == "bad":
+                tokens.faults.append(start)
+                _report_bad(reporter, word, start, end)
+                if reporter.full:
+                    tokens.truncated = True
+                    break
+                continue
+            tokens.faults.append(start)
+            kind = _report_malformed(reporter, kind, word, start, end)
+            if not kind:
+                tokens.truncated = True
+                break
+        kinds.append(kind)
+        texts.append(word)
+        starts.append(start)
+        ends.append(end)
+        if len(kinds) >= MAX_TOKENS:
+            reporter.report(
+                "UL003", start, end, f"more than {MAX_TOKENS:,} tokens", "divide the spec into several"
+            )
+            tokens.truncated = True
+            break
+    kinds.extend(["end"] * _LOOKAHEAD)
+    texts.extend([""] * _LOOKAHEAD)
+    starts.extend([len(text)] * _LOOKAHEAD)
+    ends.extend([len(text)] * _LOOKAHEAD)
+    return tokens
+
+
+def unescape(text: str) -> str:
+    r"""Return the value of a string token, quotes and escapes taken off.
+
+    >>> unescape('"a\\tb"')
+    'a\tb'
+    """
+    inner = text[1:-1]
+    return _ESCAPE.sub(_unescape_one, inner) if "\\" in inner else inner
+
+
+def _unescape_one(match: re.Match[str]) -> str:
+    letters = match.group(1)
+    if len(letters) == 5:
+        return chr(int(letters[1:], 16))
+    return _ESCAPES.get(letters, letters)
+
+
+def _check_escapes(reporter: Reporter, tokens: Tokens, word: str, start: int) -> None:
+    for match in _ESCAPE.finditer(word, 1, len(word) - 1):
+        letters = match.group(1)
+        surrogate = len(letters) == 5 and 0xD800 <= int(letters[1:], 16) <= 0xDFFF
+        if (len(letters) != 5 and letters not in _ESCAPES) or surrogate:
+            at = start + match.start()
+            if reporter.full:
+                return
+            tokens.faults.append(start)
+            known = r"\b \t \n \f \r \" \' \\ and \uXXXX"
+            what = "a half of a surrogate pair" if surrogate else "an unknown escape"
+            reporter.report(
+                "UL007",
+                at,
+                at + len(match.group()),
+                f"{_show(match.group())} is {what}",
+                f"there are {known}",
+            )
+
+
+def _shorten(reporter: Reporter, word: str, start: int, end: int) -> str:
+    message = f"a name of {len(word):,} characters is too long"
+    reporter.report("UL009", start, end, message, f"names have at most {MAX_NAME} characters")
+    return f"{word[:20]}~{zlib.crc32(word.encode()):08x}"  # still one name for one text
+
+
+def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
+    shown = _show(word if len(word) <= 12 else word[:12] + "…")
+    hint = ""
+    if word == "/":
+        hint = "comments are `// …` and `/* … */`"
+    elif word == "^":
+        hint = "`^` stands directly before a name that would otherwise be a keyword"
+    elif any(ord(c) > 127 for c in word):
+        hint = "names are made of A-Z a-z 0-9 _; other characters may stand in strings and comments"
+    elif word[0] in "[]<>":
+        hint = "UL-spec has only round brackets and braces"
+    elif word[0] == "-":
+        hint = "UL-spec has no negative numbers and no minus"
+    reporter.report("UL004", start, end, f"unexpected {shown}", hint)
+
+
+def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end: int) -> str:
+    """Report a malformed token; return the kind of token it stands for, "" if it took all text to the end."""
+    if kind == "bad_comment":
+        reporter.report("UL005", start, start + 2, "this comment never ends", "close it with `*/`")
+        return ""
+    if kind == "bad_string":
+        message = "this string does not end on its line"
+        reporter.report("UL006", start, end, message, f"close it with {word[0]}")
+        return "string"
+    hint = "hexadecimal numbers are 0x followed by digits 0-9 A-F, decimal ones digits 0-9 only"
+    reporter.report("UL008", start, end, f"{_show(word[:24])} is not a number", hint)
+    return "number"
+
+
+def _show(text: str) -> str:
+    """Return `text` in back quotes, with what cannot be printed escaped."""
+    return "`" + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + "`"

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the names of each constructor stand for."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import TypeVar, Union
+
+from ..protocol import ADDRESS_BITS_MAX
+from .diagnostics import Reporter
+from .syntax import (
+    Argument,
+    BrokenNode,
+    ConstructorNode,
+    ElementNode,
+    ExpansionNode,
+    GroupNode,
+    Name,
+    Number,
+    Program,
+    Property,
+    TosNetNode,
+)
+
+UsableNode = Union[ExpansionNode, ElementNode, GroupNode]
+ADDRESS_MAX = (1 << ADDRESS_BITS_MAX) - 1
+
+_T = TypeVar("_T", "Scope", Name, Union[ExpansionNode, ElementNode, GroupNode, BrokenNode])
+
+
+@dataclass
+class Scope:
+    """The names of one constructor."""
+
+    node: ConstructorNode
+    parameters: dict[str, int] = field(default_factory=dict)  # name -> position
+    addresses: dict[str, int] = field(default_factory=dict)
+    members: dict[str, UsableNode | BrokenNode] = field(default_factory=dict)
+    usable: dict[str, UsableNode] = field(default_factory=dict)  # those without a mistake: what is expanded
+    tosnet: TosNetNode | None = None
+    runtime: set[str] = field(default_factory=set)  # parameters that reach CTRL or COMM
+    used_parameters: set[str] = field(default_factory=set)
+    used_addresses: set[str] = field(default_factory=set)
+    expanded: Counter[str] = field(
+        default_factory=Counter
+    )  # constructor -> members that expand it, wrong or not
+    wrong_head: set[str] = field(
+        default_factory=set
+    )  # codes reported at the head, because all expansions differ
+    complete: bool = True  # no member is broken or missing
+
+    @property
+    def expansions(self) -> Iterable[ExpansionNode]:
+        """The expansions without a mistake."""
+        return (member for member in self.usable.values() if isinstance(member, ExpansionNode))
+
+    def link_property(self, key: str) -> Property | None:
+        """Return the TOSNET property `key`, if it is given."""
+        return next((p for p in self.tosnet.properties if p.key == key), None) if self.tosnet else None
+
+
+class Scopes:
+    """The scopes of a program. `first` finds one by its name; `all` has also those declared twice."""
+
+    def __init__(self, program: Program, reporter: Reporter) -> None:
+        self.program = program
+        self.reporter = reporter
+        self.all: list[Scope] = []
+        self.first: dict[str, Scope] = {}
+        self._unknown: set[tuple[str, str]] = set()
+        for node in program.constructors:
+            self._declare(node)
+        self._find_runtime_parameters()
+
+    # --- declarations ---------------------------------------------------------------------------------------
+
+    def _declare(self, node: ConstructorNode) -> None:
+        scope = Scope(node, complete=not (node.broken or node.incomplete))
+        self.all.append(scope)
+        if node.name.text:
+            self._once(self.first, scope, node.name, "UL020")
+        seen: dict[str, Name] = {}
+        for position, name in enumerate(node.parameters):
+            self._once(seen, name, name, "UL022")
+            scope.parameters.setdefault(name.text, position)
+        seen = {}
+        for position, name in enumerate(node.addresses):
+            self._once(seen, name, name, "UL023")
+            scope.addresses.setdefault(name.text, position)
+        for member in node.members:
+            if isinstance(member, TosNetNode):
+                self._declare_tosnet(scope, member)
+                continue
+            if isinstance(member, BrokenNode) and member.name.text in scope.members:
+                continue
+            if not self._once(scope.members, member, member.name, "UL021"):
+                if isinstance(member, (ElementNode, ExpansionNode)):  # its address is spoken for all the same
+                    scope.used_addresses.add(member.name.text)
+                continue
+            if isinstance(member, BrokenNode):
+                scope.complete = False
+                continue
+            scope.usable[member.name.text] = member
+            if isinstance(member, ExpansionNode):
+                scope.expanded[member.callee.text] += 1
+
+    def _once(self, table: dict[str, _T], value: _T, name: Name, code: str) -> bool:
+        """Put `value` into `table` unless the name is there already: then report it."""
+        if name.text not in table:
+            table[name.text] = value
+            return True
+        line = self.reporter.source.line_of(_name_of(table[name.text]).start)
+        what = {"UL020": "constructor", "UL021": "member", "UL022": "parameter", "UL023": "address"}[code]
+        message = f"{what} `{name.text}` is declared twice, first in line {line}"
+        self.reporter.report(code, name.start, name.end, message, "give one of them another name")
+        return False
+
+    def _declare_tosnet(self, scope: Scope, node: TosNetNode) -> None:
+        if scope.tosnet is not None:
+            line = self.reporter.source.line_of(scope.tosnet.start)
+            message = f"`{scope.node.name.text}` has a TOSNET already, in line {line}"
+            hint = "one instance has one hardware proxy: put the second into a constructor of its own"
+            self.reporter.report("UL041", node.start, node.end, message, hint)
+            return
+        scope.tosnet = node
+        for one in node.properties:
+            if one.name is not None and self.parameter(scope, one.name):
+                scope.runtime.add(one.name.text)
+            for number in one.numbers:
+                self.word(number, "BASE")
+
+    def _find_runtime_parameters(self) -> None:
+        """A parameter is a run-time one if it reaches CTRL or COMM, here or where it is handed down to."""
+        givers: dict[tuple[str, str], list[tuple[Scope, str]]] = {}
+        for scope in self.all:
+            for expansion in scope.expansions:
+                callee = self.first.get(expansion.callee.text)
+                if callee is None:
+                    continue
+                for taken, given in zip(callee.node.parameters, expansion.arguments, strict=False):
+                    part = given.parts[0]
+                    if len(given.parts) == 1 and isinstance(part, Name) and part.text in scope.parameters:
+                        givers.setdefault((expansion.callee.text, taken.text), []).append((scope, part.text))
+        waiting = [(scope, name) for scope in self.all for name in sorted(scope.runtime)]
+        while waiting:
+            scope, name = waiting.pop()
+            for giver, parameter in givers.get((scope.node.name.text, name), ()):
+                if parameter not in giver.runtime:
+                    giver.runtime.add(parameter)
+                    waiting.append((giver, parameter))
+
+    # --- names and numbers ----------------------------------------------------------------------------------
+
+    def unknown_constructor(self, name: Name) -> None:
+        """Report that there is no constructor of this name, unless part of the text is missing."""
+        if not self.program.damaged and self.news("constructor", name):
+            candidates = chain(("READ", "WRITE"), self.first)
+            hint = self.reporter.did_you_mean(name.text, candidates, f"declare it: `{name.text}(…) {{ … }}`")
+            self.reporter.report(
+                "UL024", name.start, name.end, f"there is no constructor `{name.text}`", hint
+            )
+
+    def own_address(self, scope: Scope, name: Name) -> bool:
+        if name.text in scope.addresses:
+            scope.used_addresses.add(name.text)
+            return not scope.node.broken
+        known = not scope.node.broken and "UL031" not in scope.wrong_head
+        if known and self.news(f"address of {scope.node.name.text}", name):
+            hint = self.reporter.did_you_mean(name.text, scope.addresses)
+            hint = hint or f"declare it behind the parameters, or give the address: `@{name.text} = 0x…`"
+            message = f"`{scope.node.name.text}` has no address `{name.text}`"
+            self.reporter.report("UL026", name.start, name.end, message, hint)
+        return False
+
+    def parameter(self, scope: Scope, name: Name) -> bool:
+        if name.text in scope.parameters:
+            scope.used_parameters.add(name.text)
+            return True
+        known = not scope.node.broken and "UL030" not in scope.wrong_head
+        if known and self.news(f"parameter of {scope.node.name.text}", name):
+            hint = self.reporter.did_you_mean(name.text, scope.parameters)
+            hint = hint or f"declare it: `{scope.node.name.text}({name.text})`, or put text into quotes"
+            message = f"`{scope.node.name.text}` has no parameter `{name.text}`"
+            self.reporter.report("UL025", name.start, name.end, message, hint)
+        return False
+
+    def names_of(self, scope: Scope, argument: Argument) -> bool:
+        known = [self.parameter(scope, part) for part in argument.parts if isinstance(part, Name)]
+        return all(known)
+
+    def word(self, number: Number, what: str) -> bool:
+        if number.value <= ADDRESS_MAX:
+            return True
+        message = f"{what} has at most {ADDRESS_BITS_MAX} bits"
+        self.reporter.report("UL050", number.start, number.end, message, f"the largest is 0x{ADDRESS_MAX:X}")
+        return False
+
+    def news(self, what: str, name: Name) -> bool:
+        """Was this unknown name not reported before? A name that is missing is one mistake."""
+        if (what, name.text) in self._unknown:
+            return False
+        self._unknown.add((what, name.text))
+        return True
+
+
+def _name_of(thing: Scope | Name | UsableNode | BrokenNode) -> Name:
+    if isinstance(thing, Scope):
+        return thing.node.name
+    return thing if isinstance(thing, Name) else thing.name

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The text of one spec file: decoding, and where in it an offset lies."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from pathlib import PurePath
+
+from .model import Span
+
+MAX_BYTES = 2 * 1024 * 1024  # bounds time and memory of a compilation; three 10,000-statement specs
+
+_LINE_END = re.compile(r"\r\n?|\n")
+_EXCERPT_BEFORE = 70  # characters of a long line kept before and after a caret
+_EXCERPT_AFTER = 90
+
+
+class Source:
+    """The text of one file, with a line map; offsets count characters from 0, lines and columns from 1.
+
+    >>> Source("a.ul", "ab\\ncd").span(4, 5)
+    Span(file='a.ul', line=2, column=2, start=4, end=5)
+    """
+
+    def __init__(self, file: str, text: str) -> None:
+        self.file = file
+        self.text = text
+        self._starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+    @property
+    def stem(self) -> str:
+        """The file's name without folders and suffix, made into a name: `my-robot.ul` gives `my_robot`."""
+        stem = re.sub(r"[^A-Za-z_0-9]", "_", PurePath(self.file).stem).strip("_") or "spec"
+        return f"_{stem}" if stem[0].isdigit() else stem
+
+    def line_of(self, offset: int) -> int:
+        """Return the line `offset` lies in."""
+        return bisect_right(self._starts, offset)
+
+    def span(self, start: int, end: int) -> Span:
+        """Return the span of the characters from `start` up to, without, `end`."""
+        line = bisect_right(self._starts, start)
+        return Span(self.file, line, start - self._starts[line - 1] + 1, start, end)
+
+    def excerpt(self, start: int, end: int) -> tuple[str, int, int]:
+        """Return (the line around `start`, fit for a terminal; the caret's offset in it; its length)."""
+        line = bisect_right(self._starts, start)
+        first = self._starts[line - 1]
+        last = self._starts[line] if line < len(self._starts) else len(self.text)
+        left = max(first, start - _EXCERPT_BEFORE)
+        right = min(last, start + _EXCERPT_AFTER)
+        shown = self.text[left:right].rstrip("\r\n")
+        # A control character or an escape sequence out of a file must not reach a terminal; widths must stay.
+        shown = "".join(c if c.isprintable() else " " if c == "\t" else "\ufffd" for c in shown)
+        caret = start - left
+        return shown, caret, max(1, min(end - start, len(shown) - caret))
+
+
+def decode(data: bytes) -> tuple[str, int | None]:
+    """Decode UTF-8; return (text, None), or (text before the first wrong byte, its offset in characters)."""
+    try:
+        return data.decode("utf-8"), None
+    except UnicodeDecodeError as error:
+        text = data[: error.start].decode("utf-8")
+        return text, len(text)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Near misses: the name that was probably meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+_CANDIDATES = 500  # compared for one name: bounds the time a spec full of mistakes takes
+
+
+def distance(a: str, b: str, limit: int) -> int:
+    """Return how many characters differ (inserted, deleted, replaced, swapped), at most `limit` + 1.
+
+    >>> distance("jiont", "joint", 2)
+    1
+    """
+    if abs(len(a) - len(b)) > limit:
+        return limit + 1
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, ca in enumerate(a, 1):
+        previous, row = row, [i]
+        for j, cb in enumerate(b, 1):
+            cost = min(row[j - 1] + 1, previous[j] + 1, previous[j - 1] + (ca != cb))
+            if i > 1 and j > 1 and ca == b[j - 2] and a[i - 2] == cb:
+                cost = min(cost, before[j - 2] + 1)
+            row.append(cost)
+        if min(row) > limit:
+            return limit + 1
+        before = previous
+    return min(row[-1], limit + 1)
+
+
+def nearest(name: str, candidates: Iterable[str]) -> str | None:
+    """Return the candidate nearest to `name`, or None if none is near; a difference in case only is nearest.
+
+    >>> nearest("jiont", ["leg", "joint"])
+    'joint'
+    """
+    limit = 1 if len(name) < 4 else 2 if len(name) < 9 else 3
+    folded = name.lower()
+    best: str | None = None
+    for count, candidate in enumerate(candidates):
+        if count == _CANDIDATES:
+            break
+        if candidate == name:
+            continue
+        if candidate.lower() == folded:
+            return candidate
+        if min(len(name), len(candidate)) <= 1:
+            continue
+        found = distance(folded, candidate.lower(), limit)
+        if found <= limit and found < len(candidate):
+            best, limit = candidate, found - 1
+    return best

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""docs/ul-spec.md is true: its specs compile, and its list of diagnostics is what the compiler says.
+
+`python tests/unit/spec/test_docs.py` writes that list anew.
+"""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import unitylink.spec
+from unitylink.spec import CODES, Diagnostic, compile_file, compile_text, format_text
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "ul-spec.md"
+ERRORS = Path(__file__).parent / "errors"
+MARK = "<!-- what follows is written by `python tests/unit/spec/test_docs.py` -->\n\n"
+
+# Those whose example would be too long for a page, or is no text.
+DESCRIPTIONS = {
+    "UL000": "More than 1,000 diagnostics: the rest is not listed. (A warning if all of them are.)",
+    "UL001": "The file is not there, is a folder, or may not be read; the message has the system's reason.",
+    "UL003": "More than 2 MiB, or more than 300,000 tokens: divide the spec into several.",
+    "UL065": "More than 255 elements of one device with the same `PUBLISH(1,n)`: it carries 255 words.",
+    "UL067": "More than 256 different n in `PUBLISH(1,n)` of one device: the group number is one byte.",
+    "UL068": "More than 255 elements in one group `name = path, path`: a message carries at most 255 words.",
+}
+
+
+def entry(code: str, diagnostic: Diagnostic | None) -> str:
+    """Return the part of the page about one code."""
+    text = f"### {code}: {CODES[code].title} ({CODES[code].severity})\n"
+    if diagnostic is None:
+        return f"{text}\n{DESCRIPTIONS[code]}\n"
+    indent = len(diagnostic.excerpt) - len(diagnostic.excerpt.lstrip())
+    line = diagnostic.excerpt.strip()
+    caret = " " * (diagnostic.caret - indent) + "^" * diagnostic.width
+    shown = f"{line}\n{caret} {diagnostic.message}" if len(line) < 90 else diagnostic.message
+    if diagnostic.hint:
+        shown += f"\nhelp: {diagnostic.hint}"
+    return f"{text}\n```\n{shown}\n```\n"
+
+
+def section() -> str:
+    """Return the list of all diagnostics, from the example files of the tests."""
+    files = {path.stem[:5]: path for path in ERRORS.glob("*.ul")}
+    parts = []
+    for code in CODES:
+        diagnostic = compile_file(files[code]).diagnostics[0] if code in files else None
+        parts.append(entry(code, diagnostic))
+    return "\n".join(parts)
+
+
+def test_diagnostics_section_is_up_to_date() -> None:
+    assert PAGE.read_text("utf-8").split(MARK)[1] == section()
+
+
+def test_example_specs_are_without_diagnostic_and_formatted_as_shown() -> None:
+    blocks = re.findall(r"```ul\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    assert len(blocks) >= 4
+    for block in blocks:
+        assert compile_text(block).diagnostics == ()
+        if not re.search(r"\{ .* \}", block):  # constructors in one line save room on the page
+            assert format_text(block) == block
+
+
+def test_example_specs_of_the_page_and_of_examples_agree() -> None:
+    scara = (ROOT / "examples" / "scara" / "scara.ul").read_text("utf-8")
+    assert f"```ul\n{scara}```" in PAGE.read_text("utf-8")
+
+
+def test_examples_in_docstrings() -> None:
+    names = [module.name for module in pkgutil.iter_modules(unitylink.spec.__path__)]
+    results = [doctest.testmod(importlib.import_module(f"unitylink.spec.{name}")) for name in names]
+    results.append(doctest.testmod(unitylink.spec))
+    assert sum(result.failed for result in results) == 0
+    assert sum(result.attempted for result in results) >= 7
+
+
+if __name__ == "__main__":
+    PAGE.write_text(PAGE.read_text("utf-8").split(MARK)[0] + MARK + section(), "utf-8")

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Texts made to exhaust time, memory or the stack: each ends with a diagnostic. (How fast: `make bench`.)"""
+
+from __future__ import annotations
+
+import pytest
+
+from unitylink.spec import compile_text, format_text, render
+from unitylink.spec.diagnostics import KEPT, SHOWN
+
+
+def codes(text: str) -> set[str]:
+    result = compile_text(text)
+    assert len(render(result.diagnostics)) < 200_000
+    return {d.code for d in result.diagnostics}
+
+
+def test_flat_spec_of_10000_statements() -> None:
+    members = "".join(f'   @r{i} = 0x{i:X}: signed READ(ID="register {i}", CRC);\n' for i in range(10_000))
+    spec = compile_text(f"public flat() {{\n{members}}}\n").spec
+    assert spec is not None
+    assert [element.address for _, element in spec.walk()] == list(range(10_000))
+
+
+def test_exponential_expansion() -> None:
+    levels = "".join(f"a{i}() {{ a: a{i + 1}(); b: a{i + 1}(); }}\n" for i in range(60))
+    assert codes(f"public {levels} a60() {{ @x = 0x1: READ(); }}") == {"UL038"}
+    assert codes(f"public {levels} a60() {{ }}") == {"UL038"}  # without any element
+
+
+def test_exponential_groups() -> None:
+    groups = "".join(f"g{i + 1} = g{i}, g{i};" for i in range(60))
+    assert codes(f"public a() {{ @x = 0x1: READ(); g0 = x; {groups} }}") == {"UL038"}
+
+
+def test_exponential_strings() -> None:
+    levels = "".join(f"a{i}(n): @v {{ @v: a{i + 1}(n+n); }}\n" for i in range(60))
+    text = f'public r() {{ a: a0("x") @v=0x1; }} {levels} a60(n): @v {{ @v: READ(ID=n); }}'
+    assert codes(text) == {"UL040"}
+
+
+def test_long_chains() -> None:
+    chain = "".join(f"c{i}() {{ x: c{i + 1}(); }}" for i in range(5000))
+    assert codes(f"{chain} c5000() {{ }} public r() {{ x: c0(); }}") == {"UL039"}
+    assert codes(f"{chain} c5000() {{ x: c0(); }} public r() {{ x: c0(); }}") >= {"UL034"}
+    groups = "".join(f"g{i} = g{i + 1};" for i in range(5000))
+    spec = compile_text(f"public r() {{ {groups} g5000 = x; @x = 0x1: READ(); }}").spec
+    assert spec is not None
+    assert len(spec.root().groups[0].elements) == 1
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["@", "{", "}", "(", "a(b,", "public ", "x;", "@x", "a:b(", '"', "'a", "/*", "§ ", "\\", "0x", "=", "+a"],
+)
+@pytest.mark.parametrize("frame", ["", "public a() { "])
+def test_repeated_garbage(unit: str, frame: str) -> None:
+    assert codes(frame + unit * (60_000 // len(unit)))
+
+
+def test_more_diagnostics_than_are_kept() -> None:
+    diagnostics = compile_text("public a() {" + "@x;\n" * 5000 + "}").diagnostics
+    assert len(diagnostics) == KEPT + 1
+    assert diagnostics[-1].code == "UL000"
+    report = render(diagnostics)
+    assert report.count("-->") == SHOWN
+    assert "... and 901 more" in report
+    assert report.endswith("1,001 errors\n")
+
+
+def test_long_line_is_shown_around_the_caret() -> None:
+    text = "public a() {" + " " * 5000 + "@x: READ();" + " " * 5000 + "}"
+    diagnostic = compile_text(text).diagnostics[0]
+    assert diagnostic.span.column == 5014
+    assert len(diagnostic.excerpt) < 200
+    assert diagnostic.excerpt[diagnostic.caret] == "x"
+
+
+def test_formatter_of_a_long_text() -> None:
+    text = "public a() {\n" + "".join(f"   @r{i} = 0x{i:X}: READ();\n" for i in range(5000)) + "}\n"
+    assert format_text(text) == text

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Properties of every text: no crash, diagnostics inside the text; the formatter keeps the meaning."""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from unitylink.errors import SpecError
+from unitylink.spec import Diagnostic, Instance, Spec, compile_text, format_text, render
+
+ROOT = Path(__file__).parents[3]
+VALID = [path.read_text("utf-8") for path in sorted(ROOT.glob("examples/*/*.ul"))]
+ERRORS = [
+    path.read_text("utf-8")
+    for path in sorted((Path(__file__).parent / "errors").glob("*.ul"))
+    if "UL002" not in path.name
+]
+WORDS = re.split(
+    " ",
+    "link public TOSNET CTRL BASE COMM UART READ WRITE ID CRC PUBLISH ALL signed ^READ a b joint x "
+    "0x1 0xFFFFFFFFF 10 1 0 12ab 0x \"s\" 's' \"s 's // /* */ @ ( ) { } , ; : = . + § \\ \n \r \0 \ufeff",
+)
+
+
+def check(text: str) -> None:
+    """Compile, render and format; look whether everything that comes back can be true."""
+    result = compile_text(text, "x.ul")
+    lines = re.split(r"\r\n?|\n", text)
+    for diagnostic in result.diagnostics:
+        inside(diagnostic, text, lines)
+    assert (result.spec is None) == any(d.severity == "error" for d in result.diagnostics)
+    assert bool(render(result.diagnostics)) == bool(result.diagnostics)
+    if result.spec is not None:
+        formatted = format_text(text, "x.ul")
+        assert format_text(formatted, "x.ul") == formatted
+        assert meaning(formatted) == meaning(text)
+        assert words(formatted) == words(text)
+    else:
+        try:
+            formatted = format_text(text)
+        except SpecError as error:
+            assert error.diagnostics
+        else:
+            assert format_text(formatted) == formatted
+
+
+def inside(diagnostic: Diagnostic, text: str, lines: list[str]) -> None:
+    span = diagnostic.span
+    assert 0 <= span.start <= span.end <= len(text)
+    assert 1 <= span.line <= len(lines)
+    assert 1 <= span.column <= len(lines[span.line - 1]) + 1
+    assert 0 <= diagnostic.caret <= len(diagnostic.excerpt)
+
+
+def meaning(text: str) -> Spec:
+    """The model without its places in the text."""
+    spec = compile_text(text, "x.ul").spec
+    assert spec is not None
+    return dataclasses.replace(spec, roots=tuple(_bare(root) for root in spec.roots))
+
+
+def _bare(instance: Instance) -> Instance:
+    bare: list[object] = []
+    for member in instance.members:
+        if isinstance(member, Instance):
+            bare.append(_bare(member))
+        elif hasattr(member, "elements"):
+            bare.append((member.name, member.path, [element.path for element in member.elements]))
+        else:
+            bare.append(dataclasses.replace(member, span=instance.span.__class__("", 0, 0, 0, 0)))
+    return dataclasses.replace(instance, members=tuple(bare), span=instance.span.__class__("", 0, 0, 0, 0))
+
+
+def words(text: str) -> list[str]:
+    """Everything but white space, comments included, without the white space in them."""
+    return re.sub(r"\s", "", text.removeprefix("\ufeff")).split()
+
+
+@given(st.text(max_size=200))
+@settings(max_examples=200, deadline=None)
+def test_arbitrary_text(text: str) -> None:
+    check(text)
+
+
+@given(st.binary(max_size=200))
+@settings(max_examples=100, deadline=None)
+def test_arbitrary_bytes(data: bytes) -> None:
+    result = compile_text(data)
+    assert result.spec is not None or result.diagnostics
+
+
+@given(st.lists(st.sampled_from(WORDS), max_size=60).map(" ".join))
+@settings(max_examples=300, deadline=None)
+def test_arbitrary_words(text: str) -> None:
+    check(text)
+    check("public a(x): @ (y) { " + text)
+
+
+@given(st.sampled_from(VALID + ERRORS), st.integers(0, 2**32), st.integers(1, 4))
+@settings(max_examples=300, deadline=None)
+def test_mutated_specs(text: str, seed: int, mutations: int) -> None:
+    chance = random.Random(seed)
+    for _ in range(mutations):
+        at, to = sorted(chance.randrange(len(text) + 1) for _ in range(2))
+        other = chance.choice(VALID)
+        start = chance.randrange(len(other))
+        choices = [
+            "",
+            chance.choice(WORDS),
+            other[start : start + chance.randrange(60)],
+            chance.choice("@{}();:=,.'\"/*"),
+        ]
+        to = min(to, at + chance.randrange(30))
+        text = text[:at] + chance.choice(choices) + text[to:]
+    check(text)
+
+
+# --- generated valid specs ----------------------------------------------------------------------------------
+
+_NAMES = st.from_regex(r"\A[a-z_][A-Za-z_0-9]{0,8}\Z").filter(
+    lambda name: name not in ("link", "public", "signed")
+)
+_SPACE = st.sampled_from(["", " ", "\n", "\t", "\n\n\n", " // note\n", "/* a */", "  /* a\n b */\n"])
+
+
+@st.composite
+def specs(draw: st.DrawFn) -> list[str]:
+    """The tokens of a valid spec: public constructor, expansions of tuples and vectors, elements, groups."""
+    count = draw(st.integers(1, 4))
+    names = draw(st.lists(_NAMES, min_size=8, max_size=8, unique=True))
+    leg, pair, root, a, b, x, y, n = names
+    next_address = iter(range(1000))
+
+    def address() -> str:
+        return f"0x{next(next_address):X}"
+
+    out = [leg, "(", n, ")", ":", "@", "(", a, ",", b, ")", "{"]
+    for name in (a, b):
+        access = draw(st.sampled_from(["READ", "WRITE"]))
+        properties = [["ID", "=", n, "+", '":x"'], ["CRC"]]
+        if access == "READ":
+            properties.append(["PUBLISH", "(", str(draw(st.integers(1, 2))), ",", "10", ")"])
+        chosen = draw(st.permutations(properties))[: draw(st.integers(0, 3))]
+        if name == a and ["ID"] not in [p[:1] for p in chosen]:
+            chosen = [*chosen[:2], properties[0]]
+        out += ["@", name, ":", *draw(st.sampled_from([[], ["signed"]])), access, "("]
+        out += [token for i, p in enumerate(chosen) for token in ([","] if i else []) + p] + [")", ";"]
+    out += ["}", pair, "(", ")", ":", "@", x, ",", "@", y, "{", "@", x, ":", leg, "(", "'l'", ")", ";"]
+    out += ["@", y, ":", leg, "(", '"r"', ")", ";", "}", "public", root, "(", ")", "{"]
+    for i in range(count):
+        vectors = [["(", address(), ",", address(), ")"] for _ in range(2)]
+        named = draw(st.booleans())
+        bound = [
+            ["@", *([v, "="] if named else []), *vector] for v, vector in zip((x, y), vectors, strict=True)
+        ]
+        out += [f"p{i}", ":", pair, "(", ")", *bound[0], ",", *bound[1], ";"]
+    out += ["@", "fixed", "=", address(), ":", "READ", "(", ")", ";"]
+    out += ["all_", "=", "ALL", "(", pair, ")", ".", x, ".", a, ",", "fixed", ",", "p0", ".", y, ";", "}"]
+    return out
+
+
+@given(specs(), st.data())
+@settings(max_examples=100, deadline=None)
+def test_generated_specs_compile_and_format(tokens: list[str], data: st.DataObject) -> None:
+    text = ""
+    for token in tokens:
+        space = data.draw(_SPACE)
+        if not space and re.match(r"\w", token) and re.search(r"\w\Z", text):
+            space = " "
+        text += space + token
+    result = compile_text(text)
+    assert [d for d in result.diagnostics if d.severity == "error"] == []
+    check(text)
+    comments = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+    kept = [comment.strip() for comment in comments.findall(format_text(text))]
+    assert kept == [comment.strip() for comment in comments.findall(text)]
+
+
+@pytest.mark.parametrize("text", VALID + ERRORS)
+def test_every_prefix_ends_with_diagnostics_inside(text: str) -> None:
+    for end in range(0, min(len(text), 1500), 13):
+        check(text[:end])
