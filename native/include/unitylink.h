@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The C ABI of Unity-Link: the contract for every language but Python.
+ *
+ *     ul_link* link;
+ *     uint32_t value;
+ *     if (ul_open("serial:/dev/ttyUSB0?baud=3000000", &link) != UL_OK) { puts(ul_last_error_text()); return 1; }
+ *     if (ul_read(link, 0x20, &value, NULL) == UL_OK) printf("%08x\n", value);
+ *     ul_free(link);
+ *
+ * Threads: every function may be called from any thread at any time, except ul_free, which must be the last call with its link.
+ * Errors: every function returns a ul_status and never throws; what failed and why is told, per thread, by ul_last_error and
+ * ul_last_error_text, until that thread's next failure. UL_ARGUMENT: a required pointer is NULL or a struct's size unknown.
+ * Structs carry their own size, so that they can grow: set it to sizeof of the struct you were compiled with.
+ */
+#ifndef UNITYLINK_H
+#define UNITYLINK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(_WIN32)
+#define UL_API
+#else
+#define UL_API __attribute__((visibility("default")))
+#endif
+
+typedef int32_t ul_status;
+enum {
+  UL_OK = 0,
+  UL_TIMEOUT = 1,        /* the device did not answer in time */
+  UL_UNKNOWN = 2,        /* sent, answer lost: it may or may not have been executed */
+  UL_CLOSED = 3,         /* the port is closed, gone, or was unplugged */
+  UL_BUSY = 4,           /* another program holds the port or the board */
+  UL_NOT_FOUND = 5,      /* no such port, host or file */
+  UL_PERMISSION = 6,     /* the operating system refuses the port */
+  UL_BUS_ERROR = 7,      /* the device's bus refused or did not answer the address */
+  UL_PROTOCOL_ERROR = 8, /* the device answered outside the protocol, or refused the command */
+  UL_MISMATCH = 9,       /* the device cannot do what is asked */
+  UL_RANGE = 10,         /* a value, address or count that cannot be sent; nothing was */
+  UL_BAD_URL = 11,       /* a link URL that cannot be understood */
+  UL_CANCELLED = 12,     /* not sent, because an earlier request of the same call failed */
+  UL_ARGUMENT = 13,      /* a NULL pointer or a struct of unknown size */
+  UL_NO_MEMORY = 14
+};
+
+typedef struct ul_link ul_link;
+
+/* How one call asks. NULL in its place: the defaults below. */
+typedef struct {
+  uint32_t size;
+  int32_t checked;     /* 1 with checksum, 0 without, -1 as the URL says (default) */
+  int32_t repeat;      /* 1: sending it twice does no harm. Default: 1 for reads, 0 for writes */
+  uint32_t reserved;   /* 0 */
+  uint64_t timeout_ns; /* per attempt; 0: as the URL says (default) */
+} ul_options;
+
+typedef struct {
+  uint32_t size;
+  uint32_t address_bytes;
+  uint32_t data_bytes;
+  uint32_t read_many;    /* words in one message, 0: none */
+  uint32_t publish_mode; /* 0 none, 1 requests first, 2 publishes first */
+  uint32_t groups;
+  uint32_t group_size;   /* as advertised */
+  uint32_t usable_group_size;
+  uint32_t rate_bytes;
+  uint32_t discovered;   /* 1: told by the device, 0: by the URL */
+  uint64_t base_hz;
+} ul_configuration;
+
+typedef struct {
+  uint32_t size;
+  uint32_t divisor;  /* publish every so many base periods; 0: not by time */
+  uint32_t on_event; /* 1: publish when the group's event input says so */
+  uint32_t verify;   /* 1: read every address once before; 2012 gateware publishes a silent one for ever */
+  uint32_t ring;     /* publishes kept until drained; then the newest win */
+} ul_subscription_options;
+
+typedef struct {
+  uint32_t size;
+  uint32_t reserved;
+  uint64_t requests, replies, device_errors, retries, timeouts, fences, checksum_errors, malformed_messages, datalink_errors;
+  uint64_t stale_replies, garbage_bytes, publishes, unclaimed_publishes, mismatched_publishes, overruns;
+  uint64_t bytes_sent, bytes_received;
+} ul_statistics;
+
+typedef struct {
+  uint32_t size;
+  ul_status status;
+  int32_t has_address;
+  uint32_t address;    /* the word address it was about */
+  uint32_t index;      /* which request of a vector call */
+  uint32_t attempts;   /* how often an answer was asked for */
+  uint64_t elapsed_ns; /* from the first attempt to the verdict */
+} ul_error;
+
+/* The library's version, "0.1.0". */
+UL_API const char* ul_version(void);
+/* One sentence for a status; never NULL. */
+UL_API const char* ul_status_text(ul_status status);
+/* The calling thread's last failure in words; valid until its next failure; "" before the first. */
+UL_API const char* ul_last_error_text(void);
+/* The same in numbers. UL_ARGUMENT. */
+UL_API ul_status ul_last_error(ul_error* error);
+
+/* Opens the port, resynchronises with the device and asks for its configuration. Blocks at most attempts * timeout, twice for tcp.
+ * UL_BAD_URL UL_NOT_FOUND UL_PERMISSION UL_BUSY UL_TIMEOUT UL_CLOSED UL_MISMATCH UL_PROTOCOL_ERROR UL_ARGUMENT UL_NO_MEMORY */
+UL_API ul_status ul_open(const char* url, ul_link** link);
+/* Ends the link: whoever waits in another thread gets UL_CLOSED. The handle stays valid. Closing twice does nothing. */
+UL_API ul_status ul_close(ul_link* link);
+/* Closes and frees. No other call with this link may be under way or follow. NULL is allowed. */
+UL_API void ul_free(ul_link* link);
+
+/* UL_ARGUMENT */
+UL_API ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration);
+UL_API ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics);
+
+/* All requests: UL_TIMEOUT UL_CLOSED UL_BUSY UL_BUS_ERROR UL_PROTOCOL_ERROR UL_MISMATCH UL_RANGE UL_ARGUMENT UL_NO_MEMORY;
+ * writes also UL_UNKNOWN. Buffers are the caller's and are not used after the call has returned. */
+UL_API ul_status ul_read(ul_link* link, uint32_t address, uint32_t* value, const ul_options* options);
+UL_API ul_status ul_write(ul_link* link, uint32_t address, uint32_t value, const ul_options* options);
+/* In as few messages as the device allows; `atomic` 1: in one, read under one bus lock, or UL_MISMATCH. */
+UL_API ul_status ul_read_many(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, int32_t atomic,
+                              const ul_options* options);
+/* One request each, as many on their way as the device's buffers allow. */
+UL_API ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, const ul_options* options);
+/* In order; after one has failed no further one is sent, and ul_error.index says which. */
+UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
+                               const ul_options* options);
+
+/* The words at `addresses` together, published by the device; `group` names the subscription from then on. Errors as requests. */
+UL_API ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
+                              uint32_t* group);
+/* What came before can still be drained until the group is subscribed anew. */
+UL_API ul_status ul_unsubscribe(ul_link* link, uint32_t group);
+/* Takes the oldest publishes out: up to `room` times (s, monotonic clock) and room * count words; `taken` says how many. */
+UL_API ul_status ul_drain(ul_link* link, uint32_t group, double* times_s, uint32_t* values, size_t room, size_t* taken);
+/* UL_OK: something to drain. UL_TIMEOUT: nothing came in time. UL_CLOSED: link or subscription ended. */
+UL_API ul_status ul_wait_publish(ul_link* link, uint32_t group, uint64_t timeout_ns);
+/* Publishes overwritten before they were drained. */
+UL_API ul_status ul_lost(ul_link* link, uint32_t group, uint64_t* lost);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

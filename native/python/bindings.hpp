@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What each part of unitylink._native adds to the module, and how a failed Outcome becomes a Python exception.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "layer0_driver/status.hpp"
+
+namespace unitylink::python {
+
+void bind_driver(nanobind::module_& module);
+void bind_stream(nanobind::module_& module);
+void bind_link(nanobind::module_& module);
+void bind_board(nanobind::module_& module);
+
+// Raises the class of unitylink.errors that belongs to the status; returns only when it is ok.
+void raise_unless_ok(const Outcome& outcome);
+
+// Any Python integer, numpy's included, as a word; ValueRangeError says what `name` may be otherwise.
+[[nodiscard]] std::uint32_t word_of(nanobind::handle value, const char* name);
+[[nodiscard]] std::vector<std::uint32_t> words_of(nanobind::handle sequence, const char* name);
+
+}  // namespace unitylink::python

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The twin for Python: the device by itself, on a clock the caller owns, and the board that serves one on an endpoint.
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings.hpp"
+#include "device/board.hpp"
+#include "device/word_plant.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+namespace {
+
+using namespace unitylink::device;
+
+[[noreturn]] void raise_error(const char* name, const std::string& text) {
+  const nb::object type = nb::module_::import_("unitylink.errors").attr(name);
+  PyErr_SetObject(type.ptr(), nb::object(type(text)).ptr());
+  throw nb::python_error();
+}
+
+// The attributes of simulate.BoardConfiguration have the names of the fields here.
+DeviceConfiguration configuration_of(nb::handle object) {
+  const auto word = [](nb::handle from, const char* name) { return word_of(nb::object(from.attr(name)), name); };
+  const auto byte = [&word](nb::handle from, const char* name) {
+    const std::uint32_t value = word(from, name);
+    if (value > 0xFF) {
+      raise_error("ValueRangeError", std::string(name) + " is " + std::to_string(value) + "; choose 0 to 255");
+    }
+    return static_cast<std::uint8_t>(value);
+  };
+  const auto ranges = [](nb::handle list, const char* name) {
+    std::vector<AddressRange> result;
+    for (nb::handle range : list) {
+      result.push_back({word_of(nb::object(range[0]), name), word_of(nb::object(range[1]), name)});
+    }
+    return result;
+  };
+  DeviceConfiguration result;
+  result.address_bits = word(object, "address_bits");
+  result.data_bits = word(object, "data_bits");
+  result.clock_hz = word(object, "clock_hz");
+  result.base_hz = word(object, "base_hz");
+  result.groups = word(object, "groups");
+  result.group_size = word(object, "group_size");
+  result.read_many = word(object, "read_many");
+  result.rate_bytes = word(object, "rate_bytes");
+  result.publish_mode = word(object, "publish_mode");
+  result.configuration_command = nb::cast<bool>(object.attr("configuration_command"));
+  result.checksum = nb::cast<std::string>(object.attr("checksum")) == "xor" ? Checksum::exclusive_or : Checksum::crc8;
+  result.polynomial = byte(object, "polynomial");
+  for (nb::handle group : nb::object(object.attr("edge_event_groups"))) {
+    const std::uint32_t number = word_of(group, "edge_event_groups");
+    if (number >= protocol::limits::groups_max) {
+      raise_error("ValueRangeError", "edge_event_groups has " + std::to_string(number) + "; choose 0 to 255");
+    }
+    result.edge_events.resize(std::max<std::size_t>(result.edge_events.size(), number / 8 + 1));
+    result.edge_events[number / 8] |= static_cast<std::uint8_t>(1u << number % 8);
+  }
+  result.byte_clocks = word(object, "byte_clocks");
+  result.receive_fifo = word(object, "receive_fifo");
+  result.transmit_fifo = word(object, "transmit_fifo");
+  result.fifo_latency = word(object, "fifo_latency");
+  result.honour_flush = nb::cast<bool>(object.attr("honour_flush"));
+  result.bench_memory = nb::cast<bool>(object.attr("bench_memory"));
+  result.bus_error_ranges = ranges(object.attr("bus_error_ranges"), "bus_error_ranges");
+  result.silent_ranges = ranges(object.attr("silent_ranges"), "silent_ranges");
+  if (const nb::object tosnet = object.attr("tosnet"); !tosnet.is_none()) {
+    result.tosnet.present = true;
+    result.tosnet.base = word(tosnet, "base");
+    result.tosnet.master_id = byte(tosnet, "master_id");
+    result.tosnet.master_registers = byte(tosnet, "master_registers");
+    result.tosnet.cycle_clocks = word(tosnet, "cycle_clocks");
+    result.tosnet.max_skipped_writes = word(tosnet, "max_skipped_writes");
+    for (nb::handle node : nb::object(tosnet.attr("nodes"))) {
+      result.tosnet.nodes.push_back({byte(node, "id"), byte(node, "registers")});
+    }
+  }
+  for (nb::handle fifo : nb::object(object.attr("fifos"))) {
+    result.fifos.push_back({word(fifo, "base"), word(fifo, "depth")});
+  }
+  for (nb::handle buffer : nb::object(object.attr("double_buffers"))) {
+    result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});
+  }
+  if (const std::string problem = result.problem(); !problem.empty()) {
+    raise_error("ValueRangeError", "board configuration: " + problem);
+  }
+  return result;
+}
+
+nb::dict statistics_of(const DeviceStatistics& from) {
+  nb::dict result;
+  result["bytes_received"] = from.bytes_received;
+  result["bytes_sent"] = from.bytes_sent;
+  result["overruns"] = from.overruns;
+  result["datalink_errors"] = from.datalink_errors;
+  return result;
+}
+
+// A board that is dropped while its thread is in a plant's step: the step needs the interpreter to come to its end.
+class PythonBoard final : public Board {
+ public:
+  using Board::Board;
+  ~PythonBoard() {
+    const nb::gil_scoped_release released;
+    stop();
+  }
+};
+
+PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind) {
+  const DeviceConfiguration chosen = configuration_of(configuration);
+  std::string problem;
+  try {
+    return new PythonBoard(chosen, make_endpoint(endpoint, bind));
+  } catch (const EndpointError& error) {
+    problem = error.what();
+  }
+  raise_error("LinkNotFound", problem);
+}
+
+// The registers' two sides answer None and False where there is no such word.
+nb::object value_of(const BusReply& reply) {
+  return reply.status == BusStatus::ok ? nb::object(nb::int_(reply.value)) : nb::none();
+}
+
+void bind_device(nb::module_& module) {
+  nb::class_<Device>(module, "Device", "The twin on a clock the caller owns; times are clock cycles since reset.")
+      .def("__init__", [](Device* self, nb::handle configuration) { new (self) Device(configuration_of(configuration)); },
+           nb::arg("configuration"))
+      .def_prop_ro("clock", &Device::clock)
+      .def_prop_ro("input_empty", &Device::input_empty)
+      .def_prop_ro("last_activity", &Device::last_activity)
+      .def_prop_ro("next_event",
+                   [](const Device& self) -> nb::object {
+                     const Clock next = self.next_event();
+                     return next == never ? nb::none() : nb::object(nb::int_(next));
+                   })
+      .def("receive",
+           [](Device& self, nb::bytes data) {
+             std::size_t taken = 0;
+             while (taken < data.size() && self.receive(static_cast<std::uint8_t>(data.c_str()[taken]))) {
+               ++taken;
+             }
+             return taken;
+           },
+           nb::arg("data"), "Offers bytes from the host, now; returns how many there was room for.")
+      .def("receive_error", &Device::receive_error, nb::arg("bits"))
+      .def("set_events", &Device::set_events, nb::arg("mask"))
+      .def("run_until", &Device::run_until, nb::arg("clock"))
+      .def("take",
+           [](Device& self) {
+             std::string bytes;
+             TimedByte byte;
+             while (self.take(byte)) {
+               bytes.push_back(static_cast<char>(byte.byte));
+             }
+             return nb::bytes(bytes.data(), bytes.size());
+           },
+           "Everything that has left the device.")
+      .def("take_timed",
+           [](Device& self) {
+             std::vector<std::pair<Clock, std::uint8_t>> bytes;
+             TimedByte byte;
+             while (self.take(byte)) {
+               bytes.emplace_back(byte.at, byte.byte);
+             }
+             return bytes;
+           },
+           "Everything that has left the device, as (clock, byte).")
+      .def("get", [](Device& self, std::uint32_t address) { return value_of(self.bus().get(address, self.clock())); },
+           nb::arg("address"))
+      .def("set",
+           [](Device& self, std::uint32_t address, std::uint32_t value) {
+             return self.bus().set(address, value, self.clock()) == BusStatus::ok;
+           },
+           nb::arg("address"), nb::arg("value"))
+      .def("statistics", [](const Device& self) { return statistics_of(self.statistics()); });
+}
+
+}  // namespace
+
+void bind_board(nb::module_& module) {
+  bind_device(module);
+  using Release = nb::call_guard<nb::gil_scoped_release>;
+  nb::class_<PythonBoard>(module, "Board", "A thread that serves a device on an endpoint; use unitylink.simulate.Board.")
+      .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind) {
+             return make_board(configuration, endpoint, bind);
+           }),
+           nb::arg("configuration"), nb::arg("endpoint"), nb::arg("bind"))
+      .def("set_plant",
+           [](PythonBoard& self, double period_s, nb::callable step) {
+             self.set_plant({period_s, [step](double time_s) {
+                               const nb::gil_scoped_acquire acquired;
+                               try {
+                                 return nb::cast<bool>(step(time_s));
+                               } catch (nb::python_error& error) {  // simulate.Board catches; this is the last resort
+                                 error.discard_as_unraisable("a plant's step");
+                                 return false;
+                               }
+                             }});
+           },
+           nb::arg("period_s"), nb::arg("step"), "Before start(): step(time_s) -> bool is called by the board's thread.")
+      .def("set_word_plant",
+           [](PythonBoard& self, double period_s,
+              const std::vector<std::tuple<std::uint32_t, std::int32_t, std::uint32_t, double>>& ramps,
+              const std::vector<std::pair<std::uint32_t, std::uint32_t>>& echoes) {
+             std::vector<Ramp> counting;
+             for (const auto& [address, low, span, pace_hz] : ramps) {
+               counting.push_back({address, low, span, pace_hz});
+             }
+             std::vector<Echo> echoing;
+             for (const auto& [from, to] : echoes) {
+               echoing.push_back({from, to});
+             }
+             self.set_plant({period_s, [&self, plant = WordPlant(counting, echoing)](double time_s) {
+                               plant.step(self, time_s);
+                               return true;
+                             }});
+           },
+           nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
+      .def("start", &Board::start)
+      .def("stop", &Board::stop, Release())
+      .def("url",
+           [](PythonBoard& self) {
+             std::string url;
+             std::string problem;
+             {
+               const nb::gil_scoped_release released;
+               try {
+                 url = self.url();
+               } catch (const EndpointError& error) {
+                 problem = error.what();
+               }
+             }
+             if (!problem.empty()) {
+               raise_error("LinkClosed", problem);
+             }
+             return url;
+           })
+      .def("time_s", &Board::time_s, Release())
+      .def("get",
+           [](PythonBoard& self, std::uint32_t address) {
+             BusReply reply;
+             {
+               const nb::gil_scoped_release released;
+               reply = self.get(address);
+             }
+             return value_of(reply);
+           },
+           nb::arg("address"))
+      .def("set",
+           [](PythonBoard& self, std::uint32_t address, std::uint32_t value) {
+             return self.set(address, value) == BusStatus::ok;
+           },
+           nb::arg("address"), nb::arg("value"), Release())
+      .def("set_event", &Board::set_event, nb::arg("group"), nb::arg("high"), Release())
+      .def("pulse_event", &Board::pulse_event, nb::arg("group"), Release())
+      .def("receive_error", &Board::receive_error, nb::arg("bits"), Release())
+      .def("damage_cycle", &Board::damage_cycle, Release())
+      .def("set_online", &Board::set_online, nb::arg("online"), Release())
+      .def("async_take",
+           [](PythonBoard& self) -> nb::object {
+             AsyncWord word;
+             bool taken = false;
+             {
+               const nb::gil_scoped_release released;
+               taken = self.async_take(word);
+             }
+             return taken ? nb::object(nb::make_tuple(word.node, word.data, word.last + 1)) : nb::none();
+           },
+           "(node, word, bytes in it) of the oldest word the PC sent through the asynchronous channel, or None.")
+      .def("async_give",
+           [](PythonBoard& self, std::uint8_t node, std::uint32_t data, std::uint8_t bytes) {
+             return self.async_give({data, static_cast<std::uint8_t>(bytes - 1), node});
+           },
+           nb::arg("node"), nb::arg("data"), nb::arg("bytes"), Release())
+      .def("statistics", [](PythonBoard& self) {
+        BoardStatistics all;
+        {
+          const nb::gil_scoped_release released;
+          all = self.statistics();
+        }
+        nb::dict result = statistics_of(all.device);
+        result["clients"] = all.clients;
+        result["bytes_dropped"] = all.bytes_dropped;
+        result["plant_steps"] = all.plant_steps;
+        result["time_slipped_s"] = all.time_slipped_s;
+        return result;
+      });
+}
+
+}  // namespace unitylink::python

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Layer 2 for Python: NativeLink, and NativePending for asyncio. Every call that may take the link's mutex gives the GIL away first.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "layer2_message/link.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+namespace {
+
+constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
+
+RequestOptions options_of(nb::handle checked, bool repeat, nb::handle timeout_s) {
+  RequestOptions options;
+  options.repeat = repeat;
+  if (!checked.is_none()) {
+    options.checked = nb::cast<bool>(checked);
+  }
+  if (!timeout_s.is_none()) {
+    const double seconds = nb::cast<double>(timeout_s);
+    if (!(seconds > 0 && seconds <= 3600)) {
+      raise_unless_ok({Status::range, "timeout_s must be above 0 and at most 3600, not " + std::to_string(seconds)});
+    }
+    options.timeout_ns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(seconds * 1e9));
+  }
+  return options;
+}
+
+std::unique_ptr<Link> open_link(std::string_view url) {
+  std::unique_ptr<Link> link;
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = Link::open(url, link);
+  }
+  raise_unless_ok(outcome);
+  return link;
+}
+
+std::uint32_t read(Link& link, nb::handle address, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  const std::uint32_t word = word_of(address, "address");
+  const RequestOptions options = options_of(checked, repeat, timeout_s);
+  std::uint32_t value = 0;
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = link.read(word, value, options);
+  }
+  raise_unless_ok(outcome);
+  return value;
+}
+
+void write(Link& link, nb::handle address, nb::handle value, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  const std::uint32_t word = word_of(address, "address");
+  const std::uint32_t what = word_of(value, "value");
+  const RequestOptions options = options_of(checked, repeat, timeout_s);
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = link.write(word, what, options);
+  }
+  raise_unless_ok(outcome);
+}
+
+template <class Reader>
+nb::object read_words(nb::handle addresses, const Reader& reader) {
+  const std::vector<std::uint32_t> words = words_of(addresses, "address");
+  auto values = std::make_unique<std::uint32_t[]>(words.size());
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = reader(std::span<const std::uint32_t>(words), std::span(values.get(), words.size()));
+  }
+  raise_unless_ok(outcome);
+  return array_of(std::move(values), {words.size()});
+}
+
+nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  const RequestOptions options = options_of(checked, repeat, timeout_s);
+  return read_words(addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); });
+}
+
+nb::object read_each(Link& link, nb::handle addresses, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  const RequestOptions options = options_of(checked, repeat, timeout_s);
+  return read_words(addresses, [&](auto words, auto values) { return link.read_each(words, values, options); });
+}
+
+void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  const std::vector<std::uint32_t> where = words_of(addresses, "address");
+  const std::vector<std::uint32_t> what = words_of(values, "value");
+  const RequestOptions options = options_of(checked, repeat, timeout_s);
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = link.write_many(where, what, options);
+  }
+  raise_unless_ok(outcome);
+}
+
+std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring) {
+  const std::vector<std::uint32_t> words = words_of(addresses, "address");
+  const SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
+  std::uint32_t group = 0;
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = link.subscribe(request, group);
+  }
+  raise_unless_ok(outcome);
+  return group;
+}
+
+void unsubscribe(Link& link, std::uint32_t group) {
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = link.unsubscribe(group);
+  }
+  raise_unless_ok(outcome);
+}
+
+nb::tuple drain(Link& link, std::uint32_t group, std::size_t words) {
+  std::unique_ptr<double[]> times;
+  std::unique_ptr<std::uint32_t[]> values;
+  std::size_t count = 0;
+  {
+    nb::gil_scoped_release release;
+    const std::size_t room = link.available(group);
+    times.reset(new double[room]);
+    values.reset(new std::uint32_t[room * words]);
+    count = room == 0 ? 0 : link.drain(group, std::span(times.get(), room), std::span(values.get(), room * words));
+  }
+  return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
+}
+
+void check_signals() {
+  if (PyErr_CheckSignals() != 0) {
+    throw nb::python_error();
+  }
+}
+
+bool wait_publish(Link& link, std::uint32_t group, double timeout_s) {
+  std::uint64_t left = timeout_s > 0 ? static_cast<std::uint64_t>(std::min(timeout_s, 1e9) * 1e9) : 0;
+  while (true) {
+    const std::uint64_t slice = std::min(left, patience_ns);
+    bool come = false;
+    bool over = false;
+    {
+      nb::gil_scoped_release release;
+      come = link.wait_publish(group, slice);
+      over = !come && link.closed();
+    }
+    left -= slice;
+    if (come || over || left == 0) {
+      return come;
+    }
+    check_signals();
+  }
+}
+
+// ---- asyncio: what is done is put into a mailbox, whose descriptor the event loop watches
+
+class Mailbox : public std::enable_shared_from_this<Mailbox> {  // so that C++ holds it without holding a Python object
+ public:
+  Mailbox() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+  Mailbox(const Mailbox&) = delete;
+  Mailbox& operator=(const Mailbox&) = delete;
+  ~Mailbox() { ::close(descriptor_); }
+
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  void post(std::uint64_t ticket) {
+    const std::scoped_lock lock(mutex_);
+    tickets_.push_back(ticket);
+    const std::uint64_t one = 1;
+    static_cast<void>(!::write(descriptor_, &one, sizeof one));
+  }
+  std::vector<std::uint64_t> collect() {
+    std::uint64_t count = 0;
+    static_cast<void>(!::read(descriptor_, &count, sizeof count));
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(tickets_, {});
+  }
+
+ private:
+  int descriptor_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t> tickets_;
+};
+
+// One asynchronous call. It keeps itself alive until the engine has let go of all its exchanges.
+class Pending {
+ public:
+  Pending(std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket) : mailbox_(std::move(mailbox)), ticket_(ticket) {}
+
+  static std::shared_ptr<Pending> start(Link& link, std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket, nb::handle addresses,
+                                        nb::handle values, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
+    auto pending = std::make_shared<Pending>(std::move(mailbox), ticket);
+    pending->addresses_ = words_of(addresses, "address");
+    pending->writes_ = !values.is_none();
+    if (pending->writes_) {
+      pending->values_ = words_of(values, "value");
+    } else {
+      pending->values_.resize(pending->addresses_.size());
+    }
+    const RequestOptions options = options_of(checked, repeat, timeout_s);
+    Outcome outcome;
+    {
+      nb::gil_scoped_release release;
+      outcome = pending->plan(link, atomic, options);
+      if (outcome.ok()) {
+        pending->submit(link, pending);
+      }
+    }
+    raise_unless_ok(outcome);
+    return pending;
+  }
+
+  nb::object result(Link& link) {
+    Outcome outcome;
+    {
+      nb::gil_scoped_release release;
+      outcome = link.result(call_);
+    }
+    raise_unless_ok(outcome);
+    if (writes_) {
+      return nb::none();
+    }
+    auto copy = std::make_unique<std::uint32_t[]>(values_.size());
+    std::copy(values_.begin(), values_.end(), copy.get());
+    return array_of(std::move(copy), {values_.size()});
+  }
+
+ private:
+  Outcome plan(Link& link, bool atomic, const RequestOptions& options) {
+    if (writes_) {
+      return link.plan_write_many(call_, addresses_, values_, options);
+    }
+    return addresses_.size() == 1 ? link.plan_read_each(call_, addresses_, values_, options)
+                                  : link.plan_read_many(call_, addresses_, values_, atomic, options);
+  }
+
+  void submit(Link& link, const std::shared_ptr<Pending>& self) {
+    left_ = call_.exchanges.size();
+    if (left_ == 0) {
+      mailbox_->post(ticket_);
+      return;
+    }
+    self_ = self;
+    for (Exchange& exchange : call_.exchanges) {
+      exchange.owner = this;
+      exchange.on_done = [](Exchange& done) noexcept { static_cast<Pending*>(done.owner)->one_done(); };
+    }
+    link.submit(call_);
+  }
+
+  void one_done() {
+    if (--left_ == 0) {
+      const std::shared_ptr<Pending> self = std::move(self_);
+      mailbox_->post(ticket_);
+    }
+  }
+
+  std::shared_ptr<Mailbox> mailbox_;
+  std::uint64_t ticket_;
+  bool writes_ = false;
+  std::vector<std::uint32_t> addresses_;
+  std::vector<std::uint32_t> values_;
+  Call call_;
+  std::size_t left_ = 0;
+  std::shared_ptr<Pending> self_;
+};
+
+nb::dict statistics(Link& link) {
+  Statistics counted;
+  {
+    nb::gil_scoped_release release;
+    counted = link.statistics();
+  }
+  nb::dict result;
+#define UNITYLINK_COUNTER(name) result[#name] = counted.name
+  UNITYLINK_COUNTER(requests);
+  UNITYLINK_COUNTER(replies);
+  UNITYLINK_COUNTER(device_errors);
+  UNITYLINK_COUNTER(retries);
+  UNITYLINK_COUNTER(timeouts);
+  UNITYLINK_COUNTER(fences);
+  UNITYLINK_COUNTER(checksum_errors);
+  UNITYLINK_COUNTER(malformed_messages);
+  UNITYLINK_COUNTER(datalink_errors);
+  UNITYLINK_COUNTER(stale_replies);
+  UNITYLINK_COUNTER(garbage_bytes);
+  UNITYLINK_COUNTER(publishes);
+  UNITYLINK_COUNTER(unclaimed_publishes);
+  UNITYLINK_COUNTER(mismatched_publishes);
+  UNITYLINK_COUNTER(overruns);
+  UNITYLINK_COUNTER(bytes_sent);
+  UNITYLINK_COUNTER(bytes_received);
+#undef UNITYLINK_COUNTER
+  return result;
+}
+
+nb::dict configuration(const Link& link) {
+  const Configuration& told = link.configuration();
+  nb::dict result;
+  result["address_bytes"] = told.address_bytes;
+  result["data_bytes"] = told.data_bytes;
+  result["read_many"] = told.read_many;
+  result["publish_mode"] = told.publish_mode;
+  result["base_hz"] = told.base_hz;
+  result["groups"] = told.groups;
+  result["group_size"] = told.group_size;
+  result["rate_bytes"] = told.rate_bytes;
+  result["discovered"] = told.discovered;
+  return result;
+}
+
+}  // namespace
+
+void bind_link(nb::module_& module) {
+  using namespace nb::literals;
+  nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect);
+  module.def("mailbox", [] { return std::make_shared<Mailbox>(); });
+  nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a);
+  nb::class_<Link>(module, "NativeLink")
+      .def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+      .def("write", &write, "address"_a, "value"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+      .def("read_many", &read_many, "addresses"_a, "atomic"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+      .def("read_each", &read_each, "addresses"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+      .def("write_many", &write_many, "addresses"_a, "values"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+      .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a, "checked"_a.none(),
+           "repeat"_a, "timeout_s"_a.none())
+      .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a)
+      .def("unsubscribe", &unsubscribe, "group"_a)
+      .def("drain", &drain, "group"_a, "words"_a)
+      .def("wait", &wait_publish, "group"_a, "timeout_s"_a)
+      .def("available", &Link::available, "group"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("lost", &Link::lost, "group"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("wait_publishes", &Link::wait_publishes, "seen"_a, "timeout_ns"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("notify_publishes", &Link::notify_publishes, "descriptor"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("forget_notification", &Link::forget_notification, "descriptor"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("statistics", &statistics)
+      .def_prop_ro("configuration", &configuration)
+      .def_prop_ro("usable_group_size", &Link::usable_group_size)
+      .def_prop_ro("closed", &Link::closed, nb::call_guard<nb::gil_scoped_release>())
+      .def("close", &Link::close, nb::call_guard<nb::gil_scoped_release>());
+  module.def("open_link", &open_link, "url"_a);
+}
+
+}  // namespace unitylink::python

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C ABI over unitylink::Link. Nothing thrown leaves this file.
+#include "unitylink.h"
+
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include "layer2_message/link.hpp"
+
+using namespace unitylink;
+
+struct ul_link {
+  std::unique_ptr<Link> link;
+};
+
+namespace {
+
+static_assert(UL_CANCELLED == static_cast<ul_status>(Status::cancelled), "the two enumerations are one");
+static_assert(UL_BUS_ERROR == static_cast<ul_status>(Status::bus_error));
+
+thread_local Outcome last_failure;
+thread_local ul_status last_status = UL_OK;
+
+ul_status told(Outcome&& outcome) {
+  const auto status = static_cast<ul_status>(outcome.status);
+  if (status != UL_OK) {
+    last_failure = std::move(outcome);
+    last_status = status;
+  }
+  return status;
+}
+
+ul_status bad_argument(const char* what) {
+  Outcome outcome;
+  outcome.text = what;
+  last_failure = std::move(outcome);
+  last_status = UL_ARGUMENT;
+  return UL_ARGUMENT;
+}
+
+template <class Call>
+ul_status guarded(const Call& call) noexcept {
+  try {
+    return call();
+  } catch (const std::bad_alloc&) {
+    last_failure = Outcome{};
+    last_status = UL_NO_MEMORY;
+    return UL_NO_MEMORY;
+  } catch (const std::exception& error) {  // a thread that could not be started
+    last_failure = Outcome{};
+    last_status = UL_NO_MEMORY;
+    try {
+      last_failure.text = error.what();
+    } catch (...) {
+      last_failure.text.clear();
+    }
+    return UL_NO_MEMORY;
+  }
+}
+
+// False when the caller's struct is larger than anything this version knows or smaller than what it has always had.
+template <class Struct>
+bool known(const Struct* given) {
+  return given != nullptr && given->size == sizeof(Struct);
+}
+
+bool request_options(const ul_options* given, bool repeat, RequestOptions& options) {
+  options.repeat = repeat;
+  if (given == nullptr) {
+    return true;
+  }
+  if (!known(given)) {
+    return false;
+  }
+  if (given->checked >= 0) {
+    options.checked = given->checked != 0;
+  }
+  options.repeat = given->repeat != 0;
+  options.timeout_ns = given->timeout_ns;
+  return true;
+}
+
+constexpr const char* null_pointer = "a required pointer is NULL";
+constexpr const char* unknown_size = "a struct is NULL or its size field is not sizeof of the struct";
+
+}  // namespace
+
+const char* ul_version(void) { return UNITYLINK_VERSION; }
+
+const char* ul_status_text(ul_status status) {
+  switch (status) {
+    case UL_ARGUMENT: return "a NULL pointer or a struct of unknown size";
+    case UL_NO_MEMORY: return "out of memory or threads";
+    default: return status_text(static_cast<Status>(status));
+  }
+}
+
+const char* ul_last_error_text(void) {
+  return last_failure.text.empty() && last_status != UL_OK ? ul_status_text(last_status) : last_failure.text.c_str();
+}
+
+ul_status ul_last_error(ul_error* error) {
+  if (!known(error)) {
+    return bad_argument(unknown_size);
+  }
+  *error = {sizeof(ul_error),   last_status,           last_failure.has_address ? 1 : 0, last_failure.address,
+            last_failure.index, last_failure.attempts, last_failure.elapsed_ns};
+  return UL_OK;
+}
+
+ul_status ul_open(const char* url, ul_link** link) {
+  if (url == nullptr || link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  *link = nullptr;
+  return guarded([&] {
+    auto opened = std::make_unique<ul_link>();
+    Outcome outcome = Link::open(url, opened->link);
+    if (outcome.ok()) {
+      *link = opened.release();
+    }
+    return told(std::move(outcome));
+  });
+}
+
+ul_status ul_close(ul_link* link) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    link->link->close();
+    return ul_status{UL_OK};
+  });
+}
+
+void ul_free(ul_link* link) { delete link; }
+
+ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration) {
+  if (link == nullptr || !known(configuration)) {
+    return bad_argument(unknown_size);
+  }
+  const Configuration& has = link->link->configuration();
+  *configuration = {sizeof(ul_configuration),
+                    has.address_bytes,
+                    has.data_bytes,
+                    has.read_many,
+                    has.publish_mode,
+                    has.groups,
+                    has.group_size,
+                    link->link->usable_group_size(),
+                    has.rate_bytes,
+                    has.discovered ? 1u : 0u,
+                    has.base_hz};
+  return UL_OK;
+}
+
+ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
+  if (link == nullptr || !known(statistics)) {
+    return bad_argument(unknown_size);
+  }
+  return guarded([&] {
+    const Statistics has = link->link->statistics();
+    *statistics = {sizeof(ul_statistics),
+                   0,
+                   has.requests,
+                   has.replies,
+                   has.device_errors,
+                   has.retries,
+                   has.timeouts,
+                   has.fences,
+                   has.checksum_errors,
+                   has.malformed_messages,
+                   has.datalink_errors,
+                   has.stale_replies,
+                   has.garbage_bytes,
+                   has.publishes,
+                   has.unclaimed_publishes,
+                   has.mismatched_publishes,
+                   has.overruns,
+                   has.bytes_sent,
+                   has.bytes_received};
+    return ul_status{UL_OK};
+  });
+}
+
+ul_status ul_read(ul_link* link, uint32_t address, uint32_t* value, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || value == nullptr || !request_options(options, true, how)) {
+    return bad_argument(link == nullptr || value == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->read(address, *value, how)); });
+}
+
+ul_status ul_write(ul_link* link, uint32_t address, uint32_t value, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->write(address, value, how)); });
+}
+
+ul_status ul_read_many(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, int32_t atomic,
+                       const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, true, how)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->read_many({addresses, count}, {values, count}, atomic != 0, how)); });
+}
+
+ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, true, how)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->read_each({addresses, count}, {values, count}, how)); });
+}
+
+ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, false, how)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->write_many({addresses, count}, {values, count}, how)); });
+}
+
+ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* group) {
+  if (link == nullptr || addresses == nullptr || group == nullptr || !known(options)) {
+    return bad_argument(known(options) ? null_pointer : unknown_size);
+  }
+  return guarded([&] {
+    const SubscriptionRequest request{{addresses, count}, options->divisor, options->on_event != 0, options->verify != 0, options->ring};
+    return told(link->link->subscribe(request, *group));
+  });
+}
+
+ul_status ul_unsubscribe(ul_link* link, uint32_t group) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->unsubscribe(group)); });
+}
+
+ul_status ul_drain(ul_link* link, uint32_t group, double* times_s, uint32_t* values, size_t room, size_t* taken) {
+  if (link == nullptr || times_s == nullptr || values == nullptr || taken == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    *taken = link->link->drain(group, {times_s, room}, {values, room * link->link->words(group)});
+    return ul_status{UL_OK};
+  });
+}
+
+ul_status ul_wait_publish(ul_link* link, uint32_t group, uint64_t timeout_ns) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    if (link->link->wait_publish(group, timeout_ns)) {
+      return ul_status{UL_OK};
+    }
+    const bool over = link->link->closed() || !link->link->subscribed(group);
+    return told({over ? Status::closed : Status::timeout, over ? "the link or the subscription has ended" : "no publish came in time"});
+  });
+}
+
+ul_status ul_lost(ul_link* link, uint32_t group, uint64_t* lost) {
+  if (link == nullptr || lost == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    *lost = link->link->lost(group);
+    return ul_status{UL_OK};
+  });
+}

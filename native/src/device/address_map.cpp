@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/address_map.hpp"
+
+#include <algorithm>
+
+#include "device/double_buffer.hpp"
+#include "device/fifo.hpp"
+#include "device/memory.hpp"
+
+namespace unitylink::device {
+
+namespace {
+
+bool within(const std::vector<AddressRange>& ranges, std::uint32_t address) noexcept {
+  return std::any_of(ranges.begin(), ranges.end(),
+                     [address](const AddressRange& range) { return range.first <= address && address <= range.last; });
+}
+
+}  // namespace
+
+AddressMap::AddressMap(const DeviceConfiguration& configuration)
+    : errors_(configuration.bus_error_ranges),
+      silent_(configuration.silent_ranges),
+      address_mask_(configuration.address_mask()),
+      data_mask_(configuration.data_mask()) {
+  const auto add = [this](std::uint32_t base, std::uint32_t size, std::unique_ptr<Bus> slave) {
+    regions_.push_back({{base, base + (size - 1)}, std::move(slave)});
+  };
+  if (configuration.tosnet.present) {
+    auto tosnet = std::make_unique<Tosnet>(configuration.tosnet);
+    tosnet_ = tosnet.get();
+    add(configuration.tosnet.base, 1u << protocol::tosnet::address_bits, std::move(tosnet));
+  }
+  for (const FifoConfiguration& fifo : configuration.fifos) {
+    add(fifo.base, 3, std::make_unique<Fifo>(fifo.depth));
+  }
+  for (const DoubleBufferConfiguration& buffer : configuration.double_buffers) {
+    add(buffer.base, buffer.size + 1, std::make_unique<DoubleBuffer>(buffer.size));
+  }
+  regions_.push_back({{0, address_mask_}, std::make_unique<Memory>(configuration.bench_memory, data_mask_)});
+}
+
+AddressMap::Region& AddressMap::region(std::uint32_t address) {
+  return *std::find_if(regions_.begin(), regions_.end(), [address](const Region& candidate) {
+    return candidate.range.first <= address && address <= candidate.range.last;
+  });
+}
+
+BusStatus AddressMap::refusal(std::uint32_t address) const noexcept {
+  return within(errors_, address) ? BusStatus::error : within(silent_, address) ? BusStatus::silent : BusStatus::ok;
+}
+
+BusReply AddressMap::read(std::uint32_t address, Clock now) {
+  if (const BusStatus status = refusal(address); status != BusStatus::ok) {
+    return {status, 0};
+  }
+  Region& at = region(address);
+  BusReply reply = at.slave->read(address - at.range.first, now);
+  reply.value &= data_mask_;
+  return reply;
+}
+
+BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock now) {
+  if (const BusStatus status = refusal(address); status != BusStatus::ok) {
+    return status;
+  }
+  Region& at = region(address);
+  return at.slave->write(address - at.range.first, value & data_mask_, now);
+}
+
+void AddressMap::block(bool held, Clock now) {
+  for (Region& at : regions_) {
+    at.slave->block(held, now);
+  }
+}
+
+BusReply AddressMap::get(std::uint32_t address, Clock now) {
+  if (address > address_mask_) {
+    return {BusStatus::error, 0};
+  }
+  Region& at = region(address);
+  BusReply reply = at.slave->get(address - at.range.first, now);
+  reply.value &= data_mask_;
+  return reply;
+}
+
+BusStatus AddressMap::set(std::uint32_t address, std::uint32_t value, Clock now) {
+  if (address > address_mask_) {
+    return BusStatus::error;
+  }
+  Region& at = region(address);
+  return at.slave->set(address - at.range.first, value & data_mask_, now);
+}
+
+}  // namespace unitylink::device

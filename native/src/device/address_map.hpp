@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which slave answers at which address; the bus as the application layer sees it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "device/bus.hpp"
+#include "device/configuration.hpp"
+#include "device/tosnet.hpp"
+
+namespace unitylink::device {
+
+class AddressMap final : public Bus {
+ public:
+  explicit AddressMap(const DeviceConfiguration& configuration);
+
+  BusReply read(std::uint32_t address, Clock now) override;
+  BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override;
+  void block(bool held, Clock now) override;
+  BusReply get(std::uint32_t address, Clock now) override;
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+
+  [[nodiscard]] Tosnet* tosnet() const noexcept { return tosnet_; }
+
+ private:
+  struct Region {
+    AddressRange range;
+    std::unique_ptr<Bus> slave;
+  };
+
+  [[nodiscard]] Region& region(std::uint32_t address);
+  [[nodiscard]] BusStatus refusal(std::uint32_t address) const noexcept;
+
+  std::vector<AddressRange> errors_;
+  std::vector<AddressRange> silent_;
+  std::vector<Region> regions_;  // the last is the memory everywhere else
+  Tosnet* tosnet_ = nullptr;
+  std::uint32_t address_mask_;
+  std::uint32_t data_mask_;
+};
+
+}  // namespace unitylink::device

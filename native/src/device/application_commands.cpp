@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What each request means. Its effect belongs to the clock at which its last argument has been looked at.
+#include <array>
+
+#include "device/application.hpp"
+
+namespace unitylink::device {
+
+namespace bytes = protocol::bytes;
+namespace command = protocol::command;
+namespace reply = protocol::reply;
+namespace error = protocol::application_error;
+
+bool Application::Cursor::take(std::uint32_t count, std::uint32_t& value) noexcept {
+  if (data.size() < count) {
+    clocks += data.size() + 1;  // the end of the message is looked at too
+    data = {};
+    return false;
+  }
+  value = 0;
+  for (const std::uint8_t byte : data.first(count)) {
+    value = value << 8 | byte;
+  }
+  data = data.subspan(count);
+  clocks += count;
+  return true;
+}
+
+void Application::execute(std::string_view letters, Cursor& cursor) {
+  std::uint32_t first = 0;
+  if (letters == command::read || letters == command::write) {
+    write_ = letters == command::write;
+    if (!cursor.take(configuration_.address_bytes(), first)) {
+      refuse(error::missing_address);
+    } else if (write_ && !cursor.take(configuration_.data_bytes(), write_value_)) {
+      refuse(error::missing_data);
+    } else {
+      address_ = first & configuration_.address_mask();
+      after_emit_ = State::single_access;
+    }
+  } else if (letters == command::read_many) {
+    if (!cursor.take(1, first)) {
+      refuse(error::missing_data);
+    } else if (first == 0 || first > configuration_.read_many) {
+      refuse(error::invalid_block_size);
+    } else {
+      block_words_ = first;
+      addresses_.clear();
+      next_address_ = 0;
+      Cursor rest{cursor.data};  // addresses are looked at one by one, between the bus accesses
+      const std::uint32_t width = configuration_.address_bytes();
+      for (std::uint32_t address = 0; addresses_.size() < block_words_ && rest.take(width, address);) {
+        addresses_.push_back(address & configuration_.address_mask());
+      }
+      this->letters(reply::read_many);
+      mark(bytes::data_mark);
+      after_emit_ = State::block_access;
+    }
+  } else if (letters == command::read_configuration) {
+    read_configuration();
+  } else if (letters == command::read_event_mask) {
+    this->letters(reply::read_event_mask);
+    mark(bytes::data_mark);
+    for (std::uint32_t byte = configuration_.mask_bytes(); byte-- > 0;) {
+      std::uint32_t bits = 0;
+      for (std::uint32_t bit = 0; bit < 8 && byte * 8 + bit < configuration_.groups; ++bit) {
+        bits |= (subscriptions_.event_enabled(byte * 8 + bit) ? 1u : 0u) << bit;
+      }
+      value(bits, 1);
+    }
+    tail();
+  } else if (letters == command::write_event_mask) {
+    std::array<std::uint8_t, protocol::limits::groups_max / 8> mask{};
+    for (std::uint32_t byte = configuration_.mask_bytes(); byte-- > 0;) {
+      std::uint32_t bits = 0;
+      if (!cursor.take(1, bits)) {
+        refuse(error::missing_data);
+        return;
+      }
+      mask[byte] = static_cast<std::uint8_t>(bits);
+    }
+    subscriptions_.enable_events(mask, decision_ + cursor.clocks);
+    success(reply::write_event_mask);
+  } else if (letters == command::enable_publishing || letters == command::enable_checked_publishing) {
+    checked_publish_ = letters == command::enable_checked_publishing;
+    subscriptions_.enable(decision_ + cursor.clocks);
+    success(checked_publish_ ? reply::enable_checked_publishing : reply::enable_publishing);
+  } else if (letters == command::disable_publishing) {
+    subscriptions_.disable(decision_ + cursor.clocks);
+    success(reply::disable_publishing);
+  } else if (!cursor.take(1, first)) {  // what is left is about one group
+    refuse(error::missing_data);
+  } else if (first >= configuration_.groups) {
+    refuse(error::invalid_group);
+  } else if (letters == command::read_group) {
+    read_group(first);
+  } else if (letters == command::write_group_addresses) {
+    write_group_addresses(first, cursor);
+  } else if (std::uint32_t rate = 0; cursor.take(configuration_.rate_bytes, rate)) {
+    subscriptions_.set_rate(first, rate, decision_ + cursor.clocks);
+    success(reply::write_group_rate);
+  } else {
+    refuse(error::missing_data);
+  }
+}
+
+void Application::read_configuration() {
+  std::uint32_t frequency_bytes = 1;
+  while (frequency_bytes < 4 && configuration_.base_hz >> (8 * frequency_bytes) != 0) {
+    ++frequency_bytes;
+  }
+  letters(reply::read_configuration);
+  const std::array<std::array<std::uint32_t, 2>, 8> fields{{{configuration_.address_bytes(), 1},
+                                                            {configuration_.data_bytes(), 1},
+                                                            {configuration_.read_many, 1},
+                                                            {configuration_.publish_mode, 1},
+                                                            {configuration_.base_hz, frequency_bytes},
+                                                            {configuration_.groups, 1},  // one byte: 256 groups say 00
+                                                            {configuration_.group_size, 1},
+                                                            {configuration_.rate_bytes, 1}}};
+  char separator = bytes::data_mark;
+  for (const auto& [content, width] : fields) {
+    mark(separator);
+    value(content, width);
+    separator = bytes::field_separator;
+  }
+  tail();
+}
+
+void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
+  std::uint32_t count = 0;
+  if (!cursor.take(1, count)) {
+    refuse(error::missing_data);
+    return;
+  }
+  if (count == 0 || count > configuration_.group_size) {
+    refuse(error::invalid_group_size);
+    return;
+  }
+  addresses_.clear();
+  for (std::uint32_t address = 0; addresses_.size() < count;) {
+    if (!cursor.take(configuration_.address_bytes(), address)) {
+      refuse(error::missing_address);  // and the group stays as it was
+      return;
+    }
+    addresses_.push_back(address & configuration_.address_mask());
+    ++cursor.clocks;
+  }
+  subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
+  success(reply::write_group_addresses);
+}
+
+void Application::read_group(std::uint32_t group) {
+  const std::span<const std::uint32_t> addresses = subscriptions_.addresses(group);
+  letters(reply::read_group);
+  mark(bytes::data_mark);
+  value(subscriptions_.rate(group), configuration_.rate_bytes);
+  value(static_cast<std::uint32_t>(addresses.size()), 1);
+  for (const std::uint32_t address : addresses) {
+    value(address, configuration_.address_bytes());
+  }
+  tail();
+}
+
+}  // namespace unitylink::device

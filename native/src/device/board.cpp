@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/board.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+namespace unitylink::device {
+
+namespace {
+
+constexpr std::uint64_t second_ns = 1'000'000'000;
+// Without a line the device may run this far ahead of real time, so that a reply is out at once and not after a timer.
+constexpr std::uint64_t lead_ns = 200'000;
+constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can bring it work
+constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a sign
+constexpr std::uint64_t lag_most_ns = 100'000'000; // beyond this the device clock slips
+constexpr std::size_t chunk = 16384;
+
+std::uint64_t now_ns() noexcept {
+  timespec time{};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return static_cast<std::uint64_t>(time.tv_sec) * second_ns + static_cast<std::uint64_t>(time.tv_nsec);
+}
+
+// In two parts: clock_hz times nanoseconds overflows within a day.
+Clock clocks(std::uint64_t ns, std::uint32_t clock_hz) noexcept {
+  return ns / second_ns * clock_hz + ns % second_ns * clock_hz / second_ns;
+}
+
+std::uint64_t nanoseconds(Clock clock, std::uint32_t clock_hz) noexcept {
+  return clock / clock_hz * second_ns + clock % clock_hz * second_ns / clock_hz;
+}
+
+}  // namespace
+
+Board::Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint)
+    : device_(configuration), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  output_.reserve(chunk);
+  lead_ = configuration.byte_clocks > 0 ? 0 : clocks(lead_ns, configuration.clock_hz);
+}
+
+Board::~Board() {
+  stop();
+  ::close(wake_);
+}
+
+void Board::set_plant(PlantHook hook) {
+  plant_ = std::move(hook);
+  plant_period_ = std::max<Clock>(1, static_cast<Clock>(std::llround(plant_.period_s * configuration().clock_hz)));
+  plant_next_ = plant_.step ? 0 : never;
+}
+
+void Board::start() {
+  start_ns_ = now_ns();
+  thread_ = std::thread([this] { serve(); });
+}
+
+void Board::stop() {
+  stop_ = true;
+  wake();
+  if (thread_.joinable() && thread_.get_id() != std::this_thread::get_id()) {
+    thread_.join();
+    const std::lock_guard lock(mutex_);
+    endpoint_.reset();  // the client sees the board go
+  }
+}
+
+void Board::wake() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(wake_, &one, sizeof one);
+}
+
+Clock Board::real_clock() const noexcept { return clocks(now_ns() - start_ns_, configuration().clock_hz) - slip_; }
+
+void Board::serve() {
+  ::prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    if (endpoint_->admit(at_rest_)) {
+      ++statistics_.clients;
+      forget_output();
+    }
+    const bool more = feed();
+    const Clock real = real_clock();
+    Clock target = real + lead_;
+    if (fed_) {  // what came in is worked on at once, however far ahead the device already was, within reason
+      target = std::max(target, std::min(device_.clock() + lead_, real + 4 * lead_));
+    }
+    step_plant(lock, target);
+    device_.run_until(target);
+    flush();
+    if (!stop_ && !more && device_.next_event() > target) {
+      wait(lock);
+    }
+  }
+}
+
+void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
+  const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
+  if (plant_next_ != never && until > plant_next_ + lag_most) {
+    const Clock lost = until - plant_next_ - lag_most;
+    slip_ += lost;
+    until -= lost;
+    statistics_.time_slipped_s += static_cast<double>(lost) / configuration().clock_hz;
+  }
+  while (plant_next_ <= until && !stop_) {
+    device_.run_until(plant_next_);
+    flush();
+    const double time_s = static_cast<double>(plant_next_) / configuration().clock_hz;
+    plant_next_ += plant_period_;
+    lock.unlock();
+    const bool goes_on = plant_.step(time_s);
+    lock.lock();
+    ++statistics_.plant_steps;
+    if (!goes_on) {
+      plant_next_ = never;
+    }
+  }
+}
+
+// True when there may be more at once.
+bool Board::feed() {
+  fed_ = false;
+  std::array<std::uint8_t, 4096> bytes;
+  const std::size_t room = std::min(bytes.size(), device_.room());
+  if (endpoint_->client() < 0 || room == 0) {
+    return false;
+  }
+  const Endpoint::Transfer taken = endpoint_->receive(std::span(bytes).first(room));
+  if (taken.result == Endpoint::Result::gone) {
+    forget_output();
+  }
+  if (taken.result != Endpoint::Result::done) {
+    return false;
+  }
+  device_.run_until(real_clock());
+  for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
+    device_.receive(byte);
+  }
+  fed_ = true;
+  return taken.bytes == room;
+}
+
+// What was meant for a client that has left is not for the next.
+void Board::forget_output() {
+  output_.clear();
+  output_sent_ = 0;
+  output_blocked_ = false;
+  at_rest_ = true;
+}
+
+void Board::flush() {
+  for (;;) {
+    if (output_sent_ == output_.size()) {
+      output_.clear();
+      output_sent_ = 0;
+      TimedByte byte;
+      while (output_.size() < chunk && device_.take(byte)) {
+        output_.push_back(byte.byte);
+      }
+      if (output_.empty()) {
+        return;
+      }
+      at_rest_ = output_.back() == '\n';
+    }
+    if (!endpoint_->has_client()) {
+      statistics_.bytes_dropped += output_.size() - output_sent_;
+      output_sent_ = output_.size();
+      continue;
+    }
+    const Endpoint::Transfer sent = endpoint_->send(std::span<const std::uint8_t>(output_).subspan(output_sent_));
+    output_blocked_ = sent.result == Endpoint::Result::nothing;
+    if (output_blocked_) {
+      return;
+    }
+    output_sent_ += sent.bytes;  // of a client that is gone: nothing, and the next round drops it
+  }
+}
+
+void Board::wait(std::unique_lock<std::mutex>& lock) {
+  std::array<pollfd, 3> polled{};
+  nfds_t count = 0;
+  polled[count++] = {wake_, POLLIN, 0};
+  if (const int listener = endpoint_->listener(); listener >= 0) {
+    polled[count++] = {listener, POLLIN, 0};
+  }
+  if (const int client = endpoint_->client(); client >= 0) {
+    const short wanted = static_cast<short>((device_.room() > 0 ? POLLIN : 0) | (output_blocked_ ? POLLOUT : 0));
+    polled[count++] = {client, wanted, 0};
+  }
+  Clock next = std::min(device_.next_event(), plant_next_);
+  if (!output_blocked_) {
+    next = std::min(next, device_.next_output());
+  }
+  std::uint64_t pause_ns = never;
+  if (next != never) {
+    const Clock real = next + slip_;
+    const std::uint64_t due_ns = start_ns_ + nanoseconds(real - std::min(real, lead_), configuration().clock_hz);
+    const std::uint64_t now = now_ns();
+    pause_ns = std::max(pause_least_ns, due_ns > now ? due_ns - now : 0);
+  }
+  if (endpoint_->must_look()) {
+    pause_ns = std::min(pause_ns, look_ns);
+  }
+  const timespec pause{static_cast<time_t>(pause_ns / second_ns), static_cast<long>(pause_ns % second_ns)};
+  lock.unlock();
+  ::ppoll(polled.data(), count, pause_ns == never ? nullptr : &pause, nullptr);
+  lock.lock();
+  if (polled[0].revents != 0) {
+    std::uint64_t ignored = 0;
+    [[maybe_unused]] const ssize_t cleared = ::read(wake_, &ignored, sizeof ignored);
+  }
+}
+
+std::string Board::url() {
+  const std::lock_guard lock(mutex_);
+  if (!endpoint_) {
+    throw EndpointError("the board is closed");
+  }
+  std::string place = endpoint_->url();
+  wake();  // there may be a new descriptor to poll
+  return place;
+}
+
+double Board::time_s() {
+  const std::lock_guard lock(mutex_);
+  return static_cast<double>(device_.clock()) / configuration().clock_hz;
+}
+
+BusReply Board::get(std::uint32_t address) {
+  const std::lock_guard lock(mutex_);
+  return device_.bus().get(address, device_.clock());
+}
+
+BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
+  const std::lock_guard lock(mutex_);
+  return device_.bus().set(address, value, device_.clock());
+}
+
+void Board::set_event(std::uint32_t group, bool high) {
+  const std::lock_guard lock(mutex_);
+  device_.set_event(group, high);
+  wake();
+}
+
+void Board::pulse_event(std::uint32_t group) {
+  const std::lock_guard lock(mutex_);
+  device_.set_event(group, true);  // no clock passes between the two: a level is caught once, as an edge is
+  device_.set_event(group, false);
+  wake();
+}
+
+void Board::receive_error(std::uint8_t bits) {
+  const std::lock_guard lock(mutex_);
+  device_.receive_error(bits);
+  wake();
+}
+
+bool Board::async_take(AsyncWord& word) {
+  const std::lock_guard lock(mutex_);
+  Tosnet* tosnet = device_.bus().tosnet();
+  return tosnet != nullptr && tosnet->async_take(word, device_.clock());
+}
+
+bool Board::async_give(const AsyncWord& word) {
+  const std::lock_guard lock(mutex_);
+  Tosnet* tosnet = device_.bus().tosnet();
+  return tosnet != nullptr && tosnet->async_give(word, device_.clock());
+}
+
+void Board::set_online(bool online) {
+  const std::lock_guard lock(mutex_);
+  if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
+    tosnet->set_online(online, device_.clock());
+  }
+}
+
+void Board::damage_cycle() {
+  const std::lock_guard lock(mutex_);
+  if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
+    tosnet->damage_cycle(device_.clock());
+  }
+}
+
+BoardStatistics Board::statistics() {
+  const std::lock_guard lock(mutex_);
+  statistics_.device = device_.statistics();
+  return statistics_;
+}
+
+}  // namespace unitylink::device

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A device that lives: a thread that serves it on an endpoint while its clock follows the real one.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "device/device.hpp"
+#include "device/endpoint.hpp"
+
+namespace unitylink::device {
+
+// What moves behind the registers. `step` is called by the board's thread, without its lock, every `period_s` of device
+// time; false ends the stepping (the board goes on serving).
+struct PlantHook {
+  double period_s = 0;
+  std::function<bool(double time_s)> step;
+};
+
+struct BoardStatistics {
+  DeviceStatistics device;
+  std::uint64_t clients = 0;        // that came, so far
+  std::uint64_t bytes_dropped = 0;  // published while nobody listened
+  std::uint64_t plant_steps = 0;
+  double time_slipped_s = 0;        // by which the device clock lags the real one because the machine was too busy
+};
+
+// A client that leaves frees the board; what it set stays. Publishing goes on, into the void, as a real board's would.
+// A client that does not read fills the transmit FIFO, and the device stops as gateware does.
+// All calls may come from any thread.
+class Board {
+ public:
+  // `configuration.problem()` must be empty.
+  Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint);
+  ~Board();
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  void set_plant(PlantHook hook);  // before start()
+  void start();
+  // Idempotent; waits for the thread, thus for a plant's step in progress, unless it is that step that calls it.
+  void stop();
+
+  std::string url();
+  [[nodiscard]] double time_s();
+  BusReply get(std::uint32_t address);
+  BusStatus set(std::uint32_t address, std::uint32_t value);
+  void set_event(std::uint32_t group, bool high);
+  void pulse_event(std::uint32_t group);
+  void receive_error(std::uint8_t bits);
+  bool async_take(AsyncWord& word);
+  bool async_give(const AsyncWord& word);
+  void set_online(bool online);  // of the TosNet, as the next
+  void damage_cycle();
+  BoardStatistics statistics();
+  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_.configuration(); }
+
+ private:
+  void serve();
+  void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
+  void wait(std::unique_lock<std::mutex>& lock);
+  bool feed();
+  void flush();
+  void forget_output();
+  void wake();
+  [[nodiscard]] Clock real_clock() const noexcept;
+
+  std::mutex mutex_;
+  Device device_;
+  std::unique_ptr<Endpoint> endpoint_;
+  PlantHook plant_;
+  Clock plant_period_ = 0;
+  Clock plant_next_ = never;
+  BoardStatistics statistics_;
+  std::vector<std::uint8_t> output_;  // taken from the device, not yet sent
+  std::size_t output_sent_ = 0;
+  bool output_blocked_ = false;
+  bool fed_ = false;                  // the device has just got bytes
+  bool at_rest_ = true;               // the last byte sent ended a message
+  std::uint64_t start_ns_ = 0;
+  Clock slip_ = 0;
+  Clock lead_ = 0;
+  int wake_ = -1;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace unitylink::device

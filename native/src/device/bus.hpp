@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bus behind the application layer, as every slave implements it.
+#pragma once
+
+#include <cstdint>
+
+#include "device/clock.hpp"
+
+namespace unitylink::device {
+
+enum class BusStatus : std::uint8_t { ok, error, silent };
+
+struct BusReply {
+  BusStatus status = BusStatus::ok;
+  std::uint32_t value = 0;
+};
+
+// Addresses are relative to the slave. `read`, `write` and `block` are what the link does; `get` and `set` are the FPGA's
+// own side of the same words, where plants attach.
+class Bus {
+ public:
+  virtual ~Bus() = default;
+  virtual BusReply read(std::uint32_t address, Clock now) = 0;
+  virtual BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) = 0;
+  // True from before the first until after the last word of a read-many or publish: its words must belong together.
+  virtual void block(bool /*held*/, Clock /*now*/) {}
+  virtual BusReply get(std::uint32_t address, Clock now) = 0;
+  virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
+};
+
+}  // namespace unitylink::device

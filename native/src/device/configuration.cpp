@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/configuration.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace unitylink::device {
+
+namespace {
+
+constexpr std::uint32_t ones(std::uint32_t bits) noexcept {
+  return bits >= 32 ? 0xFFFFFFFFu : (1u << bits) - 1u;
+}
+
+struct Limit {
+  const char* name;
+  std::uint32_t value;
+  std::uint32_t least;
+  std::uint32_t most;
+};
+
+struct Slave {
+  std::string name;
+  std::uint64_t first;
+  std::uint64_t size;
+};
+
+}  // namespace
+
+std::uint32_t DeviceConfiguration::mask_bytes() const noexcept {
+  return std::max(protocol::limits::event_mask_bytes_min, (groups + 7) / 8);
+}
+
+std::uint32_t DeviceConfiguration::address_mask() const noexcept { return ones(address_bits); }
+
+std::uint32_t DeviceConfiguration::data_mask() const noexcept { return ones(data_bits); }
+
+std::uint32_t DeviceConfiguration::message_entries() const noexcept {
+  const std::uint32_t address = address_bytes();
+  std::uint32_t longest = std::max(4 + address + 3, 7 + address + data_bytes());
+  if (read_many > 0) {
+    longest = std::max(longest, 9 + address * read_many);
+  }
+  if (publish_mode > 0) {
+    longest = std::max({longest, 10 + group_size * address, 8 + rate_bytes, 7 + mask_bytes()});
+  }
+  return std::bit_ceil(longest) + 1;
+}
+
+std::string DeviceConfiguration::problem() const {
+  namespace limits = protocol::limits;
+  const Limit all[] = {
+      {"address_bits", address_bits, 1, limits::address_bits_max},
+      {"data_bits", data_bits, limits::data_bits_min, limits::data_bits_max},
+      {"clock_hz", clock_hz, 1000, 1000000000},
+      {"base_hz", base_hz, 1, clock_hz},
+      {"groups", groups, 1, limits::groups_max},
+      {"group_size", group_size, 1, limits::group_size_max},
+      {"read_many", read_many, 0, limits::read_many_max},
+      {"rate_bytes", rate_bytes, 1, limits::rate_bytes_max},
+      {"publish_mode", publish_mode, 0, 2},
+      {"byte_clocks", byte_clocks, 0, 100000000},
+      {"receive_fifo", receive_fifo, 0, 1u << 20},
+      {"transmit_fifo", transmit_fifo, 0, 1u << 20},
+      {"fifo_latency", fifo_latency, 0, 1000},
+  };
+  for (const Limit& limit : all) {
+    if (limit.value < limit.least || limit.value > limit.most) {
+      return std::string(limit.name) + " is " + std::to_string(limit.value) + "; choose " + std::to_string(limit.least) +
+             " to " + std::to_string(limit.most);
+    }
+  }
+  std::vector<Slave> slaves;
+  if (tosnet.present) {
+    slaves.push_back({"tosnet", tosnet.base, std::uint64_t{1} << protocol::tosnet::address_bits});
+    if (tosnet.cycle_clocks == 0) {
+      return "tosnet.cycle_clocks is 0; choose the length of a network cycle in clock cycles";
+    }
+    std::uint32_t seen = 1u << (tosnet.master_id & 15u);
+    if (tosnet.master_id < 1 || tosnet.master_id > 15) {
+      return "tosnet.master_id is " + std::to_string(tosnet.master_id) + "; choose 1 to 15";
+    }
+    for (const TosnetNode& node : tosnet.nodes) {
+      if (node.id < 1 || node.id > 15 || (seen >> node.id & 1u) != 0) {
+        return "tosnet node id " + std::to_string(node.id) + "; ids are 1 to 15 and each stands once";
+      }
+      seen |= 1u << node.id;
+    }
+  }
+  for (const FifoConfiguration& fifo : fifos) {
+    if (fifo.depth == 0) {
+      return "a fifo of depth 0; choose at least 1 word";
+    }
+    slaves.push_back({"fifo", fifo.base, 3});
+  }
+  for (const DoubleBufferConfiguration& buffer : double_buffers) {
+    if (buffer.size == 0) {
+      return "a double buffer of size 0; choose at least 1 word";
+    }
+    slaves.push_back({"double buffer", buffer.base, std::uint64_t{buffer.size} + 1});
+  }
+  for (std::size_t i = 0; i < slaves.size(); ++i) {
+    if (slaves[i].first + slaves[i].size - 1 > address_mask()) {
+      return slaves[i].name + " at " + std::to_string(slaves[i].first) + " does not fit " + std::to_string(address_bits) +
+             " address bits; give more address bits";
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (slaves[i].first < slaves[j].first + slaves[j].size && slaves[j].first < slaves[i].first + slaves[i].size) {
+        return slaves[j].name + " and " + slaves[i].name + " overlap; move one of them";
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace unitylink::device

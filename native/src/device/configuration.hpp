@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The generics of the gateware, and what stands around it on a virtual board.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "unitylink/protocol.hpp"
+
+namespace unitylink::device {
+
+enum class Checksum : std::uint8_t { crc8, exclusive_or };
+
+// Word addresses first..last, both included.
+struct AddressRange {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+};
+
+// A node of the TosNet network beside the PC's own.
+struct TosnetNode {
+  std::uint8_t id = 1;
+  std::uint8_t registers = 0xFF;  // bit r: register r is enabled
+};
+
+struct TosnetConfiguration {
+  bool present = false;
+  std::uint32_t base = 0;
+  std::uint8_t master_id = 1;               // the PC's own node
+  std::uint8_t master_registers = 0xFF;
+  std::uint32_t cycle_clocks = 5000;        // one network cycle: 100 us at 50 MHz
+  std::uint32_t max_skipped_writes = 0;     // this many cycles without a commit halt the system; 0 = never
+  std::vector<TosnetNode> nodes;
+};
+
+struct FifoConfiguration {
+  std::uint32_t base = 0;
+  std::uint32_t depth = 16;  // words each way
+};
+
+struct DoubleBufferConfiguration {
+  std::uint32_t base = 0;
+  std::uint32_t size = 16;  // words in a bank
+};
+
+struct DeviceConfiguration {
+  std::uint32_t address_bits = 8;
+  std::uint32_t data_bits = 32;
+  std::uint32_t clock_hz = protocol::limits::clock_hz_default;
+  std::uint32_t base_hz = protocol::limits::base_hz_default;
+  std::uint32_t groups = 2;
+  std::uint32_t group_size = 16;
+  std::uint32_t read_many = 32;   // largest read-many; 0 = no such command
+  std::uint32_t rate_bytes = 2;
+  std::uint32_t publish_mode = 2; // 0 none, 1 requests first, 2 publishing first
+  bool configuration_command = true;
+  Checksum checksum = Checksum::crc8;
+  std::uint8_t polynomial = protocol::crc8::polynomial;
+  std::vector<std::uint8_t> edge_events;  // bit g of byte g/8: the event input of group g is edge-triggered, else level
+
+  std::uint32_t byte_clocks = 0;      // clock cycles per byte on the line each way; 0 = no line: flow-controlled bytes
+  std::uint32_t receive_fifo = 0;     // bytes; 0 = large
+  std::uint32_t transmit_fifo = 0;    // bytes; 0 = large
+  std::uint32_t fifo_latency = 0;     // clock cycles through each physical FIFO; the 2012 library's takes 2
+  bool honour_flush = false;          // a datalink error empties the receive FIFO, as the 2012 UART does
+
+  bool bench_memory = false;          // memory starts as the recordings' bench has it, not as zero
+  std::vector<AddressRange> bus_error_ranges;  // answered with a bus error
+  std::vector<AddressRange> silent_ranges;     // not answered at all
+  TosnetConfiguration tosnet;
+  std::vector<FifoConfiguration> fifos;
+  std::vector<DoubleBufferConfiguration> double_buffers;
+
+  [[nodiscard]] std::uint32_t address_bytes() const noexcept { return (address_bits + 7) / 8; }
+  [[nodiscard]] std::uint32_t data_bytes() const noexcept { return (data_bits + 7) / 8; }
+  [[nodiscard]] std::uint32_t mask_bytes() const noexcept;
+  [[nodiscard]] std::uint32_t address_mask() const noexcept;
+  [[nodiscard]] std::uint32_t data_mask() const noexcept;
+  // Entries a received message may have: head, letters, colon, data bytes and tail.
+  [[nodiscard]] std::uint32_t message_entries() const noexcept;
+  // What is wrong with these values and what to do, or "" when nothing is.
+  [[nodiscard]] std::string problem() const;
+};
+
+}  // namespace unitylink::device

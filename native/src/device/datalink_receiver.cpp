@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/datalink_receiver.hpp"
+
+#include <algorithm>
+
+#include "layer1_stream/hex.hpp"
+
+namespace unitylink::device {
+
+namespace bytes = protocol::bytes;
+namespace error = protocol::datalink_error;
+
+namespace {
+
+constexpr bool is_letter(char c) noexcept { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+constexpr bool is_separator(char c) noexcept { return c == '\t' || c == ' ' || c == ',' || c == '.'; }
+constexpr bool is_head(char c) noexcept {
+  return c == bytes::plain_head || c == bytes::checked_head || c == bytes::plain_publish || c == bytes::checked_publish;
+}
+constexpr bool is_end(char c) noexcept { return c == bytes::line_feed || c == bytes::carriage_return; }
+
+}  // namespace
+
+DatalinkReceiver::DatalinkReceiver(const DeviceConfiguration& configuration)
+    : checksum_(configuration.checksum == Checksum::crc8 ? Crc8(configuration.polynomial) : Crc8::exclusive_or()),
+      entries_most_(configuration.message_entries()) {
+  for (Message& message : messages_) {
+    message.letters.reserve(entries_most_);
+    message.data.reserve(entries_most_);
+  }
+}
+
+void DatalinkReceiver::release(Clock at) noexcept {
+  messages_[first_].free_at = at;
+  first_ ^= 1u;
+  --complete_;
+  messages_[first_].ready_at = std::max(messages_[first_].ready_at, at);
+}
+
+DatalinkReceiver::Taken DatalinkReceiver::fail(std::uint8_t code, Clock now, Clock delay) noexcept {
+  receiving_ = false;
+  const bool misplaced = code == error::format || code == error::odd_digits;
+  return {now + (misplaced ? timing::receive_misplaced : timing::receive_invalid), code, now + delay};
+}
+
+bool DatalinkReceiver::stored() noexcept { return ++entries_ < entries_most_; }
+
+DatalinkReceiver::Taken DatalinkReceiver::begin(bool checked, Clock now) noexcept {
+  Message& message = messages_[first_ ^ complete_];
+  message.checked = checked;
+  message.colon = false;
+  message.letters.clear();
+  message.data.clear();
+  receiving_ = true;
+  star_ = half_ = false;
+  sum_ = protocol::crc8::initial;
+  checksum_bytes_ = 0;
+  entries_ = 1;
+  return {now + timing::receive_character};
+}
+
+DatalinkReceiver::Taken DatalinkReceiver::finish(Clock now) noexcept {
+  Message& message = messages_[first_ ^ complete_];
+  Clock delay = timing::message_ready;
+  if (message.checked) {
+    // Exactly one checksum byte behind a star. The one exception is the empty message with an empty checksum, `$*`.
+    const bool empty = checksum_bytes_ == 0 && message.letters.empty() && message.data.empty();
+    if (!star_ || sum_ != 0 || (checksum_bytes_ != 1 && !empty)) {
+      return fail(error::checksum, now, timing::receive_first_digit);
+    }
+    delay += timing::checksum_verdict;
+  }
+  message.ready_at = now + delay;
+  receiving_ = false;
+  ++complete_;
+  return {now + timing::receive_character + delay - timing::message_ready};
+}
+
+DatalinkReceiver::Taken DatalinkReceiver::digit(std::uint8_t value, Clock now) {
+  if (!half_) {
+    half_ = true;
+    first_digit_ = value;
+    return {now + timing::receive_first_digit};
+  }
+  half_ = false;
+  Message& message = messages_[first_ ^ complete_];
+  const auto byte = static_cast<std::uint8_t>(first_digit_ << 4 | value);
+  sum_ = checksum_.update(sum_, byte);
+  if (star_) {
+    checksum_bytes_ += checksum_bytes_ < 2 ? 1u : 0u;
+  } else {
+    if (!stored()) {
+      return fail(error::message_too_long, now, timing::receive_first_digit);
+    }
+    message.data.push_back(byte);
+  }
+  return {now + timing::receive_second_digit};
+}
+
+DatalinkReceiver::Taken DatalinkReceiver::take(std::uint8_t byte, Clock now) {
+  const char c = static_cast<char>(byte);
+  if (!receiving_) {
+    if (c == bytes::plain_head || c == bytes::checked_head) {
+      return begin(c == bytes::checked_head, now);
+    }
+    return is_head(c) ? fail(error::format, now) : Taken{now + timing::receive_skipped};
+  }
+  Message& message = messages_[first_ ^ complete_];
+  if (half_ && digit_value(c) == not_a_digit) {
+    const bool framing = is_head(c) || is_end(c) || c == bytes::data_mark || c == bytes::checksum_mark;
+    return fail(framing ? error::odd_digits : error::invalid_character, now);
+  }
+  if (is_end(c)) {
+    return finish(now);
+  }
+  if (is_separator(c)) {
+    return {now + timing::receive_separator};
+  }
+  if (is_head(c) || (c == bytes::data_mark && (message.colon || star_)) ||
+      (c == bytes::checksum_mark && (!message.checked || star_))) {
+    return fail(error::format, now);
+  }
+  if (c == bytes::checksum_mark) {
+    star_ = true;
+    return {now + timing::receive_character};
+  }
+  if (c == bytes::data_mark) {
+    message.colon = true;
+    return stored() ? Taken{now + timing::receive_character}
+                    : fail(error::message_too_long, now, timing::receive_first_digit);
+  }
+  if (message.colon || star_) {
+    const std::uint8_t value = digit_value(c);
+    return value == not_a_digit ? fail(error::invalid_character, now) : digit(value, now);
+  }
+  if (!is_letter(c)) {
+    return fail(error::invalid_character, now);
+  }
+  if (!stored()) {
+    return fail(error::message_too_long, now, timing::receive_first_digit);
+  }
+  sum_ = checksum_.update(sum_, byte);  // the letter as sent: case counts
+  message.letters.push_back(static_cast<char>(c & ~0x20));
+  return {now + timing::receive_character};
+}
+
+}  // namespace unitylink::device

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/device.hpp"
+
+#include <algorithm>
+
+namespace unitylink::device {
+
+namespace {
+
+constexpr std::uint8_t overrun = 4;
+
+}  // namespace
+
+Device::Device(const DeviceConfiguration& configuration)
+    : configuration_(configuration),
+      bus_(configuration_),
+      input_(configuration_),
+      output_(configuration_),
+      receiver_(configuration_),
+      transmitter_(configuration_, output_),
+      subscriptions_(configuration_),
+      application_(configuration_, receiver_, subscriptions_, transmitter_, bus_) {}
+
+bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
+
+void Device::receive_error(std::uint8_t bits) {
+  if ((bits & 7u) != 0) {
+    report(static_cast<std::uint8_t>(protocol::datalink_error::physical + (bits & 7u)), clock_ + timing::physical_error);
+  }
+}
+
+void Device::set_event(std::uint32_t group, bool high) {
+  if (group < configuration_.groups) {
+    subscriptions_.set_input(group, high, clock_);
+  }
+}
+
+void Device::set_events(std::uint32_t mask) {
+  for (std::uint32_t group = 0; group < std::min(configuration_.groups, 32u); ++group) {
+    set_event(group, (mask >> group & 1u) != 0);
+  }
+}
+
+void Device::report(std::uint8_t code, Clock at) {
+  ++statistics_.datalink_errors;
+  receiver_.abandon();
+  if (!transmitter_.errors_full()) {
+    transmitter_.report(code, at);
+  }
+  if (configuration_.honour_flush) {
+    input_.flush();
+  }
+}
+
+Clock Device::receiver_clock() const noexcept {
+  if (receiver_.stalled() || transmitter_.errors_full()) {
+    return never;
+  }
+  const Clock readable = input_.readable();
+  return readable == never ? never : std::max({readable, receiver_ready_, receiver_.room_at()});
+}
+
+void Device::take_byte() {
+  const Clock now = receiver_clock();
+  const DatalinkReceiver::Taken taken = receiver_.take(input_.front(), now);
+  input_.pop();
+  ++statistics_.bytes_received;
+  last_activity_ = std::max(last_activity_, now);
+  receiver_ready_ = taken.next;
+  if (taken.error != 0) {
+    report(taken.error, taken.error_at);
+  }
+}
+
+Clock Device::next_event() const noexcept {
+  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_.next_clock(), application_.next_clock(),
+                   subscriptions_.next_clock(), receiver_clock()});
+}
+
+void Device::run_until(Clock clock) {
+  for (;;) {
+    const Clock next = next_event();
+    if (next > clock) {
+      break;
+    }
+    clock_ = std::max(clock_, next);
+    if (input_.next_arrival() <= next) {
+      if (!input_.arrive()) {
+        ++statistics_.overruns;
+        receive_error(overrun);
+      }
+    } else if (output_.next_departure() <= next) {
+      output_.depart();
+    } else if (transmitter_.next_clock() <= next) {
+      last_activity_ = std::max(last_activity_, next);
+      if (transmitter_.errors_full()) {
+        receiver_ready_ = std::max(receiver_ready_, next);  // the receiver has waited for a place for its next error
+      }
+      transmitter_.step();
+    } else if (subscriptions_.next_clock() <= next) {
+      subscriptions_.advance(clock_);
+    } else if (application_.next_clock() <= next) {
+      application_.step(clock_);
+    } else {
+      take_byte();
+    }
+  }
+  clock_ = std::max(clock_, clock);
+}
+
+bool Device::take(TimedByte& byte) noexcept {
+  if (!output_.take(byte, clock_)) {
+    return false;
+  }
+  ++statistics_.bytes_sent;
+  return true;
+}
+
+}  // namespace unitylink::device

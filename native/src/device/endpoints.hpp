@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The four kinds of endpoint, and what they share.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <unistd.h>
+
+#include "device/endpoint.hpp"
+
+namespace unitylink::device {
+
+inline constexpr std::string_view busy_line = "?busy\n";
+
+// Owns a descriptor.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) noexcept : number_(number) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    reset(other.release());
+    return *this;
+  }
+
+  [[nodiscard]] int get() const noexcept { return number_; }
+  [[nodiscard]] bool open() const noexcept { return number_ >= 0; }
+  int release() noexcept { return std::exchange(number_, -1); }
+  void reset(int number = -1) noexcept {
+    if (number_ >= 0) {
+      ::close(number_);
+    }
+    number_ = number;
+  }
+
+ private:
+  int number_;
+};
+
+// A client behind a stream socket.
+class StreamEndpoint : public Endpoint {
+ public:
+  [[nodiscard]] bool has_client() const noexcept override { return client_.open(); }
+  [[nodiscard]] int client() const noexcept override { return client_.get(); }
+  Transfer receive(std::span<std::uint8_t> room) override;
+  Transfer send(std::span<const std::uint8_t> bytes) override;
+
+ protected:
+  // False when the client has closed its side.
+  [[nodiscard]] bool client_lives() const noexcept;
+  Descriptor client_;
+};
+
+std::unique_ptr<Endpoint> make_descriptor_endpoint();
+std::unique_ptr<Endpoint> make_terminal_endpoint(const std::string& path);
+std::unique_ptr<Endpoint> make_tcp_endpoint(const std::string& bind, std::uint16_t port);
+std::unique_ptr<Endpoint> make_udp_endpoint(const std::string& bind, std::uint16_t port);
+
+}  // namespace unitylink::device

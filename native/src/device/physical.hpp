@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The physical layer: a byte FIFO each way and, if `byte_clocks` is set, a line in front of it that takes its time.
+//
+// With a line, as with a UART: a byte that arrives at a full receive FIFO is lost (overrun), whatever the host meant.
+// Without one, as with USB or TCP: the FIFO takes only what it has room for and the rest waits at the host.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "device/configuration.hpp"
+#include "device/ring.hpp"
+
+namespace unitylink::device {
+
+struct TimedByte {
+  Clock at = 0;
+  std::uint8_t byte = 0;
+};
+
+class PhysicalReceiver {
+ public:
+  static constexpr std::size_t large = 65536;
+
+  explicit PhysicalReceiver(const DeviceConfiguration& configuration)
+      : byte_clocks_(configuration.byte_clocks),
+        latency_(configuration.fifo_latency),
+        line_(byte_clocks_ > 0 ? large : 0),
+        fifo_(configuration.receive_fifo > 0 ? configuration.receive_fifo : large) {}
+
+  [[nodiscard]] std::size_t room() const noexcept { return byte_clocks_ > 0 ? line_.free() : fifo_.free(); }
+  [[nodiscard]] bool empty() const noexcept { return line_.empty() && fifo_.empty(); }
+
+  // False when there is no room; the host keeps the byte.
+  bool offer(std::uint8_t byte, Clock now) noexcept {
+    if (byte_clocks_ == 0) {
+      return fifo_.push({now, byte});
+    }
+    const Clock arrives = std::max(now, last_arrival_) + byte_clocks_;
+    if (!line_.push({arrives, byte})) {
+      return false;
+    }
+    last_arrival_ = arrives;
+    return true;
+  }
+
+  [[nodiscard]] Clock next_arrival() const noexcept { return line_.empty() ? never : line_.front().at; }
+
+  // The byte that is due moves from the line into the FIFO; false when it is lost to an overrun.
+  bool arrive() noexcept {
+    const bool kept = fifo_.push(line_.front());
+    line_.pop();
+    return kept;
+  }
+
+  // When the oldest byte in the FIFO can be read.
+  [[nodiscard]] Clock readable() const noexcept { return fifo_.empty() ? never : fifo_.front().at + latency_; }
+  [[nodiscard]] std::uint8_t front() const noexcept { return fifo_.front().byte; }
+  void pop() noexcept { fifo_.pop(); }
+  void flush() noexcept { fifo_.clear(); }
+
+ private:
+  std::uint32_t byte_clocks_;
+  std::uint32_t latency_;
+  Ring<TimedByte> line_;
+  Ring<TimedByte> fifo_;
+  Clock last_arrival_ = 0;
+};
+
+class PhysicalTransmitter {
+ public:
+  explicit PhysicalTransmitter(const DeviceConfiguration& configuration)
+      : byte_clocks_(configuration.byte_clocks),
+        latency_(configuration.fifo_latency),
+        fifo_(configuration.transmit_fifo > 0 ? configuration.transmit_fifo : PhysicalReceiver::large),
+        sent_(byte_clocks_ > 0 ? PhysicalReceiver::large : 0) {}
+
+  [[nodiscard]] std::size_t room() const noexcept { return fifo_.free(); }
+  void put(char character, Clock at) noexcept { fifo_.push({at + latency_, static_cast<std::uint8_t>(character)}); }
+
+  // When the line has carried the oldest byte of the FIFO; never while the host does not read.
+  [[nodiscard]] Clock next_departure() const noexcept {
+    const bool idle = byte_clocks_ == 0 || fifo_.empty() || sent_.full();
+    return idle ? never : std::max(fifo_.front().at, last_departure_) + byte_clocks_;
+  }
+
+  void depart() noexcept {
+    last_departure_ = next_departure();
+    sent_.push({last_departure_, fifo_.front().byte});
+    fifo_.pop();
+  }
+
+  // The oldest byte the host may have at `now`; false when there is none.
+  bool take(TimedByte& byte, Clock now) noexcept {
+    Ring<TimedByte>& from = byte_clocks_ > 0 ? sent_ : fifo_;
+    if (from.empty() || from.front().at > now) {
+      return false;
+    }
+    byte = from.front();
+    from.pop();
+    return true;
+  }
+
+  // When the oldest byte leaves for the host, whether or not a line has to carry it first.
+  [[nodiscard]] Clock next_output() const noexcept {
+    const Ring<TimedByte>& from = byte_clocks_ > 0 ? sent_ : fifo_;
+    return from.empty() ? never : from.front().at;
+  }
+
+ private:
+  std::uint32_t byte_clocks_;
+  std::uint32_t latency_;
+  Ring<TimedByte> fifo_;
+  Ring<TimedByte> sent_;
+  Clock last_departure_ = 0;
+};
+
+}  // namespace unitylink::device

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/subscription_manager.hpp"
+
+#include <algorithm>
+
+namespace unitylink::device {
+
+SubscriptionManager::SubscriptionManager(const DeviceConfiguration& configuration)
+    : groups_(configuration.groups), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    groups_[g].addresses.reserve(configuration.group_size);
+    groups_[g].edge = g / 8 < configuration.edge_events.size() && (configuration.edge_events[g / 8] >> (g % 8) & 1u) != 0;
+  }
+}
+
+std::span<const std::uint32_t> SubscriptionManager::addresses(std::uint32_t group) const noexcept {
+  return groups_[group].addresses;
+}
+
+void SubscriptionManager::set_addresses(std::uint32_t group, std::span<const std::uint32_t> addresses, Clock now) {
+  count_strobes(now);
+  groups_[group].addresses.assign(addresses.begin(), addresses.end());
+  plan(now);
+}
+
+void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Clock now) {
+  count_strobes(now);
+  Group& chosen = groups_[group];
+  chosen.rate = rate;
+  if (rate == 0) {
+    chosen.due = false;
+  }
+  if (chosen.strobes >= rate) {
+    chosen.strobes = 0;
+  }
+  plan(now);
+}
+
+void SubscriptionManager::enable(Clock now) {
+  if (!enabled_) {
+    enabled_ = true;
+    next_strobe_ = now;  // publishing starts with a strobe
+  }
+  plan(now);
+}
+
+void SubscriptionManager::disable(Clock now) {
+  count_strobes(now);
+  enabled_ = false;
+  next_strobe_ = never;
+  plan(now);
+}
+
+void SubscriptionManager::enable_events(std::span<const std::uint8_t> mask, Clock now) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    Group& group = groups_[g];
+    group.event_enabled = (mask[g / 8] >> (g % 8) & 1u) != 0;
+    group.event = group.event || (group.event_enabled && group.input && !group.edge);
+  }
+  plan(now);
+}
+
+void SubscriptionManager::set_input(std::uint32_t group, bool high, Clock now) {
+  Group& chosen = groups_[group];
+  // A level counts in every clock it is high, thus also in the last one; an edge only where it rises.
+  if (chosen.event_enabled && (chosen.edge ? high && !chosen.input : high || chosen.input)) {
+    chosen.event = true;
+  }
+  chosen.input = high;
+  plan(now);
+}
+
+bool SubscriptionManager::requests(const Group& group) noexcept {
+  // An empty group has nothing to publish, whatever its rate or event says.
+  return !group.addresses.empty() && (group.due || group.event || (group.input && group.event_enabled && !group.edge));
+}
+
+void SubscriptionManager::count_strobes(Clock now) {
+  if (next_strobe_ > now) {
+    return;
+  }
+  const Clock passed = (now - next_strobe_) / period_ + 1;
+  next_strobe_ += passed * period_;
+  for (Group& group : groups_) {
+    if (group.rate == 0 || group.addresses.empty()) {
+      continue;
+    }
+    const Clock strobes = group.strobes + passed;
+    group.due = group.due || strobes >= group.rate;
+    group.strobes = static_cast<std::uint32_t>(strobes % group.rate);
+  }
+}
+
+void SubscriptionManager::plan(Clock now) {
+  next_due_ = never;
+  if (!enabled_) {
+    pending_at_ = never;
+    return;
+  }
+  bool pending = false;
+  for (const Group& group : groups_) {
+    pending = pending || requests(group);
+    if (group.rate > 0 && !group.addresses.empty() && !group.due) {
+      next_due_ = std::min(next_due_, next_strobe_ + (group.rate - group.strobes - 1) * period_);
+    }
+  }
+  if (!pending) {
+    pending_at_ = never;
+  } else if (pending_at_ == never) {
+    pending_at_ = now + timing::publish_decision;
+  }
+}
+
+void SubscriptionManager::advance(Clock now) {
+  count_strobes(now);
+  plan(now);
+}
+
+std::optional<std::uint32_t> SubscriptionManager::serve(Clock now) {
+  advance(now);
+  const auto count = static_cast<std::uint32_t>(groups_.size());
+  // Descending and cyclic from the one last served: the requester furthest from it wins.
+  for (std::uint32_t step = 1; step <= count; ++step) {
+    const std::uint32_t candidate = (last_served_ + count - step) % count;
+    Group& group = groups_[candidate];
+    if (!requests(group)) {
+      continue;
+    }
+    (group.due ? group.due : group.event) = false;  // a rate is served before an event of the same group
+    last_served_ = candidate;
+    plan(now);
+    return candidate;
+  }
+  return std::nullopt;
+}
+
+}  // namespace unitylink::device

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The publish groups: their addresses, rates and events, and which of them is to publish next.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "device/configuration.hpp"
+#include "device/clock.hpp"
+
+namespace unitylink::device {
+
+// Requests of one group coalesce and never queue: there is one flag per cause. Rates go on from where publishing was
+// disabled; what was pending then is published as soon as it is enabled again.
+class SubscriptionManager {
+ public:
+  explicit SubscriptionManager(const DeviceConfiguration& configuration);
+
+  [[nodiscard]] std::span<const std::uint32_t> addresses(std::uint32_t group) const noexcept;
+  [[nodiscard]] std::uint32_t rate(std::uint32_t group) const noexcept { return groups_[group].rate; }
+  void set_addresses(std::uint32_t group, std::span<const std::uint32_t> addresses, Clock now);
+  void set_rate(std::uint32_t group, std::uint32_t rate, Clock now);
+
+  void enable(Clock now);
+  void disable(Clock now);
+
+  // Bit g % 8 of byte g / 8 belongs to group g.
+  void enable_events(std::span<const std::uint8_t> mask, Clock now);
+  [[nodiscard]] bool event_enabled(std::uint32_t group) const noexcept { return groups_[group].event_enabled; }
+  void set_input(std::uint32_t group, bool high, Clock now);
+
+  // When a group that is due can be served; not before the strobes up to `now` have been counted by advance().
+  [[nodiscard]] Clock pending_at() const noexcept { return pending_at_; }
+  // When advance() has something to do.
+  [[nodiscard]] Clock next_clock() const noexcept { return next_due_; }
+  void advance(Clock now);
+  // The group that is served now; its request is withdrawn. None when nothing is pending.
+  std::optional<std::uint32_t> serve(Clock now);
+
+ private:
+  struct Group {
+    std::vector<std::uint32_t> addresses;
+    std::uint32_t rate = 0;
+    std::uint32_t strobes = 0;
+    bool due = false;
+    bool event = false;
+    bool event_enabled = false;
+    bool input = false;
+    bool edge = false;
+  };
+
+  [[nodiscard]] static bool requests(const Group& group) noexcept;
+  void count_strobes(Clock now);
+  void plan(Clock now);
+
+  std::vector<Group> groups_;
+  Clock period_;
+  std::uint32_t last_served_ = 0;
+  bool enabled_ = false;
+  Clock next_strobe_ = never;
+  Clock next_due_ = never;
+  Clock pending_at_ = never;
+};
+
+}  // namespace unitylink::device

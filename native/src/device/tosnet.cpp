@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/tosnet.hpp"
+
+#include <algorithm>
+
+namespace unitylink::device {
+
+namespace map = protocol::tosnet;
+
+namespace {
+
+constexpr std::uint32_t bit(bool set, std::uint32_t position) noexcept { return (set ? 1u : 0u) << position; }
+
+// Where a word of the asynchronous channel goes and how much of it counts, as its status and control registers say it.
+constexpr std::uint32_t place(const AsyncWord& word) noexcept { return static_cast<std::uint32_t>(word.last) << 4 | word.node; }
+
+void carry(Ring<AsyncWord>& from, Ring<AsyncWord>& to, std::uint64_t most) {
+  while (most-- > 0 && !from.empty() && to.push(from.front())) {
+    from.pop();
+  }
+}
+
+}  // namespace
+
+Tosnet::Tosnet(const TosnetConfiguration& configuration) : configuration_(configuration) {}
+
+void Tosnet::advance(Clock now) {
+  const Clock cycles = now / configuration_.cycle_clocks;
+  if (cycles <= cycles_) {
+    return;
+  }
+  const Clock passed = cycles - cycles_;
+  cycles_ = cycles;
+  if (!online_) {
+    return;
+  }
+  packets_ += static_cast<std::uint32_t>(passed);
+  damaged_ = false;
+  Clock idle = passed;
+  if (commit_pending_) {
+    write_bank_ ^= 1u;
+    commit_pending_ = false;
+    skipped_ = 0;
+    --idle;
+  }
+  if (configuration_.max_skipped_writes > 0) {
+    skipped_ = static_cast<std::uint32_t>(std::min<Clock>(skipped_ + idle, 0xFFFFFFFFu));
+    halted_ = halted_ || skipped_ > configuration_.max_skipped_writes;
+  }
+  carry(transmit_, delivered_, passed * async_words_per_cycle);
+  carry(answers_, receive_, passed * async_words_per_cycle);
+  if (!held_) {
+    refresh();
+  }
+}
+
+void Tosnet::refresh() {
+  const Bank& committed = banks_[write_bank_ ^ 1u];
+  for (std::uint32_t address = 0; address < map::memory_words; ++address) {
+    mirror_[address] = writable(address) ? committed[address] : outputs_[address];
+  }
+}
+
+bool Tosnet::writable(std::uint32_t address) const noexcept {
+  return (address >> map::in_bit & 1u) != 0 || address >> map::node_shift == configuration_.master_id;
+}
+
+std::uint32_t Tosnet::status() const noexcept {
+  return bit(online_, map::status_online_bit) | bit(online_, map::status_master_bit) |
+         bit(damaged_, map::status_packet_error_bit) | bit(halted_, map::status_system_halt_bit) |
+         static_cast<std::uint32_t>(configuration_.master_id) << map::status_node_id_shift |
+         0u << map::status_node_address_shift |  // the master is first in the ring
+         bit(read_refused_, map::status_read_error_bit) | bit(write_refused_, map::status_write_error_bit) |
+         bit(commit_aborted_, map::status_commit_aborted_bit) | bit((cycles_ & 1u) != 0, map::status_read_pointer_bit) |
+         bit(write_bank_ != 0, map::status_write_pointer_bit) | bit(held_, map::status_read_frozen_bit) |
+         bit(commit_pending_, map::status_commit_pending_bit);
+}
+
+std::uint32_t Tosnet::network_register(std::uint32_t index) const noexcept {
+  std::uint32_t id = configuration_.master_id;
+  std::uint32_t enabled = configuration_.master_registers;
+  if (index > 0) {
+    if (index > configuration_.nodes.size()) {
+      return 0;  // the list ends where the stored address is not the index
+    }
+    id = configuration_.nodes[index - 1].id;
+    enabled = configuration_.nodes[index - 1].registers;
+  }
+  return enabled << 16 | enabled << 8 | index << 4 | id;
+}
+
+BusReply Tosnet::read(std::uint32_t address, Clock now) {
+  advance(now);
+  if (address < map::memory_words) {
+    read_refused_ = false;
+    return {BusStatus::ok, mirror_[address]};
+  }
+  if (address >= map::network_registers && address < map::network_registers + 16) {
+    return {BusStatus::ok, network_register(address - map::network_registers)};
+  }
+  switch (address) {
+    case map::status:
+      return {BusStatus::ok, status()};
+    case map::packet_counter:
+      return {BusStatus::ok, packets_};
+    case map::reset_counter:
+      return {BusStatus::ok, resets_};
+    case map::error_counter:
+      return {BusStatus::ok, errors_};
+    case map::async_tx_status:
+      return {BusStatus::ok, bit(transmit_.full(), 6) | place(async_control_)};
+    case map::async_rx_status: {
+      const AsyncWord word = receive_.empty() ? AsyncWord{0, 0, 0} : receive_.front();
+      return {BusStatus::ok, bit(receive_.empty(), 7) | bit(!receive_.empty(), 6) | place(word)};
+    }
+    case map::async_rx_data:
+      if (!receive_.empty()) {
+        const BusReply reply{BusStatus::ok, receive_.front().data};
+        receive_.pop();
+        return reply;
+      }
+      break;
+    default:
+      break;
+  }
+  read_refused_ = true;
+  return {BusStatus::error, 0};
+}
+
+BusStatus Tosnet::write(std::uint32_t address, std::uint32_t value, Clock now) {
+  advance(now);
+  if (address < map::memory_words && writable(address)) {
+    write_refused_ = false;
+    if (commit_pending_) {
+      commit_pending_ = false;
+      commit_aborted_ = true;
+    }
+    banks_[write_bank_][address] = value;
+    return BusStatus::ok;
+  }
+  switch (address) {
+    case map::status:
+      commit_pending_ = true;
+      commit_aborted_ = false;
+      return BusStatus::ok;
+    case map::async_tx_control:
+      async_control_.last = static_cast<std::uint8_t>(value >> 4 & 3u);
+      async_control_.node = static_cast<std::uint8_t>(value & 15u);
+      return BusStatus::ok;
+    case map::async_tx_data:
+      if (transmit_.push({value, async_control_.last, async_control_.node})) {
+        return BusStatus::ok;
+      }
+      break;
+    default:
+      break;
+  }
+  write_refused_ = true;
+  return BusStatus::error;
+}
+
+void Tosnet::block(bool held, Clock now) {
+  advance(now);
+  held_ = held;
+}
+
+BusReply Tosnet::get(std::uint32_t address, Clock now) {
+  advance(now);
+  if (address >= map::memory_words) {
+    return address == map::status ? BusReply{BusStatus::ok, status()} : BusReply{BusStatus::error, 0};
+  }
+  return {BusStatus::ok, writable(address) ? banks_[write_bank_ ^ 1u][address] : outputs_[address]};
+}
+
+BusStatus Tosnet::set(std::uint32_t address, std::uint32_t value, Clock now) {
+  advance(now);
+  if (address >= map::memory_words || writable(address)) {
+    return BusStatus::error;
+  }
+  outputs_[address] = value;
+  return BusStatus::ok;
+}
+
+void Tosnet::set_online(bool online, Clock now) {
+  advance(now);
+  if (online && !online_) {
+    ++resets_;
+    halted_ = false;
+    skipped_ = 0;
+  }
+  online_ = online;
+}
+
+void Tosnet::damage_cycle(Clock now) {
+  advance(now);
+  ++errors_;
+  damaged_ = true;
+}
+
+bool Tosnet::async_take(AsyncWord& word, Clock now) {
+  advance(now);
+  if (delivered_.empty()) {
+    return false;
+  }
+  word = delivered_.front();
+  delivered_.pop();
+  return true;
+}
+
+bool Tosnet::async_give(const AsyncWord& word, Clock now) {
+  advance(now);
+  return answers_.push(word);
+}
+
+}  // namespace unitylink::device

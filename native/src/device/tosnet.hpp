@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bus slave of a TosNet network, seen from its master: 11-bit word map, mirrored memory, commits, async channel.
+//
+// Time is the network cycle. At the strobe that begins each cycle a pending commit takes effect, and what the nodes put
+// out appears in the memory the PC reads. Two hazards are those of the original, on purpose:
+//   - the banks swap without a copy: a word not rewritten before a commit goes back to its value of two commits ago;
+//   - a write while a commit is pending (CWP) aborts the commit (CWA) and lands in the bank all the same.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "device/bus.hpp"
+#include "device/configuration.hpp"
+#include "device/ring.hpp"
+
+namespace unitylink::device {
+
+// One word of the asynchronous channel: up to four bytes, the first in bits 31-24.
+struct AsyncWord {
+  std::uint32_t data = 0;
+  std::uint8_t last = 3;  // index of the last byte that counts
+  std::uint8_t node = 0;
+};
+
+class Tosnet final : public Bus {
+ public:
+  explicit Tosnet(const TosnetConfiguration& configuration);
+
+  BusReply read(std::uint32_t address, Clock now) override;
+  BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override;
+  void block(bool held, Clock now) override;
+  // The nodes' side: `get` IN words as committed, `set` OUT words of the nodes beside the PC's.
+  BusReply get(std::uint32_t address, Clock now) override;
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+
+  // The network breaks (no strobes, ONLINE = 0, commits stay pending) and comes back (reset counter + 1).
+  void set_online(bool online, Clock now);
+  // A cycle arrives damaged: error counter + 1, PCKERR until the next cycle.
+  void damage_cycle(Clock now);
+
+  // What the PC sent through the asynchronous channel and the network has delivered; what nodes answer. False: no room.
+  bool async_take(AsyncWord& word, Clock now);
+  bool async_give(const AsyncWord& word, Clock now);
+
+ private:
+  static constexpr std::size_t async_depth = 128;
+  static constexpr std::size_t async_words_per_cycle = 3;
+  using Bank = std::array<std::uint32_t, protocol::tosnet::memory_words>;
+
+  void advance(Clock now);
+  void refresh();
+  [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
+  [[nodiscard]] std::uint32_t status() const noexcept;
+  [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
+
+  TosnetConfiguration configuration_;
+  std::array<Bank, 2> banks_{};   // what the PC writes; banks_[write_bank_] is the hidden one
+  Bank outputs_{};                // OUT words as the nodes hold them
+  Bank mirror_{};                 // what the PC reads
+  std::uint32_t write_bank_ = 0;
+  Clock cycles_ = 0;              // strobes since reset, also those of an offline network
+  std::uint32_t packets_ = 0;
+  std::uint32_t resets_ = 0;
+  std::uint32_t errors_ = 0;
+  std::uint32_t skipped_ = 0;
+  bool online_ = true;
+  bool halted_ = false;
+  bool damaged_ = false;
+  bool commit_pending_ = false;
+  bool commit_aborted_ = false;
+  bool read_refused_ = false;
+  bool write_refused_ = false;
+  bool held_ = false;
+  AsyncWord async_control_{};
+  Ring<AsyncWord> transmit_{async_depth};   // PC wrote, not yet on the network
+  Ring<AsyncWord> delivered_{async_depth};  // at the nodes
+  Ring<AsyncWord> answers_{async_depth};    // nodes gave, not yet on the network
+  Ring<AsyncWord> receive_{async_depth};    // waiting for the PC
+};
+
+}  // namespace unitylink::device

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/descriptor_driver.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace unitylink {
+namespace {
+
+constexpr int end_of_stream = -1;  // in place of an errno
+
+}  // namespace
+
+DescriptorDriver::DescriptorDriver(int descriptor) noexcept : descriptor_(descriptor) {
+  ::fcntl(descriptor_, F_SETFL, ::fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
+  int type = 0;
+  socklen_t size = sizeof type;
+  socket_ = ::getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+  datagram_ = socket_ && type != SOCK_STREAM;
+}
+
+DescriptorDriver::~DescriptorDriver() { DescriptorDriver::close(); }
+
+Transfer DescriptorDriver::send(std::span<const std::uint8_t> bytes) noexcept {
+  const ssize_t count = socket_ ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                : ::write(descriptor_, bytes.data(), bytes.size());
+  return count >= 0 ? Transfer{static_cast<std::size_t>(count), Status::ok} : failed(errno);
+}
+
+Transfer DescriptorDriver::receive(std::span<std::uint8_t> room) noexcept {
+  const ssize_t count = ::read(descriptor_, room.data(), room.size());
+  if (count == 0 && !datagram_) {
+    return failed(end_of_stream);
+  }
+  return count >= 0 ? Transfer{static_cast<std::size_t>(count), Status::ok} : failed(errno);
+}
+
+void DescriptorDriver::close() noexcept {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
+    descriptor_ = -1;
+  }
+}
+
+Transfer DescriptorDriver::failed(int error) noexcept {
+  if (error == EAGAIN || error == EWOULDBLOCK || error == EINTR || error == ENOBUFS) {
+    return {};
+  }
+  error_ = error;
+  return {0, Status::closed};
+}
+
+std::string DescriptorDriver::reason() const {
+  switch (error_) {
+    case 0: return "closed by this program";
+    case end_of_stream: return "the other side closed the connection";
+    case EIO: return "the port is gone: unplugged, or the other side of the terminal was closed";
+    case ECONNREFUSED: return "nothing listens at the other side";
+    default: return std::strerror(error_);
+  }
+}
+
+}  // namespace unitylink

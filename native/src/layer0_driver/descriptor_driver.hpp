@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all drivers over a file descriptor share: non-blocking send and receive, and when such a pipe counts as gone.
+#pragma once
+
+#include <atomic>
+
+#include "layer0_driver/driver.hpp"
+
+namespace unitylink {
+
+class DescriptorDriver : public Driver {
+ public:
+  // Takes the descriptor over and makes it non-blocking.
+  explicit DescriptorDriver(int descriptor) noexcept;
+  ~DescriptorDriver() override;
+
+  [[nodiscard]] Transfer send(std::span<const std::uint8_t> bytes) noexcept override;
+  [[nodiscard]] Transfer receive(std::span<std::uint8_t> room) noexcept override;
+  void close() noexcept override;
+  [[nodiscard]] int descriptor() const noexcept override { return descriptor_; }
+  [[nodiscard]] std::string reason() const override;
+
+ protected:
+  [[nodiscard]] Transfer failed(int error) noexcept;
+
+ private:
+  int descriptor_;
+  std::atomic<int> error_ = 0;  // sender and receiver may both meet it
+  bool socket_;    // a socket needs MSG_NOSIGNAL
+  bool datagram_;  // an empty datagram is not the end of a stream
+};
+
+}  // namespace unitylink

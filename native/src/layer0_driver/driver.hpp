@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Layer 0: a byte pipe to the device. Non-blocking; whoever uses it waits on descriptor() with poll().
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "layer0_driver/status.hpp"
+#include "layer0_driver/url.hpp"
+
+namespace unitylink {
+
+// What one send or receive did. Status ok with count 0: nothing could be moved now, wait for the descriptor.
+struct Transfer {
+  std::size_t count = 0;
+  Status status = Status::ok;
+};
+
+// Not thread-safe by itself, but one thread may send while another receives.
+class Driver {
+ public:
+  Driver() = default;
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+  virtual ~Driver() = default;
+
+  [[nodiscard]] virtual Transfer send(std::span<const std::uint8_t> bytes) noexcept = 0;
+  [[nodiscard]] virtual Transfer receive(std::span<std::uint8_t> room) noexcept = 0;
+  virtual void close() noexcept = 0;
+
+  // To poll for POLLIN and POLLOUT; -1 once closed.
+  [[nodiscard]] virtual int descriptor() const noexcept = 0;
+  // How long one byte takes on the wire, 0 where that does not limit (tcp, udp, pseudo-terminals).
+  [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
+  // Why the last transfer said closed, in the operating system's words.
+  [[nodiscard]] virtual std::string reason() const = 0;
+};
+
+// Opens what the URL names; the errors are bad_url, not_found, permission, busy, timeout and closed. `timeout_ns` bounds a connection.
+[[nodiscard]] Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver);
+
+}  // namespace unitylink

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which driver a URL names.
+#include <cerrno>
+#include <fcntl.h>
+
+#include "layer0_driver/descriptor_driver.hpp"
+#include "layer0_driver/serial_driver.hpp"
+#include "layer0_driver/socket_driver.hpp"
+
+namespace unitylink {
+namespace {
+
+// The driver takes the descriptor over: closing it is how the other side learns that the link has ended.
+Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
+  std::uint64_t number = 0;
+  if (!parse_number(url.path, 1u << 20, number)) {
+    return {Status::bad_url, "link URL '" + url.text + "': not a descriptor number"};
+  }
+  const int descriptor = static_cast<int>(number);
+  if (::fcntl(descriptor, F_SETFD, FD_CLOEXEC) != 0) {
+    return {Status::not_found, "link URL '" + url.text + "': no descriptor " + url.path + " is open in this process"};
+  }
+  driver = std::make_unique<DescriptorDriver>(descriptor);
+  return {};
+}
+
+}  // namespace
+
+Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+  if (url.scheme == "serial") {
+    return open_serial(url, driver);
+  }
+  if (url.scheme == "tcp" || url.scheme == "udp") {
+    return open_socket(url, timeout_ns, driver);
+  }
+  return open_descriptor(url, driver);
+}
+
+}  // namespace unitylink

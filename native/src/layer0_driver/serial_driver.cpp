@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/serial_driver.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include "layer0_driver/descriptor_driver.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::uint64_t bits_per_byte = 10;  // start, 8 data, stop
+
+class SerialDriver final : public DescriptorDriver {
+ public:
+  SerialDriver(int descriptor, std::uint64_t byte_time_ns) noexcept
+      : DescriptorDriver(descriptor), byte_time_ns_(byte_time_ns) {}
+  ~SerialDriver() override { SerialDriver::close(); }
+
+  void close() noexcept override {
+    if (descriptor() >= 0) {
+      ::ioctl(descriptor(), TIOCNXCL);
+    }
+    DescriptorDriver::close();
+  }
+  [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
+
+ private:
+  std::uint64_t byte_time_ns_;
+};
+
+// Devices 136 to 143 are the slaves of Unix 98 pseudo-terminals; their baud rate is only a number.
+bool is_pseudo_terminal(int descriptor) noexcept {
+  struct stat status{};
+  return ::fstat(descriptor, &status) == 0 && major(status.st_rdev) >= 136 && major(status.st_rdev) <= 143;
+}
+
+// Asks USB adapters to deliver at once instead of after their latency timer. Many drivers have no such setting.
+void ask_low_latency(int descriptor) noexcept {
+  serial_struct serial{};
+  if (::ioctl(descriptor, TIOCGSERIAL, &serial) == 0) {
+    serial.flags |= ASYNC_LOW_LATENCY;
+    static_cast<void>(::ioctl(descriptor, TIOCSSERIAL, &serial));
+  }
+}
+
+Outcome cannot_open(const std::string& path, int error) {
+  const std::string name = "serial port " + path + ": ";
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case ENOTDIR:
+      return {Status::not_found, name + "there is no such port; is it plugged in?"};
+    case EIO: return {Status::not_found, name + "the port is gone (unplugged, or its other side was closed)"};
+    case EACCES:
+    case EPERM:
+      return {Status::permission, name + "permission denied; on Debian and Ubuntu: sudo adduser $USER dialout, then log in again"};
+    case EBUSY: return {Status::busy, name + "another program holds it"};
+    default: return {Status::closed, name + std::strerror(error)};
+  }
+}
+
+}  // namespace
+
+Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
+  std::uint64_t baud_hz = default_baud_hz;
+  if (const std::string* text = url.option("baud");
+      text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz == 0)) {
+    return {Status::bad_url, "link URL '" + url.text + "': baud=" + *text + " is not a baud rate such as 3000000"};
+  }
+  const int descriptor = ::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    return cannot_open(url.path, errno);
+  }
+  const auto give_up = [&](const Outcome& outcome) {
+    ::close(descriptor);
+    return outcome;
+  };
+  if (::isatty(descriptor) == 0) {
+    return give_up({Status::not_found, "serial port " + url.path + ": this is not a serial port"});
+  }
+  // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    return give_up(cannot_open(url.path, EBUSY));
+  }
+  static_cast<void>(::ioctl(descriptor, TIOCEXCL));
+  if (const int error = detail::make_raw(descriptor, static_cast<std::uint32_t>(baud_hz)); error != 0) {
+    ::ioctl(descriptor, TIOCNXCL);
+    if (error == EINVAL) {
+      return give_up({Status::mismatch, "serial port " + url.path + ": cannot run at " + std::to_string(baud_hz) + " baud"});
+    }
+    return give_up(cannot_open(url.path, error));
+  }
+  ask_low_latency(descriptor);
+  const std::uint64_t byte_time_ns = is_pseudo_terminal(descriptor) ? 0 : bits_per_byte * 1'000'000'000u / baud_hz;
+  driver = std::make_unique<SerialDriver>(descriptor, byte_time_ns);
+  return {};
+}
+
+}  // namespace unitylink

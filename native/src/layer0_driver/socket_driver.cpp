@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/socket_driver.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "layer0_driver/descriptor_driver.hpp"
+
+namespace unitylink {
+namespace {
+
+class UdpDriver final : public DescriptorDriver {
+ public:
+  using DescriptorDriver::DescriptorDriver;
+  ~UdpDriver() override { UdpDriver::close(); }
+
+  // The empty datagram frees the board for the next program; UDP has no other goodbye.
+  void close() noexcept override {
+    if (descriptor() >= 0) {
+      static_cast<void>(::send(descriptor(), nullptr, 0, MSG_NOSIGNAL));
+    }
+    DescriptorDriver::close();
+  }
+};
+
+// 0, or the errno of a non-blocking connect that is given `timeout_ns`.
+int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeout_ns) noexcept {
+  if (::connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) {
+    return 0;
+  }
+  if (errno != EINPROGRESS) {
+    return errno;
+  }
+  pollfd waiting{descriptor, POLLOUT, 0};
+  const int ready = ::poll(&waiting, 1, static_cast<int>(timeout_ns / 1'000'000) + 1);
+  if (ready <= 0) {
+    return ready == 0 ? ETIMEDOUT : errno;
+  }
+  int error = 0;
+  socklen_t size = sizeof error;
+  ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+Outcome cannot_connect(const Url& url, int error) {
+  const std::string name = url.scheme + "://" + url.host + ":" + url.port + ": ";
+  switch (error) {
+    case ECONNREFUSED: return {Status::not_found, name + "nothing listens there; is the board or `unitylink simulate` running?"};
+    case ETIMEDOUT: return {Status::timeout, name + "the connection was not accepted in time"};
+    case EHOSTUNREACH:
+    case ENETUNREACH:
+      return {Status::not_found, name + "no route to this host"};
+    case EACCES:
+    case EPERM:
+      return {Status::permission, name + "the operating system refuses this connection"};
+    default: return {Status::closed, name + std::strerror(error)};
+  }
+}
+
+}  // namespace
+
+Outcome open_socket(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+  const bool stream = url.scheme == "tcp";
+  addrinfo hints{};
+  hints.ai_socktype = stream ? SOCK_STREAM : SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (const int error = ::getaddrinfo(url.host.c_str(), url.port.c_str(), &hints, &found); error != 0) {
+    return {Status::not_found, url.scheme + "://" + url.host + ":" + url.port + ": " + ::gai_strerror(error)};
+  }
+  int error = ECONNREFUSED;
+  for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
+    const int descriptor = ::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol);
+    if (descriptor < 0) {
+      error = errno;
+      continue;
+    }
+    error = connect_within(descriptor, *address, timeout_ns);
+    if (error != 0) {
+      ::close(descriptor);
+      continue;
+    }
+    if (stream) {
+      const int on = 1;
+      ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      driver = std::make_unique<DescriptorDriver>(descriptor);
+    } else {
+      driver = std::make_unique<UdpDriver>(descriptor);
+    }
+    break;
+  }
+  ::freeaddrinfo(found);
+  return error == 0 ? Outcome{} : cannot_connect(url, error);
+}
+
+}  // namespace unitylink

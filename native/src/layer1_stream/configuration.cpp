@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer1_stream/configuration.hpp"
+
+#include <array>
+
+#include "layer1_stream/hex.hpp"
+#include "unitylink/protocol.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::size_t fields_before_frequency = 4;
+constexpr std::size_t fields_after_frequency = 3;
+constexpr std::size_t frequency_bytes_max = 5;  // 32 bits, or the zeros of 256**4
+
+// Takes bytes and separators off the front of the text.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view text) noexcept : text_(text) {}
+
+  bool byte(std::uint8_t& value) noexcept {
+    if (!text_.empty() && text_.front() == protocol::bytes::field_separator) {
+      value = static_cast<std::uint8_t>(protocol::bytes::field_separator);
+      text_.remove_prefix(1);
+      return true;
+    }
+    if (text_.size() < 2 || digit_value(text_[0]) == not_a_digit || digit_value(text_[1]) == not_a_digit) {
+      return false;
+    }
+    value = static_cast<std::uint8_t>(digit_value(text_[0]) << 4 | digit_value(text_[1]));
+    text_.remove_prefix(2);
+    return true;
+  }
+  bool separator() noexcept {
+    if (text_.empty() || text_.front() != protocol::bytes::field_separator) {
+      return false;
+    }
+    text_.remove_prefix(1);
+    return true;
+  }
+  [[nodiscard]] bool done() const noexcept { return text_.empty(); }
+
+ private:
+  std::string_view text_;
+};
+
+using Bytes = std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency>;
+
+bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noexcept {
+  Cursor cursor(text);
+  const std::size_t count = fields_before_frequency + frequency_bytes + fields_after_frequency;
+  for (std::size_t index = 0; index < count; ++index) {
+    const bool inside_frequency =
+        index > fields_before_frequency && index < fields_before_frequency + frequency_bytes;
+    if (index > 0 && !inside_frequency && !cursor.separator()) {
+      return false;
+    }
+    if (!cursor.byte(bytes[index])) {
+      return false;
+    }
+  }
+  return cursor.done();
+}
+
+bool plausible(const Configuration& configuration) noexcept {
+  return configuration.address_bytes >= 1 && configuration.address_bytes <= protocol::limits::address_bits_max / 8 &&
+         configuration.data_bytes >= 1 && configuration.data_bytes <= protocol::limits::data_bits_max / 8 &&
+         (configuration.publish_mode == 0 ||
+          (configuration.rate_bytes >= 1 && configuration.rate_bytes <= protocol::limits::rate_bytes_max &&
+           configuration.publish_mode <= 2));
+}
+
+}  // namespace
+
+std::optional<Configuration> parse_configuration(std::string_view fields, const Crc8& sum,
+                                                 std::optional<std::uint8_t> checksum) noexcept {
+  for (std::size_t length = 1; length <= frequency_bytes_max; ++length) {
+    Bytes bytes{};
+    if (!split(fields, length, bytes)) {
+      continue;
+    }
+    std::uint8_t remainder = protocol::crc8::initial;
+    for (const char letter : protocol::reply::read_configuration) {
+      remainder = sum.update(remainder, static_cast<std::uint8_t>(letter));
+    }
+    const std::size_t count = fields_before_frequency + length + fields_after_frequency;
+    if (checksum && sum.of(std::span(bytes).first(count), remainder) != *checksum) {
+      continue;
+    }
+    std::uint64_t frequency = 0;
+    for (std::size_t index = 0; index < length; ++index) {
+      frequency = frequency << 8 | bytes[fields_before_frequency + index];
+    }
+    const std::uint8_t* after = bytes.data() + fields_before_frequency + length;
+    const Configuration configuration{
+        .address_bytes = bytes[0],
+        .data_bytes = bytes[1],
+        .read_many = bytes[2],
+        .publish_mode = bytes[3],
+        .base_hz = frequency != 0 ? frequency : std::uint64_t{1} << (8 * length),
+        .groups = after[0] != 0 || bytes[3] == 0 ? after[0] : protocol::limits::groups_max,
+        .group_size = after[1],
+        .rate_bytes = after[2],
+        .discovered = true,
+    };
+    if (plausible(configuration)) {
+      return configuration;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace unitylink

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One request and what became of it. The caller owns it, and the buffers it points to, until done().
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "layer0_driver/status.hpp"
+
+namespace unitylink {
+
+class PublishRing;
+
+enum class Operation : std::uint8_t {
+  resynchronise,  // the fence by itself: done when the device has answered it; how a link begins
+  empty_message,  // "$": corrected gateware answers it as a wrong checksum, 2012 gateware as an unknown command
+  read,
+  read_many,
+  write,
+  write_group_addresses,
+  write_group_rate,
+  read_group,
+  enable_publishing,
+  enable_checked_publishing,
+  disable_publishing,
+  write_event_mask,
+  read_event_mask,
+};
+
+// Requests of one call that must not go on after one of them failed.
+struct Batch {
+  bool failed = false;
+};
+
+struct Exchange {
+  // The request.
+  Operation operation = Operation::read;
+  bool checked = false;
+  bool repeat = true;                        // sending it twice does no harm
+  std::uint32_t address = 0;                 // read, write; the group of group commands
+  std::uint32_t value = 0;                   // write: the word; write_group_rate: the divisor
+  std::span<const std::uint32_t> addresses;  // read_many, write_group_addresses
+  std::span<const std::uint8_t> mask;        // write_event_mask, most significant byte first
+  std::span<std::uint32_t> values;           // room for read_many's words, read_group's rate and addresses
+  std::uint64_t timeout_ns = 0;              // per attempt
+  std::uint32_t attempts_max = 1;
+  Batch* batch = nullptr;
+  PublishRing* ring = nullptr;               // write_group_addresses: who gets the group's publishes from now on
+  void* owner = nullptr;                     // for on_done
+  void (*on_done)(Exchange&) noexcept = nullptr;  // called once, with the engine's lock held; must not call back into it
+
+  // What became of it.
+  Status status = Status::ok;
+  std::string_view error;                    // the device's E_xxx, empty when it gave none
+  std::uint8_t datalink_code = 0;            // the ?xx that voided it last, 0 none
+  std::uint32_t words = 0;                   // read_many: words that came; read_group: addresses
+  std::uint32_t attempts = 0;                // times an answer was asked for: the request itself, or a fence for its sake
+  bool sent = false;                         // at least a byte of it has ever left
+  std::uint64_t begun_ns = 0;
+  std::uint64_t ended_ns = 0;
+
+  [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
+
+ private:
+  friend class MessageEngine;
+  friend class ExchangeList;
+  enum class State : std::uint8_t { idle, waiting, in_flight, replied, done };
+  State state_ = State::idle;
+  std::uint32_t failures_ = 0;               // attempts that were this request's own
+  std::uint32_t request_bytes_ = 0;
+  std::uint32_t reply_bytes_ = 0;
+  std::uint64_t begin_ = 0;                  // position of its first byte in everything ever sent
+  Exchange* next_ = nullptr;
+};
+
+// A queue through the exchanges themselves: nothing to allocate, no bound to run into.
+class ExchangeList {
+ public:
+  [[nodiscard]] bool empty() const noexcept { return first_ == nullptr; }
+  [[nodiscard]] Exchange* front() const noexcept { return first_; }
+  [[nodiscard]] static Exchange* after(const Exchange& exchange) noexcept { return exchange.next_; }
+  void push_back(Exchange& exchange) noexcept {
+    exchange.next_ = nullptr;
+    (first_ == nullptr ? first_ : last_->next_) = &exchange;
+    last_ = &exchange;
+  }
+  Exchange& pop_front() noexcept {
+    Exchange& exchange = *first_;
+    first_ = exchange.next_;
+    exchange.next_ = nullptr;
+    return exchange;
+  }
+  // Puts all of `list` before what is here.
+  void prepend(ExchangeList& list) noexcept {
+    if (!list.empty()) {
+      list.last_->next_ = first_;
+      if (first_ == nullptr) {
+        last_ = list.last_;
+      }
+      first_ = list.first_;
+      list.first_ = nullptr;
+    }
+  }
+
+ private:
+  Exchange* first_ = nullptr;
+  Exchange* last_ = nullptr;
+};
+
+}  // namespace unitylink

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer2_message/failure.hpp"
+
+#include <cstdio>
+
+#include "layer2_message/shapes.hpp"
+
+namespace unitylink {
+namespace {
+
+std::string_view meaning_of(std::string_view error) noexcept {
+  namespace codes = protocol::application_error;
+  if (error == codes::incomplete_command) return "this gateware has no such command";
+  if (error == codes::missing_address) return "address bytes missing";
+  if (error == codes::missing_data) return "data bytes missing";
+  if (error == codes::invalid_block_size) return "more words in one message than the gateware takes";
+  if (error == codes::invalid_group_size) return "more addresses in one group than the gateware takes";
+  if (error == codes::invalid_group) return "no such subscription group";
+  if (error == codes::bus_error_read) return "its bus refused the read";
+  if (error == codes::bus_error_write) return "its bus refused the write";
+  if (error == codes::bus_timeout) return "nothing on its bus answered";
+  return "an error of the gateware";
+}
+
+std::string_view meaning_of(std::uint8_t code) noexcept {
+  namespace codes = protocol::datalink_error;
+  switch (code) {
+    case codes::message_too_long: return "message too long for its receive buffer";
+    case codes::format: return "wrong format";
+    case codes::odd_digits: return "odd number of hex digits";
+    case codes::invalid_character: return "invalid character";
+    case codes::checksum: return "wrong checksum; is polynomial= right?";
+    default: return "error of its physical layer; is the baud rate right, are requests too fast for its FIFO?";
+  }
+}
+
+std::string code_text(std::uint8_t code) {
+  char text[8];
+  std::snprintf(text, sizeof text, "?%02x", code);
+  return std::string(text) + " (" + std::string(meaning_of(code)) + ")";
+}
+
+// The address a failed exchange is about; a block read names the word at which it ended.
+bool address_of(const Exchange& exchange, std::uint32_t& address) noexcept {
+  switch (exchange.operation) {
+    case Operation::read:
+    case Operation::write: address = exchange.address; return true;
+    case Operation::read_many:
+      if (exchange.addresses.empty()) {
+        return false;
+      }
+      address = exchange.addresses[exchange.words < exchange.addresses.size() ? exchange.words : 0];
+      return true;
+    default: return false;
+  }
+}
+
+std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
+  std::uint32_t address = 0;
+  const bool has_address = address_of(exchange, address);
+  switch (exchange.operation) {
+    case Operation::resynchronise: return "resynchronisation with the device";
+    case Operation::empty_message: return "the question whether the gateware is corrected";
+    case Operation::read: return "read of " + hex_address(address, address_bytes);
+    case Operation::write: return "write of " + hex_address(address, address_bytes);
+    case Operation::read_many:
+      return "read of " + std::to_string(exchange.addresses.size()) + " words" +
+             (has_address ? " (at " + hex_address(address, address_bytes) + ")" : "");
+    case Operation::write_group_addresses:
+    case Operation::write_group_rate:
+    case Operation::read_group:
+      return std::string(letters_of(exchange.operation).command) + " of group " + std::to_string(exchange.address);
+    default: return std::string(letters_of(exchange.operation).command);
+  }
+}
+
+std::string last_answer(const Exchange& exchange, const FailureContext& context) {
+  if (context.last_answer_ns == 0) {
+    return "the device has never answered; is it powered, is it the right port and baud rate?";
+  }
+  const std::uint64_t ago = exchange.ended_ns > context.last_answer_ns ? exchange.ended_ns - context.last_answer_ns : 0;
+  return "the device last answered " + duration_text(ago) + " ago";
+}
+
+std::string attempts_text(const Exchange& exchange) {
+  return std::to_string(exchange.attempts) + (exchange.attempts == 1 ? " attempt in " : " attempts in ") +
+         duration_text(exchange.ended_ns - exchange.begun_ns);
+}
+
+std::string refused_text(const Exchange& exchange, const std::string& name, const FailureContext& context) {
+  std::string text = name + ": the device answered " + std::string(exchange.error) + ": " + std::string(meaning_of(exchange.error));
+  const bool harm = exchange.operation == Operation::write && exchange.error == protocol::application_error::bus_timeout;
+  if (harm && !context.corrected_gateware) {
+    text += "; 2012 gateware may now have written 0 to address 0";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string hex_address(std::uint32_t address, std::uint32_t address_bytes) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%0*x", static_cast<int>(address_bytes == 0 ? 1 : 2 * address_bytes), static_cast<unsigned>(address));
+  return text;
+}
+
+std::string duration_text(std::uint64_t ns) {
+  char text[32];
+  const double seconds = static_cast<double>(ns) * 1e-9;
+  if (seconds < 1e-3) {
+    std::snprintf(text, sizeof text, "%.0f us", seconds * 1e6);
+  } else if (seconds < 1) {
+    std::snprintf(text, sizeof text, "%.1f ms", seconds * 1e3);
+  } else {
+    std::snprintf(text, sizeof text, "%.1f s", seconds);
+  }
+  return text;
+}
+
+Outcome describe(const Exchange& exchange, const FailureContext& context) {
+  Outcome outcome;
+  outcome.status = exchange.status;
+  if (exchange.status == Status::ok) {
+    return outcome;
+  }
+  outcome.has_address = address_of(exchange, outcome.address);
+  outcome.attempts = exchange.attempts;
+  outcome.elapsed_ns = exchange.ended_ns - exchange.begun_ns;
+  const std::string name = name_of(exchange, context.address_bytes);
+  const std::string heard = exchange.datalink_code != 0 ? "; it said " + code_text(exchange.datalink_code) : "";
+  const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
+  switch (exchange.status) {
+    case Status::timeout:
+      outcome.text = name + (exchange.operation == Operation::write && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
+      break;
+    case Status::unknown:
+      outcome.text = name + " was sent but its answer lost" + because + heard +
+                     ": it may or may not have been executed; read it back before going on";
+      break;
+    case Status::closed: outcome.text = name + ": the link is closed" + because; break;
+    case Status::busy: outcome.text = name + ": the board serves another program; close that one first"; break;
+    case Status::mismatch:
+      outcome.text = name + ": another device now answers on this port; connect again";
+      break;
+    case Status::bus_error: outcome.text = refused_text(exchange, name, context); break;
+    case Status::cancelled: outcome.text = name + ": not sent, because an earlier request of the same call failed"; break;
+    case Status::protocol_error:
+      outcome.text = !exchange.error.empty()
+                         ? refused_text(exchange, name, context)
+                         : name + " not answered rightly after " + attempts_text(exchange) +
+                               (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
+      break;
+    default: outcome.text = name + ": " + status_text(exchange.status); break;
+  }
+  return outcome;
+}
+
+}  // namespace unitylink

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What became of an exchange, in words a person can act on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "layer0_driver/status.hpp"
+#include "layer2_message/exchange.hpp"
+
+namespace unitylink {
+
+struct FailureContext {
+  std::uint32_t address_bytes = 0;
+  std::uint64_t last_answer_ns = 0;  // 0: the device has never answered
+  std::string_view reason;           // why the link has ended, empty when it has not
+  bool corrected_gateware = false;
+};
+
+[[nodiscard]] std::string hex_address(std::uint32_t address, std::uint32_t address_bytes);
+[[nodiscard]] std::string duration_text(std::uint64_t ns);
+[[nodiscard]] Outcome describe(const Exchange& exchange, const FailureContext& context);
+
+}  // namespace unitylink

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run().
+#include "layer2_message/link.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "layer2_message/link_state.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::size_t terminal_chunk = 4095;  // a pseudo-terminal gives no more at a time, so less than this means empty
+constexpr int reads_per_turn_max = 16;
+
+void signal(int descriptor) noexcept {
+  const std::uint64_t one = 1;
+  static_cast<void>(!::write(descriptor, &one, sizeof one));
+}
+
+}  // namespace
+
+std::uint64_t Link::now_ns() noexcept {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+
+Link::Link(std::unique_ptr<Driver> driver, const LinkOptions& options)
+    : options_(options),
+      driver_(std::move(driver)),
+      wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      engine_(options.engine),
+      gateware_(options.gateware) {}
+
+Link::~Link() {
+  close();
+  ::close(wake_descriptor_);
+}
+
+Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
+  Url url;
+  LinkOptions options;
+  if (Outcome outcome = parse_url(text, url); !outcome.ok()) {
+    return outcome;
+  }
+  if (Outcome outcome = parse_options(url, options); !outcome.ok()) {
+    return outcome;
+  }
+  std::unique_ptr<Driver> driver;
+  if (Outcome outcome = open_driver(url, options.engine.timeout_ns * options.attempts, driver); !outcome.ok()) {
+    return outcome;
+  }
+  Outcome outcome = open(std::move(driver), options, link);
+  if (outcome.status == Status::closed && url.scheme == "udp") {  // only the first datagram finds out
+    outcome.status = Status::not_found;
+  }
+  if (!outcome.ok()) {
+    outcome.text = url.text + ": " + outcome.text;
+  }
+  return outcome;
+}
+
+Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, std::unique_ptr<Link>& link) {
+  LinkOptions settled = options;
+  settled.engine.byte_time_ns = driver->byte_time_ns();
+  std::unique_ptr<Link> opened(new Link(std::move(driver), settled));
+  Outcome outcome = opened->begin();
+  if (outcome.ok()) {
+    link = std::move(opened);
+  }
+  return outcome;
+}
+
+Outcome Link::begin() {
+  Exchange exchange;
+  exchange.operation = Operation::resynchronise;
+  exchange.attempts_max = options_.attempts;
+  run(std::span(&exchange, 1));
+  if (exchange.status != Status::ok) {
+    return outcome_of(exchange);
+  }
+  const std::scoped_lock lock(mutex_);
+  checksums_ = engine_.checksums();
+  if (!checksums_ && options_.checked) {
+    return {Status::mismatch, "the device has no checksums (it refuses '$'); remove crc=1 from the URL"};
+  }
+  Outcome outcome = settle_configuration(options_, engine_.reported(), configuration_);
+  if (outcome.ok()) {
+    engine_.configure(configuration_);
+  }
+  return outcome;
+}
+
+// ---- the role of the leader
+
+void Link::run(std::span<Exchange> exchanges) {
+  Lock lock(mutex_);
+  const std::uint64_t now = now_ns();
+  for (Exchange& exchange : exchanges) {
+    engine_.submit(exchange, now);
+  }
+  flush(now);
+  std::size_t done = 0;
+  while (true) {
+    while (done < exchanges.size() && exchanges[done].done()) {
+      ++done;
+    }
+    if (done == exchanges.size()) {
+      break;
+    }
+    if (leading_) {
+      if (blocked_ || engine_.next_deadline_ns() < leading_until_ns_) {
+        wake();
+      }
+      ++followers_;
+      turn_.wait(lock);
+      --followers_;
+    } else {
+      lead(lock, MessageEngine::no_deadline);
+    }
+  }
+  hand_over();
+}
+
+void Link::hand_over() noexcept {
+  if (followers_ > 0) {
+    turn_.notify_all();
+  }
+}
+
+void Link::wake() noexcept { signal(wake_descriptor_); }
+
+// Everything the engine has to say, as far as the driver takes it.
+void Link::flush(std::uint64_t now) noexcept {
+  blocked_ = false;
+  while (!engine_.ended()) {
+    const std::span<const std::uint8_t> bytes = engine_.transmit(now);
+    if (bytes.empty()) {
+      return;
+    }
+    const Transfer transfer = driver_->send(bytes);
+    if (transfer.status != Status::ok) {
+      fail(transfer.status, driver_->reason());
+      return;
+    }
+    if (transfer.count == 0) {
+      blocked_ = true;
+      return;
+    }
+    engine_.sent(transfer.count);
+  }
+}
+
+// One turn at the descriptor: wait, read, dispatch, send. The lock is open only while waiting and reading.
+void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
+  leading_ = true;
+  const std::uint64_t until = std::min(until_ns, engine_.next_deadline_ns());
+  leading_until_ns_ = until;
+  const std::uint64_t completed = engine_.completed();
+  const std::uint64_t published = engine_.statistics().publishes;
+  pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
+                       {wake_descriptor_, POLLIN, 0}};
+  lock.unlock();
+
+  timespec time{};
+  if (until != MessageEngine::no_deadline) {
+    const std::uint64_t now = now_ns();
+    const std::uint64_t left = until > now ? until - now : 0;
+    time.tv_sec = static_cast<std::time_t>(left / 1'000'000'000);
+    time.tv_nsec = static_cast<long>(left % 1'000'000'000);
+  }
+  const int ready = ::ppoll(waiting, 2, until == MessageEngine::no_deadline ? nullptr : &time, nullptr);
+  const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
+  if (ready > 0 && waiting[1].revents != 0) {
+    std::uint64_t count = 0;
+    static_cast<void>(!::read(wake_descriptor_, &count, sizeof count));
+  }
+  Transfer transfer;
+  if (readable) {
+    transfer = driver_->receive(received_);
+  }
+  lock.lock();
+
+  for (int turn = 1; readable && !engine_.ended(); ++turn) {
+    if (transfer.status != Status::ok) {
+      fail(transfer.status, driver_->reason());
+    } else if (transfer.count > 0) {
+      engine_.receive(std::span<const std::uint8_t>(received_.data(), transfer.count), now_ns());
+      if (transfer.count >= terminal_chunk && turn < reads_per_turn_max) {
+        transfer = driver_->receive(received_);
+        continue;
+      }
+    }
+    break;
+  }
+  const std::uint64_t now = now_ns();
+  engine_.advance(now);
+  flush(now);
+  leading_ = false;
+  if (engine_.completed() != completed || engine_.ended()) {
+    hand_over();
+  }
+  if (engine_.statistics().publishes != published) {
+    announce();
+  }
+}
+
+// To all who wait for publishes: there are new ones, or there will be none any more.
+void Link::announce() noexcept {
+  published_.notify_all();
+  for (const int descriptor : notified_) {
+    signal(descriptor);
+  }
+}
+
+void Link::fail(Status status, const std::string& reason) noexcept {
+  if (!engine_.ended()) {
+    reason_ = reason;
+    engine_.end(status, now_ns());
+  }
+  turn_.notify_all();
+  announce();
+}
+
+// ---- the reader that stands in while nobody waits
+
+void Link::start_reader() {
+  const std::scoped_lock guard(reader_mutex_);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (reader_wanted_ || engine_.ended()) {
+      return;
+    }
+    reader_wanted_ = true;
+  }
+  reader_ = std::thread([this] { read_loop(); });
+}
+
+void Link::stop_reader() {
+  const std::scoped_lock guard(reader_mutex_);
+  {
+    const std::scoped_lock lock(mutex_);
+    reader_wanted_ = false;
+    wake();
+    turn_.notify_all();
+  }
+  if (reader_.joinable()) {
+    reader_.join();
+  }
+}
+
+void Link::read_loop() noexcept {
+  Lock lock(mutex_);
+  while (reader_wanted_ && !engine_.ended()) {
+    if (leading_) {
+      ++followers_;
+      turn_.wait(lock);
+      --followers_;
+    } else {
+      lead(lock, MessageEngine::no_deadline);
+    }
+  }
+  hand_over();
+}
+
+// ---- the end
+
+bool Link::closed() {
+  const std::scoped_lock lock(mutex_);
+  return engine_.ended().has_value();
+}
+
+void Link::close() {
+  bool publishing = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    publishing = !engine_.ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
+  }
+  if (publishing) {  // a board left publishing would meet the next program with it
+    static_cast<void>(command(Operation::disable_publishing, 1));
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    fail(Status::closed, "closed by this program");
+    wake();
+  }
+  stop_reader();
+  Lock lock(mutex_);
+  while (leading_) {
+    wake();
+    ++followers_;
+    turn_.wait(lock);
+    --followers_;
+  }
+  driver_->close();
+}
+
+Statistics Link::statistics() {
+  const std::scoped_lock lock(mutex_);
+  return engine_.statistics();
+}
+
+}  // namespace unitylink

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Link: one MessageEngine, one driver, one mutex. Every call may be made from any thread.
+//
+// Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its own answers are in
+// it hands the role on. Only while there are subscriptions or asynchronous requests does a reader thread stand in.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "layer0_driver/driver.hpp"
+#include "layer2_message/engine.hpp"
+#include "layer2_message/link_options.hpp"
+
+namespace unitylink {
+
+struct RequestOptions {
+  std::optional<bool> checked;   // nothing: the link's default
+  bool repeat = false;           // sending it twice does no harm
+  std::uint64_t timeout_ns = 0;  // per attempt, 0: the link's default
+};
+
+// One call of a vector form: its exchanges, and how they lie in the caller's arrays.
+struct Call {
+  std::vector<Exchange> exchanges;
+  Batch batch;
+  std::size_t block = 1;             // addresses in each exchange but the last
+  std::span<std::uint32_t> values;   // of single reads, filled by result()
+};
+
+struct SubscriptionRequest {
+  std::span<const std::uint32_t> addresses;
+  std::uint32_t divisor = 0;     // publish every so many base periods, 0: not by time
+  bool on_event = false;         // publish when the group's event input says so
+  bool verify = true;            // read every address once before: on 2012 gateware a silent one would publish for ever
+  std::size_t ring = 4096;       // publishes kept until they are fetched
+};
+
+class Link {
+ public:
+  // Opens the port, resynchronises with the device whatever it was doing, and asks for its configuration.
+  [[nodiscard]] static Outcome open(std::string_view url, std::unique_ptr<Link>& link);
+  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, const LinkOptions& options, std::unique_ptr<Link>& link);
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+  ~Link();
+
+  [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
+  [[nodiscard]] const LinkOptions& options() const noexcept { return options_; }
+  [[nodiscard]] std::uint32_t usable_group_size() const noexcept;
+
+  [[nodiscard]] Outcome read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how);
+  // In blocks of what the device can hold; `atomic`: in one block or not at all.
+  [[nodiscard]] Outcome read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                                  const RequestOptions& how);
+  // One R each, as many in flight as window and credit allow.
+  [[nodiscard]] Outcome read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] Outcome write(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
+  // In order; after one has failed no further one is sent. Outcome::index says which.
+  [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                                   const RequestOptions& how);
+
+  [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& group);
+  [[nodiscard]] Outcome unsubscribe(std::uint32_t group);
+  [[nodiscard]] bool subscribed(std::uint32_t group);
+  [[nodiscard]] std::size_t words(std::uint32_t group);      // in each publish, 0 for a group never subscribed
+  [[nodiscard]] std::size_t available(std::uint32_t group);  // publishes to drain
+  [[nodiscard]] std::uint64_t lost(std::uint32_t group);
+  std::size_t drain(std::uint32_t group, std::span<double> times_s, std::span<std::uint32_t> values);
+  // True when the group has something to drain; false after `timeout_ns`, or when link or subscription was closed.
+  [[nodiscard]] bool wait_publish(std::uint32_t group, std::uint64_t timeout_ns);
+  // How many publishes there have been in all; returns when that is no longer `seen`, after `timeout_ns`, or when the link was closed.
+  [[nodiscard]] std::uint64_t wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns);
+  // `descriptor` (an eventfd) is written to at every batch of publishes, and when the link closes.
+  void notify_publishes(int descriptor);
+  void forget_notification(int descriptor);
+
+  // The vector calls in their parts, for asynchronous callers: plan, submit, and when all exchanges are done, result.
+  // `addresses` and `values` must stay until then.
+  [[nodiscard]] Outcome plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                                       const RequestOptions& how);
+  [[nodiscard]] Outcome plan_read_each(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                                       const RequestOptions& how);
+  [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                                        const RequestOptions& how);
+  void submit(Call& call);
+  [[nodiscard]] Outcome result(const Call& call);
+
+  [[nodiscard]] Statistics statistics();
+  [[nodiscard]] bool closed();
+  // Everything waiting ends with Status::closed, here and in other threads.
+  void close();
+
+  [[nodiscard]] static std::uint64_t now_ns() noexcept;
+
+ private:
+  struct Subscription;
+  using Lock = std::unique_lock<std::mutex>;
+
+  Link(std::unique_ptr<Driver> driver, const LinkOptions& options);
+  [[nodiscard]] Outcome begin();
+
+  // the wire (link.cpp)
+  void run(std::span<Exchange> exchanges);
+  void flush(std::uint64_t now) noexcept;
+  void lead(Lock& lock, std::uint64_t until_ns) noexcept;
+  void hand_over() noexcept;
+  void wake() noexcept;
+  void announce() noexcept;
+  void fail(Status status, const std::string& reason) noexcept;
+  void start_reader();
+  void stop_reader();
+  void read_loop() noexcept;
+
+  // requests (link_requests.cpp)
+  void prepare(Exchange& exchange, const RequestOptions& how) const noexcept;
+  [[nodiscard]] Outcome check(const Exchange& exchange, std::size_t index);
+  [[nodiscard]] Outcome check_address(std::uint32_t address, std::size_t index) const;
+  [[nodiscard]] Outcome may_write();
+  [[nodiscard]] Outcome run_one(Exchange& exchange);
+  [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
+
+  // subscriptions (link_subscriptions.cpp)
+  [[nodiscard]] Outcome check_subscription(const SubscriptionRequest& request);
+  [[nodiscard]] Outcome quiet_device();
+  [[nodiscard]] Outcome configure_group(std::uint32_t group, const SubscriptionRequest& request, PublishRing& ring);
+  [[nodiscard]] Outcome set_rate(std::uint32_t group, std::uint32_t divisor);
+  [[nodiscard]] Outcome set_event(std::uint32_t group, bool on);
+  [[nodiscard]] Outcome command(Operation operation, std::uint32_t attempts);
+
+  const LinkOptions options_;
+  std::unique_ptr<Driver> driver_;
+  Configuration configuration_;
+  bool checksums_ = true;                // false: the device's datalink knows no '$'
+  int wake_descriptor_;
+
+  std::mutex mutex_;                     // all below, up to the next mutex
+  std::condition_variable turn_;         // followers: something was finished, or the role is free
+  std::condition_variable published_;
+  MessageEngine engine_;
+  std::string reason_;                   // why the link has ended
+  bool leading_ = false;
+  bool blocked_ = false;                 // the driver took less than it was offered
+  std::uint64_t leading_until_ns_ = 0;
+  unsigned followers_ = 0;
+  std::vector<int> notified_;
+  std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
+  bool reader_wanted_ = false;
+
+  std::mutex configuring_;               // one subscribe or unsubscribe at a time
+  std::array<std::uint8_t, protocol::limits::groups_max / 8> event_mask_{};  // the host's shadow: bit g of the mask is group g
+  bool quieted_ = false;
+  std::thread reader_;
+  std::mutex reader_mutex_;
+  bool reader_kept_ = false;             // an asynchronous user keeps it for the link's life
+
+  std::atomic<Gateware> gateware_;
+  std::array<std::uint8_t, 65536> received_;
+};
+
+}  // namespace unitylink

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer2_message/link_options.hpp"
+
+#include <charconv>
+#include <string>
+
+namespace unitylink {
+namespace {
+
+using Overrides = std::optional<std::uint32_t> LinkOptions::*;
+
+struct Override {
+  const char* name;
+  Overrides field;
+  std::uint32_t minimum;
+  std::uint32_t maximum;
+};
+
+constexpr Override overrides[] = {
+    {"address_bytes", &LinkOptions::address_bytes, 1, protocol::limits::address_bits_max / 8},
+    {"data_bytes", &LinkOptions::data_bytes, 1, protocol::limits::data_bits_max / 8},
+    {"read_many", &LinkOptions::read_many, 0, protocol::limits::read_many_max},
+    {"publish_mode", &LinkOptions::publish_mode, 0, 2},
+    {"base_hz", &LinkOptions::base_hz, 1, 0xFFFFFFFF},
+    {"groups", &LinkOptions::groups, 1, protocol::limits::groups_max},
+    {"group_size", &LinkOptions::group_size, 1, protocol::limits::group_size_max},
+    {"rate_bytes", &LinkOptions::rate_bytes, 1, protocol::limits::rate_bytes_max},
+};
+
+constexpr const char* known =
+    "known are timeout, attempts, fifo, crc, polynomial, window, publish_crc, gateware, baud (serial), address_bytes, data_bytes, "
+    "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
+
+Outcome wrong(const Url& url, const std::string& name, const std::string& value, const std::string& expected) {
+  return {Status::bad_url, "link URL '" + url.text + "': " + name + "=" + value + " is not " + expected};
+}
+
+bool number_in(const std::string& text, std::uint64_t minimum, std::uint64_t maximum, std::uint32_t& value) noexcept {
+  std::uint64_t number = 0;
+  if (!parse_number(text, maximum, number) || number < minimum) {
+    return false;
+  }
+  value = static_cast<std::uint32_t>(number);
+  return true;
+}
+
+bool seconds(const std::string& text, std::uint64_t& ns) noexcept {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || stop != text.data() + text.size() || !(value >= 1e-6 && value <= 3600)) {
+    return false;
+  }
+  ns = static_cast<std::uint64_t>(value * 1e9);
+  return true;
+}
+
+bool fifo(const std::string& text, EngineSettings& engine) noexcept {
+  const std::size_t comma = text.find(',');
+  const std::string receive = text.substr(0, comma);
+  const std::string transmit = comma == std::string::npos ? receive : text.substr(comma + 1);
+  return number_in(receive, 1, 1u << 24, engine.receive_fifo_bytes) && number_in(transmit, 1, 1u << 24, engine.transmit_fifo_bytes);
+}
+
+Outcome parse_option(const Url& url, const std::string& name, const std::string& value, LinkOptions& options) {
+  std::uint32_t number = 0;
+  if (name == "timeout") {
+    return seconds(value, options.engine.timeout_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+  }
+  if (name == "attempts") {
+    return number_in(value, 1, 1000, options.attempts) ? Outcome{} : wrong(url, name, value, "a count from 1 to 1000");
+  }
+  if (name == "fifo") {
+    return fifo(value, options.engine) ? Outcome{} : wrong(url, name, value, "a size in bytes, or two: RX,TX of the device");
+  }
+  if (name == "window") {
+    return number_in(value, 1, 65536, options.engine.window) ? Outcome{} : wrong(url, name, value, "a count from 1 to 65536");
+  }
+  if (name == "polynomial") {
+    if (value == "xor") {
+      options.engine.sum = Crc8::exclusive_or();
+      return {};
+    }
+    if (!number_in(value, 1, 255, number)) {
+      return wrong(url, name, value, "a CRC-8 polynomial such as 0x07, or xor");
+    }
+    options.engine.sum = Crc8(static_cast<std::uint8_t>(number));
+    return {};
+  }
+  if (name == "crc" || name == "publish_crc") {
+    if (!number_in(value, 0, 1, number)) {
+      return wrong(url, name, value, "0 or 1");
+    }
+    (name == "crc" ? options.checked : options.publish_checked) = number == 1;
+    return {};
+  }
+  if (name == "gateware") {
+    if (value != "auto" && value != "2012" && value != "corrected") {
+      return wrong(url, name, value, "auto, 2012 or corrected");
+    }
+    options.gateware = value == "auto" ? Gateware::automatic : value == "2012" ? Gateware::published_2012 : Gateware::corrected;
+    return {};
+  }
+  for (const Override& entry : overrides) {
+    if (name == entry.name) {
+      if (!number_in(value, entry.minimum, entry.maximum, number)) {
+        return wrong(url, name, value, "a number from " + std::to_string(entry.minimum) + " to " + std::to_string(entry.maximum));
+      }
+      options.*entry.field = number;
+      return {};
+    }
+  }
+  if (name == "baud" && url.scheme == "serial") {
+    return {};  // the driver's
+  }
+  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};
+}
+
+}  // namespace
+
+Outcome parse_options(const Url& url, LinkOptions& options) {
+  for (const auto& [name, value] : url.options) {
+    if (Outcome outcome = parse_option(url, name, value, options); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  return {};
+}
+
+Outcome settle_configuration(const LinkOptions& options, const std::optional<Configuration>& reported, Configuration& configuration) {
+  if (reported) {
+    configuration = *reported;
+    const std::uint64_t told[] = {configuration.address_bytes, configuration.data_bytes, configuration.read_many,
+                                  configuration.publish_mode,  configuration.base_hz,    configuration.groups,
+                                  configuration.group_size,    configuration.rate_bytes};
+    for (std::size_t index = 0; index < std::size(overrides); ++index) {
+      const auto& given = options.*overrides[index].field;
+      if (given && *given != told[index]) {
+        return {Status::mismatch, std::string("the URL says ") + overrides[index].name + "=" + std::to_string(*given) +
+                                      ", the device reports " + std::to_string(told[index]) + "; is this the right device?"};
+      }
+    }
+    return {};
+  }
+  if (!options.address_bytes || !options.data_bytes) {
+    return {Status::mismatch,
+            "the device does not tell its configuration (it has no RLC command); add ?address_bytes=…&data_bytes=… to the URL, and "
+            "read_many= publish_mode= base_hz= groups= group_size= rate_bytes= for what the gateware has beyond single reads and writes"};
+  }
+  const bool publishing = options.groups.has_value() || options.publish_mode.value_or(0) > 0;
+  configuration = {
+      .address_bytes = *options.address_bytes,
+      .data_bytes = *options.data_bytes,
+      .read_many = options.read_many.value_or(0),
+      .publish_mode = options.publish_mode.value_or(publishing ? 2 : 0),
+      .base_hz = options.base_hz.value_or(protocol::limits::base_hz_default),
+      .groups = options.groups.value_or(publishing ? 1 : 0),
+      .group_size = options.group_size.value_or(publishing ? 4 : 0),
+      .rate_bytes = options.rate_bytes.value_or(2),
+      .discovered = false,
+  };
+  return {};
+}
+
+}  // namespace unitylink

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The options of a link URL that layer 2 understands, checked.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "layer0_driver/status.hpp"
+#include "layer0_driver/url.hpp"
+#include "layer2_message/engine.hpp"
+
+namespace unitylink {
+
+enum class Gateware : std::uint8_t { automatic, published_2012, corrected };
+
+struct LinkOptions {
+  EngineSettings engine;          // timeout= fifo= window= polynomial=
+  std::uint32_t attempts = 3;
+  bool checked = false;           // crc=
+  bool publish_checked = true;    // publish_crc=
+  Gateware gateware = Gateware::automatic;
+  // Where the device has no RLC; where it has, they must agree with it.
+  std::optional<std::uint32_t> address_bytes, data_bytes, read_many, publish_mode, base_hz, groups, group_size, rate_bytes;
+};
+
+// bad_url for an option nobody knows or a value it cannot have.
+[[nodiscard]] Outcome parse_options(const Url& url, LinkOptions& options);
+
+// The device's configuration, or the URL's where it reports none; mismatch when they differ or a width is missing.
+[[nodiscard]] Outcome settle_configuration(const LinkOptions& options, const std::optional<Configuration>& reported,
+                                           Configuration& configuration);
+
+}  // namespace unitylink

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reads and writes: checked before anything is sent, run, and told.
+#include <algorithm>
+
+#include "layer2_message/failure.hpp"
+#include "layer2_message/link.hpp"
+
+namespace unitylink {
+namespace {
+
+std::string hex(std::uint32_t value) { return hex_address(value, 0); }
+
+constexpr std::uint32_t highest(std::uint32_t bytes) noexcept { return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1; }
+
+Outcome no_room(std::size_t addresses, std::size_t values) {
+  return {Status::range, "room for " + std::to_string(values) + " values, but " + std::to_string(addresses) + " addresses"};
+}
+
+Outcome at(Outcome outcome, std::size_t index) {
+  outcome.index = static_cast<std::uint32_t>(index);
+  return outcome;
+}
+
+}  // namespace
+
+void Link::prepare(Exchange& exchange, const RequestOptions& how) const noexcept {
+  exchange.checked = how.checked.value_or(options_.checked);
+  exchange.repeat = how.repeat;
+  exchange.timeout_ns = how.timeout_ns;
+  exchange.attempts_max = options_.attempts;
+}
+
+Outcome Link::check_address(std::uint32_t address, std::size_t index) const {
+  if (address <= highest(configuration_.address_bytes)) {
+    return {};
+  }
+  Outcome outcome(Status::range, "address " + hex(address) + " does not fit the device's " +
+                                     std::to_string(8 * configuration_.address_bytes) + "-bit addresses (at most " +
+                                     hex(highest(configuration_.address_bytes)) + ")");
+  outcome.has_address = true;
+  outcome.address = address;
+  return at(std::move(outcome), index);
+}
+
+Outcome Link::check(const Exchange& exchange, std::size_t index) {
+  if (exchange.checked && !checksums_) {
+    return {Status::mismatch, "the device has no checksums (it refuses '$'); ask without"};
+  }
+  if (exchange.operation == Operation::read_many) {
+    if (exchange.addresses.empty() || exchange.addresses.size() > configuration_.read_many) {
+      return {Status::mismatch, "the device reads at most " + std::to_string(configuration_.read_many) +
+                                    " words in one message, not " + std::to_string(exchange.addresses.size())};
+    }
+    for (std::size_t word = 0; word < exchange.addresses.size(); ++word) {
+      if (Outcome outcome = check_address(exchange.addresses[word], index + word); !outcome.ok()) {
+        return outcome;
+      }
+    }
+    return {};
+  }
+  if (Outcome outcome = check_address(exchange.address, index); !outcome.ok()) {
+    return outcome;
+  }
+  if (exchange.operation != Operation::write) {
+    return {};
+  }
+  if (exchange.value > highest(configuration_.data_bytes)) {
+    Outcome outcome(Status::range, "value " + hex(exchange.value) + " for " + hex_address(exchange.address, configuration_.address_bytes) +
+                                       " does not fit the device's " + std::to_string(8 * configuration_.data_bytes) +
+                                       "-bit words (at most " + hex(highest(configuration_.data_bytes)) + ")");
+    outcome.has_address = true;
+    outcome.address = exchange.address;
+    return at(std::move(outcome), index);
+  }
+  return may_write();
+}
+
+// 2012 gateware writes 0, whatever it is given, when its words are not 32 bits. Only then is it asked, once, which one it is.
+Outcome Link::may_write() {
+  if (configuration_.data_bytes == 4) {
+    return {};
+  }
+  if (gateware_ == Gateware::automatic) {
+    Exchange question;
+    question.operation = Operation::empty_message;
+    question.attempts_max = options_.attempts;
+    run(std::span(&question, 1));
+    if (question.status == Status::ok && question.datalink_code == protocol::datalink_error::checksum) {
+      gateware_ = Gateware::corrected;
+    } else if (question.error == protocol::application_error::incomplete_command) {
+      gateware_ = Gateware::published_2012;
+    } else {
+      return outcome_of(question).ok() ? Outcome{Status::protocol_error, "the device did not say whether its gateware is corrected; "
+                                                                         "add gateware=2012 or gateware=corrected to the URL"}
+                                       : outcome_of(question);
+    }
+  }
+  if (gateware_ == Gateware::published_2012) {
+    return {Status::mismatch, "this is 2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
+                                  "-bit words: it writes 0 whatever value it is sent, so writes are refused; use 32-bit words or "
+                                  "corrected gateware (gateware=corrected in the URL if it is)"};
+  }
+  return {};
+}
+
+Outcome Link::outcome_of(const Exchange& exchange) {
+  if (exchange.status == Status::ok) {
+    return {};
+  }
+  const std::scoped_lock lock(mutex_);
+  return describe(exchange, {.address_bytes = configuration_.address_bytes,
+                             .last_answer_ns = engine_.last_answer_ns(),
+                             .reason = reason_,
+                             .corrected_gateware = gateware_ == Gateware::corrected});
+}
+
+Outcome Link::run_one(Exchange& exchange) {
+  if (Outcome outcome = check(exchange, 0); !outcome.ok()) {
+    return outcome;
+  }
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+Outcome Link::read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how) {
+  Exchange exchange;
+  prepare(exchange, how);
+  exchange.address = address;
+  Outcome outcome = run_one(exchange);
+  value = exchange.value;
+  return outcome;
+}
+
+Outcome Link::write(std::uint32_t address, std::uint32_t value, const RequestOptions& how) {
+  Exchange exchange;
+  prepare(exchange, how);
+  exchange.operation = Operation::write;
+  exchange.address = address;
+  exchange.value = value;
+  return run_one(exchange);
+}
+
+// ---- vectors
+
+Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                             const RequestOptions& how) {
+  const std::size_t block = configuration_.read_many;
+  if (atomic && addresses.size() > std::max<std::size_t>(block, 1)) {
+    return {Status::mismatch, "the device reads at most " + std::to_string(std::max<std::size_t>(block, 1)) +
+                                  " words at once, not " + std::to_string(addresses.size()) + "; read them in parts, or without atomic"};
+  }
+  if (block == 0) {
+    return plan_read_each(call, addresses, values, how);
+  }
+  if (values.size() < addresses.size()) {
+    return no_room(addresses.size(), values.size());
+  }
+  call.block = block;
+  call.exchanges.resize((addresses.size() + block - 1) / block);
+  for (std::size_t index = 0; index < call.exchanges.size(); ++index) {
+    Exchange& exchange = call.exchanges[index];
+    const std::size_t begin = index * block;
+    const std::size_t count = std::min(block, addresses.size() - begin);
+    prepare(exchange, how);
+    exchange.operation = Operation::read_many;
+    exchange.addresses = addresses.subspan(begin, count);
+    exchange.values = values.subspan(begin, count);
+    exchange.batch = &call.batch;
+    if (Outcome outcome = check(exchange, begin); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  return {};
+}
+
+Outcome Link::plan_read_each(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                             const RequestOptions& how) {
+  if (values.size() < addresses.size()) {
+    return no_room(addresses.size(), values.size());
+  }
+  call.values = values;
+  call.exchanges.resize(addresses.size());
+  for (std::size_t index = 0; index < addresses.size(); ++index) {
+    Exchange& exchange = call.exchanges[index];
+    prepare(exchange, how);
+    exchange.address = addresses[index];
+    exchange.batch = &call.batch;
+    if (Outcome outcome = check(exchange, index); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  return {};
+}
+
+Outcome Link::plan_write_many(Call& call, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                              const RequestOptions& how) {
+  if (values.size() != addresses.size()) {
+    return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
+  }
+  call.exchanges.resize(addresses.size());
+  for (std::size_t index = 0; index < addresses.size(); ++index) {
+    Exchange& exchange = call.exchanges[index];
+    prepare(exchange, how);
+    exchange.operation = Operation::write;
+    exchange.address = addresses[index];
+    exchange.value = values[index];
+    exchange.batch = &call.batch;
+    if (Outcome outcome = check(exchange, index); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  return {};
+}
+
+// The first that failed; behind it all are cancelled or void.
+Outcome Link::result(const Call& call) {
+  const std::span<const Exchange> exchanges(call.exchanges);
+  if (!call.values.empty()) {
+    for (std::size_t index = 0; index < exchanges.size(); ++index) {
+      call.values[index] = exchanges[index].value;
+    }
+  }
+  const auto failed = std::find_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status != Status::ok; });
+  if (failed == exchanges.end()) {
+    return {};
+  }
+  const auto index = static_cast<std::size_t>(failed - exchanges.begin());
+  Outcome outcome = at(outcome_of(*failed), index * call.block + failed->words);
+  if (failed->operation == Operation::write && exchanges.size() > 1) {
+    const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
+    outcome.text = "write " + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
+                   (kept > 0 ? "; " + std::to_string(kept) + " later ones were not sent" : "");
+  }
+  return outcome;
+}
+
+Outcome Link::read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                        const RequestOptions& how) {
+  Call call;
+  if (Outcome outcome = plan_read_many(call, addresses, values, atomic, how); !outcome.ok()) {
+    return outcome;
+  }
+  run(call.exchanges);
+  return result(call);
+}
+
+Outcome Link::read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, const RequestOptions& how) {
+  Call call;
+  if (Outcome outcome = plan_read_each(call, addresses, values, how); !outcome.ok()) {
+    return outcome;
+  }
+  run(call.exchanges);
+  return result(call);
+}
+
+Outcome Link::write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how) {
+  Call call;
+  if (Outcome outcome = plan_write_many(call, addresses, values, how); !outcome.ok()) {
+    return outcome;
+  }
+  run(call.exchanges);
+  return result(call);
+}
+
+void Link::submit(Call& call) {
+  start_reader();
+  const std::scoped_lock lock(mutex_);
+  reader_kept_ = true;
+  const std::uint64_t now = now_ns();
+  for (Exchange& exchange : call.exchanges) {
+    engine_.submit(exchange, now);
+  }
+  flush(now);
+  if (leading_ && (blocked_ || engine_.next_deadline_ns() < leading_until_ns_)) {
+    wake();
+  }
+}
+
+}  // namespace unitylink

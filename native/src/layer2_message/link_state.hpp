@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a link keeps about one subscription; private to the link's own files.
+#pragma once
+
+#include <vector>
+
+#include "layer2_message/link.hpp"
+#include "layer2_message/publish_ring.hpp"
+
+namespace unitylink {
+
+struct Link::Subscription {
+  Subscription(const SubscriptionRequest& request)
+      : addresses(request.addresses.begin(), request.addresses.end()),
+        divisor(request.divisor),
+        on_event(request.on_event),
+        ring(request.addresses.size(), request.ring) {}
+
+  std::vector<std::uint32_t> addresses;
+  std::uint32_t divisor;
+  bool on_event;
+  bool open = false;
+  PublishRing ring;  // outlives the subscription, so that what came can still be fetched
+};
+
+}  // namespace unitylink

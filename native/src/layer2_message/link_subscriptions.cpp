@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Subscriptions: one gateware group each. The order of the commands is what 2012 gateware needs: addresses before a rate, no rate on an
+// empty group, rate 0 while addresses change, never a group filled to its advertised size.
+#include <algorithm>
+#include <chrono>
+
+#include "layer1_stream/classic_encoder.hpp"
+#include "layer2_message/failure.hpp"
+#include "layer2_message/link_state.hpp"
+#include "layer2_message/shapes.hpp"
+
+namespace unitylink {
+namespace {
+
+// "&PUB:", group and count, the words, "*hh", line feed.
+std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked) noexcept {
+  return encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
+}
+
+// Every configuration command may be sent twice: it sets, it does not count.
+constexpr RequestOptions repeatable{.checked = std::nullopt, .repeat = true, .timeout_ns = 0};
+constexpr std::size_t ring_words_max = std::size_t{1} << 26;
+
+Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std::move(why)}; }
+
+}  // namespace
+
+std::uint32_t Link::usable_group_size() const noexcept {
+  if (gateware_ == Gateware::corrected) {
+    return configuration_.group_size;
+  }
+  return configuration_.group_size > 0 ? configuration_.group_size - 1 : 0;
+}
+
+Outcome Link::command(Operation operation, std::uint32_t attempts) {
+  Exchange exchange;
+  prepare(exchange, repeatable);
+  exchange.attempts_max = attempts;
+  exchange.operation = operation;
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+Outcome Link::set_rate(std::uint32_t group, std::uint32_t divisor) {
+  Exchange exchange;
+  prepare(exchange, repeatable);
+  exchange.operation = Operation::write_group_rate;
+  exchange.address = group;
+  exchange.value = divisor;
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+// The mask is written from the host's own shadow: reading it back is broken in 2012 gateware at 16-bit data.
+Outcome Link::set_event(std::uint32_t group, bool on) {
+  const std::size_t bytes = event_mask_bytes(configuration_.groups);
+  auto& byte = event_mask_[bytes - 1 - group / 8];
+  const auto bit = static_cast<std::uint8_t>(1u << (group % 8));
+  byte = static_cast<std::uint8_t>(on ? byte | bit : byte & ~bit);
+  Exchange exchange;
+  prepare(exchange, repeatable);
+  exchange.operation = Operation::write_event_mask;
+  exchange.mask = std::span<const std::uint8_t>(event_mask_).first(bytes);
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+// Once per link: whatever another program left behind is switched off.
+Outcome Link::quiet_device() {
+  if (quieted_) {
+    return {};
+  }
+  if (Outcome outcome = command(Operation::disable_publishing, options_.attempts); !outcome.ok()) {
+    return outcome;
+  }
+  for (std::uint32_t group = 0; group < configuration_.groups; ++group) {
+    if (Outcome outcome = set_rate(group, 0); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  event_mask_.fill(0);
+  if (Outcome outcome = set_event(0, false); !outcome.ok() && outcome.status != Status::protocol_error) {
+    return outcome;  // gateware without events refuses the command, which does as well
+  }
+  quieted_ = true;
+  return {};
+}
+
+Outcome Link::check_subscription(const SubscriptionRequest& request) {
+  if (configuration_.publish_mode == 0 || configuration_.groups == 0) {
+    return cannot("this gateware does not publish; poll with read_many instead");
+  }
+  if (request.addresses.empty()) {
+    return {Status::range, "subscribe: no addresses"};
+  }
+  if (request.addresses.size() > usable_group_size()) {
+    return cannot(std::to_string(request.addresses.size()) + " addresses, but a group of this gateware can hold " +
+                  std::to_string(usable_group_size()) +
+                  (usable_group_size() < configuration_.group_size ? " (one less than it advertises: filled to the brim it never stops "
+                                                                     "publishing; gateware=corrected in the URL if it is corrected)"
+                                                                   : ""));
+  }
+  if (request.divisor == 0 && !request.on_event) {
+    return {Status::range, "subscribe: with divisor 0 and no event nothing would ever be published"};
+  }
+  const std::uint64_t divisor_max = (std::uint64_t{1} << (8 * configuration_.rate_bytes)) - 1;
+  if (request.divisor > divisor_max) {
+    return {Status::range, "subscribe: divisor " + std::to_string(request.divisor) + " is above " + std::to_string(divisor_max) +
+                               ", the most this gateware can count (base " + std::to_string(configuration_.base_hz) + " Hz)"};
+  }
+  if (request.ring == 0 || request.ring > ring_words_max / request.addresses.size()) {
+    return {Status::range, "subscribe: a ring of " + std::to_string(request.ring) + " publishes; 1 to " +
+                               std::to_string(ring_words_max / request.addresses.size()) + " of this size can be kept"};
+  }
+  for (std::size_t index = 0; index < request.addresses.size(); ++index) {
+    if (Outcome outcome = check_address(request.addresses[index], index); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  if (options_.engine.byte_time_ns > 0 && request.divisor > 0) {
+    const bool checked = options_.publish_checked;
+    double load = static_cast<double>(publish_bytes(request.addresses.size(), configuration_.data_bytes, checked)) / request.divisor;
+    const std::scoped_lock lock(mutex_);
+    for (const auto& other : subscriptions_) {
+      if (other && other->open && other->divisor > 0) {
+        load += static_cast<double>(publish_bytes(other->addresses.size(), configuration_.data_bytes, checked)) / other->divisor;
+      }
+    }
+    const double needed = load * static_cast<double>(configuration_.base_hz);
+    const double line = 1e9 / static_cast<double>(options_.engine.byte_time_ns);
+    if (needed > line) {
+      return cannot("publishes would need " + std::to_string(static_cast<std::uint64_t>(needed)) + " bytes/s, the line carries " +
+                    std::to_string(static_cast<std::uint64_t>(line)) +
+                    ", and requests would never be answered again; use a larger divisor or a higher baud rate");
+    }
+  }
+  return {};
+}
+
+Outcome Link::configure_group(std::uint32_t group, const SubscriptionRequest& request, PublishRing& ring) {
+  if (Outcome outcome = set_rate(group, 0); !outcome.ok()) {
+    return outcome;
+  }
+  Exchange addresses;
+  prepare(addresses, repeatable);
+  addresses.operation = Operation::write_group_addresses;
+  addresses.address = group;
+  addresses.addresses = request.addresses;
+  addresses.ring = &ring;
+  run(std::span(&addresses, 1));
+  if (Outcome outcome = outcome_of(addresses); !outcome.ok()) {
+    return outcome;
+  }
+  if (request.divisor > 0) {
+    if (Outcome outcome = set_rate(group, request.divisor); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  return request.on_event ? set_event(group, true) : Outcome{};
+}
+
+Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& group) {
+  const std::scoped_lock one_at_a_time(configuring_);
+  if (Outcome outcome = check_subscription(request); !outcome.ok()) {
+    return outcome;
+  }
+  if (request.verify) {
+    std::vector<std::uint32_t> values(request.addresses.size());
+    if (Outcome outcome = read_each(request.addresses, values, repeatable); !outcome.ok()) {
+      outcome.text = "subscribe: every address is read once before it is published, and " + outcome.text;
+      return outcome;
+    }
+  }
+  if (Outcome outcome = quiet_device(); !outcome.ok()) {
+    return outcome;
+  }
+  std::uint32_t free = configuration_.groups;
+  bool first = true;
+  const auto subscription = std::make_shared<Subscription>(request);
+  {
+    const std::scoped_lock lock(mutex_);
+    for (std::uint32_t index = configuration_.groups; index-- > 0;) {
+      const bool taken = subscriptions_[index] && subscriptions_[index]->open;
+      first = first && !taken;
+      free = taken ? free : index;
+    }
+    if (free == configuration_.groups) {
+      return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");
+    }
+    engine_.claim(free, nullptr);
+    subscriptions_[free] = subscription;
+    subscription->open = true;
+  }
+  const bool checked = options_.publish_checked && checksums_;
+  Outcome outcome = configure_group(free, request, subscription->ring);
+  if (outcome.ok() && first) {
+    {
+      const std::scoped_lock lock(mutex_);
+      engine_.expect_checked_publishes(checked);
+    }
+    outcome = command(checked ? Operation::enable_checked_publishing : Operation::enable_publishing, options_.attempts);
+  }
+  if (!outcome.ok()) {
+    static_cast<void>(set_rate(free, 0));
+    const std::scoped_lock lock(mutex_);
+    engine_.claim(free, nullptr);
+    subscription->open = false;
+    return outcome;
+  }
+  group = free;
+  start_reader();
+  return {};
+}
+
+Outcome Link::unsubscribe(std::uint32_t group) {
+  const std::scoped_lock one_at_a_time(configuring_);
+  std::shared_ptr<Subscription> subscription;
+  bool last = true;
+  bool last_user = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    subscription = group < subscriptions_.size() ? subscriptions_[group] : nullptr;
+    if (!subscription || !subscription->open) {
+      return {};
+    }
+    subscription->open = false;
+    engine_.claim(group, nullptr);
+    for (const auto& other : subscriptions_) {
+      last = last && !(other && other->open);
+    }
+    last_user = last && !reader_kept_;
+    announce();
+  }
+  Outcome outcome;
+  if (!closed()) {
+    if (last) {
+      outcome = command(Operation::disable_publishing, options_.attempts);
+    }
+    Outcome rate = subscription->divisor > 0 ? set_rate(group, 0) : Outcome{};
+    Outcome event = subscription->on_event ? set_event(group, false) : Outcome{};
+    outcome = !outcome.ok() ? outcome : !rate.ok() ? rate : event;
+  }
+  if (last_user) {
+    stop_reader();
+  }
+  return outcome;
+}
+
+// ---- what has come
+
+bool Link::subscribed(std::uint32_t group) {
+  const std::scoped_lock lock(mutex_);
+  return group < subscriptions_.size() && subscriptions_[group] && subscriptions_[group]->open;
+}
+
+std::size_t Link::words(std::uint32_t group) {
+  const std::scoped_lock lock(mutex_);
+  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.words() : 0;
+}
+
+std::size_t Link::available(std::uint32_t group) {
+  const std::scoped_lock lock(mutex_);
+  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.size() : 0;
+}
+
+std::uint64_t Link::lost(std::uint32_t group) {
+  const std::scoped_lock lock(mutex_);
+  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.lost() : 0;
+}
+
+std::size_t Link::drain(std::uint32_t group, std::span<double> times_s, std::span<std::uint32_t> values) {
+  const std::scoped_lock lock(mutex_);
+  if (group >= subscriptions_.size() || !subscriptions_[group]) {
+    return 0;
+  }
+  PublishRing& ring = subscriptions_[group]->ring;
+  return ring.drain(times_s.first(std::min(times_s.size(), values.size() / ring.words())), values);
+}
+
+bool Link::wait_publish(std::uint32_t group, std::uint64_t timeout_ns) {
+  if (group >= subscriptions_.size()) {
+    return false;
+  }
+  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
+  Lock lock(mutex_);
+  const std::shared_ptr<Subscription> subscription = subscriptions_[group];
+  if (!subscription) {
+    return false;
+  }
+  published_.wait_until(lock, until, [&] { return subscription->ring.size() > 0 || !subscription->open || engine_.ended(); });
+  return subscription->ring.size() > 0;
+}
+
+std::uint64_t Link::wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
+  Lock lock(mutex_);
+  published_.wait_until(lock, until, [&] { return engine_.statistics().publishes != seen || engine_.ended(); });
+  return engine_.statistics().publishes;
+}
+
+void Link::notify_publishes(int descriptor) {
+  const std::scoped_lock lock(mutex_);
+  notified_.push_back(descriptor);
+}
+
+void Link::forget_notification(int descriptor) {
+  const std::scoped_lock lock(mutex_);
+  notified_.erase(std::remove(notified_.begin(), notified_.end(), descriptor), notified_.end());
+}
+
+}  // namespace unitylink

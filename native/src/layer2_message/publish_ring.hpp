@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The publishes of one group that nobody has fetched yet: k words and a host time each. When full, the newest wins.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace unitylink {
+
+// Not thread-safe: the link's mutex guards it. All its memory is taken at construction.
+class PublishRing {
+ public:
+  PublishRing(std::size_t words, std::size_t capacity)
+      : words_(words), capacity_(capacity), times_(capacity), values_(words * capacity) {}
+
+  [[nodiscard]] std::size_t words() const noexcept { return words_; }
+  [[nodiscard]] std::size_t size() const noexcept { return static_cast<std::size_t>(head_ - tail_); }
+  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+  [[nodiscard]] std::uint64_t received() const noexcept { return head_; }
+
+  // False when an older one was lost for it. `values` must hold words() of them.
+  bool push(std::uint64_t time_ns, std::span<const std::uint32_t> values) noexcept {
+    const std::size_t slot = next_;
+    next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
+    times_[slot] = time_ns;
+    std::copy(values.begin(), values.end(), values_.begin() + static_cast<std::ptrdiff_t>(slot * words_));
+    ++head_;
+    if (head_ - tail_ <= capacity_) {
+      return true;
+    }
+    ++tail_;
+    ++lost_;
+    return false;
+  }
+
+  // Moves the oldest ones out, as many as `times_s` has room for; `values` has room for words() times that. Returns how many.
+  std::size_t drain(std::span<double> times_s, std::span<std::uint32_t> values) noexcept {
+    const std::size_t count = std::min(times_s.size(), size());
+    std::size_t slot = static_cast<std::size_t>(tail_ % capacity_);
+    for (std::size_t index = 0; index < count; ++index) {
+      times_s[index] = static_cast<double>(times_[slot]) * 1e-9;
+      std::copy_n(values_.begin() + static_cast<std::ptrdiff_t>(slot * words_), words_,
+                  values.begin() + static_cast<std::ptrdiff_t>(index * words_));
+      slot = slot + 1 == capacity_ ? 0 : slot + 1;
+    }
+    tail_ += count;
+    return count;
+  }
+
+ private:
+  std::size_t words_;
+  std::size_t capacity_;
+  std::vector<std::uint64_t> times_;
+  std::vector<std::uint32_t> values_;
+  std::size_t next_ = 0;     // slot of the next push, head_ % capacity_
+  std::uint64_t head_ = 0;   // ever pushed
+  std::uint64_t tail_ = 0;   // ever drained or lost
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace unitylink

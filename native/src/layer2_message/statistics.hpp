@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a link has counted since it was opened. Every byte and message that did not become an answer is in here.
+#pragma once
+
+#include <cstdint>
+
+namespace unitylink {
+
+struct Statistics {
+  std::uint64_t requests = 0;              // sent, repeats included
+  std::uint64_t replies = 0;               // matched to a request, errors of the device included
+  std::uint64_t device_errors = 0;         // ?E_xxx among them
+  std::uint64_t retries = 0;               // requests sent again
+  std::uint64_t timeouts = 0;              // a request or fence went unanswered
+  std::uint64_t fences = 0;                // resynchronisations sent
+  std::uint64_t checksum_errors = 0;       // replies and publishes with a wrong checksum
+  std::uint64_t malformed_messages = 0;    // with a head, but of wrong form
+  std::uint64_t datalink_errors = 0;       // ?xx from the device
+  std::uint64_t stale_replies = 0;         // dropped because nobody waited for them (any more)
+  std::uint64_t garbage_bytes = 0;         // belonged to no message
+  std::uint64_t publishes = 0;             // taken into a ring
+  std::uint64_t unclaimed_publishes = 0;   // of a group nobody has subscribed to
+  std::uint64_t mismatched_publishes = 0;  // word count other than the group's
+  std::uint64_t overruns = 0;              // publishes overwritten before they were drained
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_received = 0;
+};
+
+}  // namespace unitylink

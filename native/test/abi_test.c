@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * unitylink.h used from C. Returns 0, or the line that went wrong. */
+#include <stdio.h>
+#include <string.h>
+
+#include "unitylink.h"
+
+int abi_test(const char* url);
+
+#define EXPECT(condition) \
+  do {                    \
+    if (!(condition)) {   \
+      return __LINE__;    \
+    }                     \
+  } while (0)
+
+int abi_test(const char* url) {
+  ul_link* link = NULL;
+  ul_configuration configuration = {sizeof configuration, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  ul_options options = {sizeof options, -1, 1, 0, 0};
+  ul_statistics statistics;
+  ul_error error = {sizeof error, 0, 0, 0, 0, 0, 0};
+  uint32_t addresses[3] = {0x10, 0x11, 0x12};
+  uint32_t values[3] = {1, 2, 3};
+  uint32_t value = 0;
+
+  EXPECT(ul_open("nonsense", &link) == UL_BAD_URL && link == NULL);
+  EXPECT(strstr(ul_last_error_text(), "nonsense") != NULL);
+  EXPECT(ul_open(NULL, &link) == UL_ARGUMENT);
+  EXPECT(strlen(ul_status_text(UL_TIMEOUT)) > 0 && strlen(ul_status_text(99)) > 0);
+
+  EXPECT(ul_open(url, &link) == UL_OK && link != NULL);
+  EXPECT(ul_get_configuration(link, &configuration) == UL_OK);
+  EXPECT(configuration.address_bytes == 1 && configuration.data_bytes == 4 && configuration.base_hz == 1000);
+  configuration.size = 3;
+  EXPECT(ul_get_configuration(link, &configuration) == UL_ARGUMENT);
+
+  EXPECT(ul_write_many(link, addresses, values, 3, &options) == UL_OK);
+  EXPECT(ul_read(link, 0x12, &value, NULL) == UL_OK && value == 3);
+  memset(values, 0, sizeof values);
+  EXPECT(ul_read_many(link, addresses, 3, values, 1, NULL) == UL_OK && values[0] == 1 && values[2] == 3);
+  EXPECT(ul_read_each(link, addresses, 3, values, NULL) == UL_OK && values[1] == 2);
+  EXPECT(ul_read(link, 0x100, &value, NULL) == UL_RANGE);
+  EXPECT(ul_last_error(&error) == UL_OK && error.status == UL_RANGE && error.has_address && error.address == 0x100);
+
+  memset(&statistics, 0, sizeof statistics);
+  statistics.size = sizeof statistics;
+  EXPECT(ul_get_statistics(link, &statistics) == UL_OK && statistics.requests >= 8);
+  EXPECT(ul_close(link) == UL_OK && ul_close(link) == UL_OK);
+  EXPECT(ul_read(link, 0x12, &value, NULL) == UL_CLOSED);
+  ul_free(link);
+  ul_free(NULL);
+  return 0;
+}

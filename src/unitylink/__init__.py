@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Unity-Link: a bridge between a PC and FPGA gateware for robots.
+
+    from unitylink import connect
+
+    with connect("sim:examples/scara/scara.ul") as link:
+        print(link.configuration)
+
+Names are loaded when they are first used, so that a command that needs no link starts at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from unitylink.connection import connect
+    from unitylink.errors import (
+        BindingError,
+        BusError,
+        DeviceMismatch,
+        LinkBusy,
+        LinkClosed,
+        LinkError,
+        LinkNotFound,
+        LinkTimeout,
+        NetworkError,
+        OutcomeUnknown,
+        ProtocolError,
+        SpecError,
+        UnityLinkError,
+        UrlError,
+        ValueRangeError,
+    )
+    from unitylink.layer2_message import Configuration, Link, Statistics, Subscription
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BindingError",
+    "BusError",
+    "Configuration",
+    "DeviceMismatch",
+    "Link",
+    "LinkBusy",
+    "LinkClosed",
+    "LinkError",
+    "LinkNotFound",
+    "LinkTimeout",
+    "NetworkError",
+    "OutcomeUnknown",
+    "ProtocolError",
+    "SpecError",
+    "Statistics",
+    "Subscription",
+    "UnityLinkError",
+    "UrlError",
+    "ValueRangeError",
+    "__version__",
+    "connect",
+]
+
+_HOME = {
+    "Configuration": "layer2_message",
+    "Link": "layer2_message",
+    "Statistics": "layer2_message",
+    "Subscription": "layer2_message",
+    "connect": "connection",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module 'unitylink' has no attribute {name!r}")
+    value = getattr(import_module(f"unitylink.{_HOME.get(name, 'errors')}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

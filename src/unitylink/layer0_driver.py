@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Layer 0 used alone: a byte pipe to a device over a serial port, TCP, UDP or an open descriptor.
+
+    from unitylink.layer0_driver import Driver
+
+    with Driver("tcp://127.0.0.1:5555") as driver:
+        driver.send(b"#RLC\\n")
+        print(driver.receive(timeout_s=1.0))
+
+Nothing is checked, repeated or understood here: that is what the layers above are for.
+"""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from unitylink import _native
+from unitylink.errors import LinkTimeout
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Driver:
+    """One open port. Made from a link URL of which only the place and `baud` matter here.
+
+    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout, LinkClosed, and LinkError where a permission lacks.
+    """
+
+    def __init__(self, url: str, *, timeout_s: float = 1.0) -> None:
+        """Open `url`; `timeout_s` bounds the connection of TCP."""
+        self.url = url
+        self._native = _native.open_driver(url, timeout_s)
+
+    def send(self, data: bytes, *, timeout_s: float = 1.0) -> None:
+        """Send all of `data`; LinkTimeout says how much went when the other side does not take it."""
+        count = self._native.send(data, timeout_s)
+        if count < len(data):
+            text = f"{self.url} took {count} of {len(data)} bytes in {timeout_s} s"
+            raise LinkTimeout(text, elapsed_s=timeout_s)
+
+    def receive(self, *, timeout_s: float = 1.0) -> bytes:
+        """Return what has come, after `timeout_s` at the latest; b"" for nothing; LinkClosed at the end."""
+        return self._native.receive(timeout_s)
+
+    def close(self) -> None:
+        """Close the port. Idempotent."""
+        self._native.close()
+
+    def fileno(self) -> int:
+        """Return the descriptor, for select and asyncio; -1 once closed."""
+        return self._native.descriptor
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Layer 2: requests, publishes and everything that can go wrong between them, as words at addresses.
+
+    from unitylink import connect
+
+    with connect("tcp://127.0.0.1:5555") as link:
+        link.write(0x20, 0xDEADBEEF, repeat=True)
+        print(hex(link.read(0x20)), link.read_many([0x20, 0x21]))
+        with link.subscribe([0x20, 0x21], divisor=10) as positions:
+            positions.wait(1.0)
+            times_s, values = positions.drain()
+
+Values are raw unsigned words; names, signs and units are layer 4's.
+"""
+
+from __future__ import annotations
+
+from .configuration import Configuration, Statistics
+from .link import Link
+from .subscription import PublishCallback, Subscription, Times, Words
+
+__all__ = ["Configuration", "Link", "PublishCallback", "Statistics", "Subscription", "Times", "Words"]

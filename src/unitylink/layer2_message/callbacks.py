@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The thread that calls callbacks."""
+
+from __future__ import annotations
+
+import threading
+from typing import Protocol
+
+from unitylink import _native
+
+_PATIENCE_NS = 200_000_000
+
+
+class Deliverable(Protocol):
+    """A subscription, as the callback thread sees it."""
+
+    def deliver(self) -> None:
+        """Fetch what has come and call back for each."""
+
+
+class CallbackThread:
+    """One thread per link that calls callbacks; it lives while a subscription has one."""
+
+    def __init__(self, native: _native.NativeLink) -> None:
+        self._native = native
+        self._subscriptions: tuple[Deliverable, ...] = ()
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+
+    def add(self, subscription: Deliverable) -> None:
+        with self._lock:
+            if subscription not in self._subscriptions:
+                self._subscriptions = (*self._subscriptions, subscription)
+            if self._thread is None or not self._thread.is_alive():
+                self._thread = threading.Thread(target=self._run, name="unitylink callbacks", daemon=True)
+                self._thread.start()
+
+    def remove(self, subscription: Deliverable) -> None:
+        with self._lock:
+            self._subscriptions = tuple(other for other in self._subscriptions if other is not subscription)
+
+    def stop(self) -> None:
+        thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+
+    def _run(self) -> None:
+        seen = 0
+        while True:
+            seen = self._native.wait_publishes(seen, _PATIENCE_NS)
+            for subscription in self._subscriptions:
+                subscription.deliver()
+            with self._lock:
+                if self._native.closed or not self._subscriptions:
+                    self._thread = None
+                    return

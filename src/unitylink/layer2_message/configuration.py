@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a device says about itself, and what a link has counted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What the device told about itself (or the URL, where it cannot): widths, groups, publishing."""
+
+    address_bytes: int
+    data_bytes: int
+    read_many: int
+    """Words in one read-many message; 0 where the gateware has none."""
+    publish_mode: int
+    """0 none, 1 requests before publishing, 2 publishing before requests."""
+    base_hz: int
+    """Frequency of the base strobe: a subscription with divisor n publishes base_hz / n times a second."""
+    groups: int
+    group_size: int
+    """Addresses in a group as advertised; see usable_group_size."""
+    rate_bytes: int
+    discovered: bool
+    """True when the device reported it, False when the URL said so."""
+    usable_group_size: int = 0
+    """group_size - 1 on 2012 gateware: a group filled to the brim there never stops publishing."""
+
+    @property
+    def data_bits(self) -> int:
+        """Width of a word."""
+        return 8 * self.data_bytes
+
+    @property
+    def address_bits(self) -> int:
+        """Width of an address, in whole bytes."""
+        return 8 * self.address_bytes
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a link has counted since it was opened."""
+
+    requests: int
+    replies: int
+    device_errors: int
+    retries: int
+    timeouts: int
+    fences: int
+    checksum_errors: int
+    malformed_messages: int
+    datalink_errors: int
+    stale_replies: int
+    garbage_bytes: int
+    publishes: int
+    unclaimed_publishes: int
+    mismatched_publishes: int
+    overruns: int
+    bytes_sent: int
+    bytes_received: int

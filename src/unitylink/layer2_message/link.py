@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Link: a connection to one device."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy.typing as npt
+
+from unitylink import _native
+
+from .callbacks import CallbackThread
+from .configuration import Configuration, Statistics
+from .mailbox import LoopMailbox
+from .subscription import Subscription, Words
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Link:
+    """A connection to one device; every method may be called from any thread.
+
+    `checked` asks for a checksum (None: the link's default, URL option `crc`), `repeat` says that sending the
+    request twice does no harm, `timeout_s` is per attempt. Errors are the `LinkError` branch of
+    `unitylink.errors`, and `ValueRangeError` before anything is sent.
+    """
+
+    url: str
+    configuration: Configuration
+
+    def __init__(self, url: str) -> None:
+        """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
+        self._native = _native.open_link(url)
+        self.url = url
+        told = self._native.configuration
+        self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
+        self._callbacks = CallbackThread(self._native)
+        self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
+        self._on_close: list[Callable[[], None]] = []
+
+    # ---- one word
+
+    def read(
+        self,
+        address: int,
+        *,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
+    ) -> int:
+        """Return the word at `address`.
+
+        Raises LinkTimeout, BusError (nothing answers there), LinkClosed, ProtocolError.
+        `repeat=False` is for addresses where reading does something, such as taking a word out of a FIFO.
+        """
+        return self._native.read(address, checked, repeat, timeout_s)
+
+    def write(
+        self,
+        address: int,
+        value: int,
+        *,
+        checked: bool | None = None,
+        repeat: bool = False,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write `value` to `address`; it is done when this returns.
+
+        Raises OutcomeUnknown when the answer was lost and the write may not be repeated.
+        """
+        self._native.write(address, value, checked, repeat, timeout_s)
+
+    # ---- many words
+
+    def read_many(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        *,
+        atomic: bool = False,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
+    ) -> Words:
+        """Return the words at `addresses` (uint32, same order), in as few messages as the device allows.
+
+        `atomic` wants them from one message, read under one bus lock: DeviceMismatch when they are too many.
+        """
+        return self._native.read_many(addresses, atomic, checked, repeat, timeout_s)
+
+    def read_each(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        *,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
+    ) -> Words:
+        """Return the words at `addresses`, one request each, as many at once as `fifo` and `window` allow."""
+        return self._native.read_each(addresses, checked, repeat, timeout_s)
+
+    def write_many(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        values: Sequence[int] | npt.NDArray[Any],
+        *,
+        checked: bool | None = None,
+        repeat: bool = False,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write `values` to `addresses` in order; after one has failed no further one is sent."""
+        self._native.write_many(addresses, values, checked, repeat, timeout_s)
+
+    # ---- the same for asyncio
+
+    async def read_async(
+        self,
+        address: int,
+        *,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
+    ) -> int:
+        """Return the word at `address`; see read."""
+        words: Words = await self._start((address,), None, False, checked, repeat, timeout_s)
+        return int(words[0])
+
+    async def read_many_async(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        *,
+        atomic: bool = False,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
+    ) -> Words:
+        """Return the words at `addresses`; see read_many."""
+        words: Words = await self._start(addresses, None, atomic, checked, repeat, timeout_s)
+        return words
+
+    async def write_async(
+        self,
+        address: int,
+        value: int,
+        *,
+        checked: bool | None = None,
+        repeat: bool = False,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write `value` to `address`; see write."""
+        await self._start((address,), (value,), False, checked, repeat, timeout_s)
+
+    async def write_many_async(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        values: Sequence[int] | npt.NDArray[Any],
+        *,
+        checked: bool | None = None,
+        repeat: bool = False,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write `values` to `addresses` in order; see write_many."""
+        await self._start(addresses, values, False, checked, repeat, timeout_s)
+
+    def _start(self, *request: Any) -> asyncio.Future[Any]:
+        return self._mailbox().start(*request)
+
+    def _mailbox(self) -> LoopMailbox:
+        loop = asyncio.get_running_loop()
+        mailbox = self._mailboxes.get(loop)
+        if mailbox is None:
+            for old in [old for old in self._mailboxes if old.is_closed()]:
+                del self._mailboxes[old]
+            mailbox = self._mailboxes[loop] = LoopMailbox(self._native, loop)
+        return mailbox
+
+    # ---- publishes
+
+    def subscribe(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        *,
+        divisor: int = 0,
+        on_event: bool = False,
+        verify: bool = True,
+        ring: int = 4096,
+    ) -> Subscription:
+        """Have the device publish the words at `addresses` together.
+
+        It does so every `divisor` base periods, or (`on_event`) when the group's event input says so.
+        `verify` reads each address once before: 2012 gateware never stops publishing an address where
+        nothing answers. Say False where reading does something. `ring` publishes are kept until they are
+        fetched; then the newest win. Raises DeviceMismatch when the device has no group left, or none so
+        large, or the line is too slow.
+        """
+        group = self._native.subscribe(addresses, divisor, on_event, verify, ring)
+        words = tuple(int(address) for address in addresses)
+        return Subscription(self._native, self._callbacks, group, words, divisor)
+
+    # ---- the rest
+
+    def statistics(self) -> Statistics:
+        """Return what has been counted since the link was opened."""
+        return Statistics(**self._native.statistics())
+
+    @property
+    def closed(self) -> bool:
+        """Whether the link has ended, by close() or because the port is gone."""
+        return self._native.closed
+
+    def close(self) -> None:
+        """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
+        self._native.close()
+        self._callbacks.stop()
+        for loop, mailbox in self._mailboxes.items():
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(mailbox.retire)
+        self._mailboxes.clear()
+        while self._on_close:
+            self._on_close.pop()()
+
+    def call_on_close(self, action: Callable[[], None]) -> None:
+        """Call `action` when the link is closed: for what was made for it, such as an in-process board."""
+        self._on_close.append(action)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Link {self.url}{' (closed)' if self.closed else ''}>"

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How an event loop finds out which of its requests are done."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from typing import Any
+
+from unitylink import _native
+
+
+class LoopMailbox:
+    """One per event loop and link: the loop watches its descriptor."""
+
+    def __init__(self, native: _native.NativeLink, loop: asyncio.AbstractEventLoop) -> None:
+        self._native = native
+        self._loop = loop
+        self._mailbox = _native.mailbox()
+        self._tickets = itertools.count(1)
+        self._waiting: dict[int, tuple[_native.Pending, asyncio.Future[Any]]] = {}
+        self._retired = False
+        loop.add_reader(self._mailbox.descriptor, self._collect)
+
+    def start(self, *request: Any) -> asyncio.Future[Any]:
+        ticket = next(self._tickets)
+        future: asyncio.Future[Any] = self._loop.create_future()
+        pending = self._native.start(self._mailbox, ticket, *request)
+        self._waiting[ticket] = (pending, future)  # the loop cannot look before this coroutine yields
+        return future
+
+    def retire(self) -> None:
+        """Stop watching once nothing is waited for; called in the loop's thread when the link is closed."""
+        self._retired = True
+        if not self._waiting:
+            self._loop.remove_reader(self._mailbox.descriptor)
+
+    def _collect(self) -> None:
+        for ticket in self._mailbox.collect():
+            pending, future = self._waiting.pop(ticket)
+            if future.cancelled():
+                continue
+            try:
+                future.set_result(pending.result(self._native))
+            except Exception as error:
+                future.set_exception(error)
+        if self._retired:
+            self.retire()

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Subscription: the publishes of one gateware group."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from unitylink import _native
+
+from .callbacks import CallbackThread
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Words = npt.NDArray[np.uint32]
+Times = npt.NDArray[np.float64]
+PublishCallback = Callable[[float, tuple[int, ...]], None]
+
+_log = logging.getLogger("unitylink.link")
+
+
+class Subscription:
+    """The publishes of one gateware group: raw words of `addresses`, with the host's time of arrival."""
+
+    group: int
+    addresses: tuple[int, ...]
+    divisor: int
+
+    def __init__(
+        self,
+        native: _native.NativeLink,
+        callbacks: CallbackThread,
+        group: int,
+        addresses: tuple[int, ...],
+        divisor: int,
+    ) -> None:
+        """Made by Link.subscribe."""
+        self.group = group
+        self.addresses = addresses
+        self.divisor = divisor
+        self._native = native
+        self._callbacks = callbacks
+        self._open = True
+        self._callback: PublishCallback | None = None
+
+    @property
+    def lost(self) -> int:
+        """Publishes that were overwritten before anybody fetched them."""
+        return self._native.lost(self.group)
+
+    @property
+    def available(self) -> int:
+        """Publishes that wait to be fetched."""
+        return self._native.available(self.group)
+
+    def drain(self) -> tuple[Times, Words]:
+        """Take all that has come, oldest first: (n,) times in s of time.monotonic, (n, k) words."""
+        times, values = self._native.drain(self.group, len(self.addresses))
+        return times, values
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until there is something to drain; False after `timeout_s`, or when the link ends."""
+        return self._native.wait(self.group, timeout_s)
+
+    def on_publish(self, callback: PublishCallback) -> None:
+        """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
+
+        What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
+        """
+        self._callback = callback
+        self._callbacks.add(self)
+
+    async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:
+        """Yield (time_s, words) of every publish until link or subscription are closed."""
+        loop = asyncio.get_running_loop()
+        arrived = asyncio.Event()
+        mailbox = _native.mailbox()
+
+        def wake() -> None:
+            mailbox.collect()
+            arrived.set()
+
+        loop.add_reader(mailbox.descriptor, wake)
+        self._native.notify_publishes(mailbox.descriptor)
+        try:
+            while True:
+                times, values = self.drain()
+                for time_s, words in zip(times.tolist(), values.tolist(), strict=True):
+                    yield time_s, tuple(words)
+                if len(times):
+                    continue
+                if not self._open or self._native.closed:
+                    return
+                await arrived.wait()
+                arrived.clear()
+        finally:
+            self._native.forget_notification(mailbox.descriptor)
+            loop.remove_reader(mailbox.descriptor)
+
+    def close(self) -> None:
+        """Stop the group's publishes and free the group; what came before can still be drained."""
+        if self._open:
+            self._open = False
+            self._callbacks.remove(self)
+            if not self._native.closed:
+                self._native.unsubscribe(self.group)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Subscription of {len(self.addresses)} words, group {self.group}, divisor {self.divisor}>"
+
+    def deliver(self) -> None:
+        """Fetch what has come and call back for each; what the callback raises does not stop the rest."""
+        times, values = self._native.drain(self.group, len(self.addresses))
+        callback = self._callback
+        if callback is None or not len(times):
+            return
+        rows = zip(times.tolist(), map(tuple, values.tolist()), strict=True)
+        while True:
+            try:
+                for time_s, words in rows:
+                    callback(time_s, words)
+                return
+            except Exception:
+                _log.exception("callback of %r failed; the publishes go on", self)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Virtual boards: the twin of the classic gateware with something that moves behind its registers."""
+
+from __future__ import annotations
+
+from .board import Board, BoardStatistics
+from .configuration import (
+    BoardConfiguration,
+    DoubleBufferConfiguration,
+    FifoConfiguration,
+    TosnetConfiguration,
+    TosnetNode,
+)
+from .plant import DEFAULT_PLANT, PLANTS, Plant, load_plant
+from .plants import Echo, LoopbackPlant, Ramp, RampPlant, ScaraPlant, WordPlant
+from .registers import Registers
+from .simulated import simulated_board
+
+__all__ = [
+    "DEFAULT_PLANT",
+    "PLANTS",
+    "Board",
+    "BoardConfiguration",
+    "BoardStatistics",
+    "DoubleBufferConfiguration",
+    "Echo",
+    "FifoConfiguration",
+    "LoopbackPlant",
+    "Plant",
+    "Ramp",
+    "RampPlant",
+    "Registers",
+    "ScaraPlant",
+    "TosnetConfiguration",
+    "TosnetNode",
+    "WordPlant",
+    "load_plant",
+    "simulated_board",
+]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A virtual board: the twin of the classic gateware, served on an endpoint while its clock follows the real
+one."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+from dataclasses import dataclass
+from types import TracebackType
+
+from unitylink import _native
+from unitylink.errors import UnityLinkError, ValueRangeError
+from unitylink.spec.model import Spec
+
+from .configuration import BoardConfiguration
+from .plant import AnyPlant, check_plant
+from .plants.ramp import RampPlant
+from .plants.words import WordPlant
+from .registers import Registers
+
+_log = logging.getLogger(__name__)
+_open: set[Board] = set()
+
+
+@dataclass(frozen=True)
+class BoardStatistics:
+    """Counters since the board was made.
+
+    `overruns` counts bytes lost at a full receive FIFO, `bytes_dropped` those published while nobody
+    listened, `time_slipped_s` by how much the device clock lags the real one because the machine was too
+    busy.
+    """
+
+    bytes_received: int
+    bytes_sent: int
+    overruns: int
+    datalink_errors: int
+    clients: int
+    bytes_dropped: int
+    plant_steps: int
+    time_slipped_s: float
+
+
+class Board:
+    """A virtual board, alive from construction to `close()`; a context manager.
+
+        with Board(spec, endpoint="tcp") as board, Link(board.url) as link:
+            link.read(0x88)
+
+    `endpoint` is "fd" (a descriptor for a link in this process, which takes it over; `url` names a new one
+    once that link has closed), "pty" or "pty:PATH" (a serial port in software), "tcp[:PORT]" or "udp[:PORT]"
+    at the local address `bind`. One client at a time: another hears "?busy". A client that leaves frees the
+    board and what it set stays: publishing goes on into the void, as a real board's would. A client that
+    does not read fills the board's transmit FIFO, and the board waits for it. Without a plant, a board with
+    a spec gets `RampPlant`.
+
+    Raises ValueRangeError (configuration), LinkNotFound (the endpoint cannot be made), UnityLinkError (the
+    plant).
+    """
+
+    def __init__(
+        self,
+        spec: Spec | None = None,
+        *,
+        configuration: BoardConfiguration | None = None,
+        plant: AnyPlant | None = None,
+        endpoint: str = "fd",
+        bind: str = "127.0.0.1",
+    ) -> None:
+        if configuration is None:
+            configuration = BoardConfiguration.for_spec(spec) if spec is not None else BoardConfiguration()
+        if plant is None and spec is not None:
+            plant = RampPlant()
+        self.configuration = configuration
+        self.spec = spec
+        self.plant = plant
+        self.error: UnityLinkError | None = None  # what a plant raised; it has not been stepped since
+        self._native = _native.Board(configuration, endpoint, bind)
+        self.registers = Registers(self._native, configuration.data_bits)
+        self._closed = False
+        if plant is not None:
+            self._attach(plant)
+        self._native.start()
+        _open.add(self)
+
+    def _attach(self, plant: AnyPlant) -> None:
+        if isinstance(plant, WordPlant):
+            plant.attach(self.spec, self.registers)
+            self._native.set_word_plant(plant.period_s, plant.ramps, plant.echoes)
+            return
+        check_plant(plant, "plant")
+        plant.attach(self.spec, self.registers)
+        step = plant.step
+        name = type(plant).__name__
+
+        def guarded(time_s: float) -> bool:
+            try:
+                step(time_s)
+            except Exception as error:
+                self.error = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
+                self.error.__cause__ = error
+                _log.exception(
+                    "%s failed at %.6f s of device time; the board goes on without it", name, time_s
+                )
+                return False
+            return True
+
+        self._native.set_plant(plant.period_s, guarded)
+
+    @property
+    def url(self) -> str:
+        """What a Link connects to: "fd:7", "serial:/dev/pts/3", "tcp://127.0.0.1:40213" or "udp://…"."""
+        return self._native.url()
+
+    @property
+    def closed(self) -> bool:
+        return self._closed
+
+    @property
+    def time_s(self) -> float:
+        """Device time since the board was made."""
+        return self._native.time_s()
+
+    @property
+    def statistics(self) -> BoardStatistics:
+        return BoardStatistics(**self._native.statistics())
+
+    def event(self, group: int, high: bool | None = None) -> None:
+        """Set the event input of a publish group, or pulse it once (`high` None); it counts if WIC enabled
+        it."""
+        if not 0 <= group < self.configuration.groups:
+            raise ValueRangeError(f"group {group}; the board has groups 0 to {self.configuration.groups - 1}")
+        if high is None:
+            self._native.pulse_event(group)
+        else:
+            self._native.set_event(group, high)
+
+    def receive_error(self, bits: int) -> None:
+        """Let the board's physical layer report errors: 1 parity, 2 framing, 4 overrun."""
+        self._native.receive_error(bits & 7)
+
+    def set_online(self, online: bool) -> None:
+        """Break the TosNet network, or mend it: while it is broken nothing is exchanged and commits stay
+        pending."""
+        self._native.set_online(online)
+
+    def damage_cycle(self) -> None:
+        """Let one TosNet cycle arrive damaged: its error counter counts, PCKERR stands for one cycle."""
+        self._native.damage_cycle()
+
+    def close(self) -> None:
+        """End the board; a connected client sees its port go. Idempotent."""
+        self._closed = True
+        _open.discard(self)
+        self._native.stop()
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+@atexit.register
+def _close_all() -> None:
+    """A board's thread must not outlive the interpreter it calls plants in."""
+    for board in list(_open):
+        board.close()

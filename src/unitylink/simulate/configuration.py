@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a virtual board is made of: the generics of the gateware and what stands around it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from unitylink.errors import ValueRangeError
+from unitylink.protocol import (
+    BASE_HZ_DEFAULT,
+    CLOCK_HZ_DEFAULT,
+    TOSNET_ADDRESS_BITS,
+    TOSNET_IN_BIT,
+    TOSNET_MEMORY_WORDS,
+    TOSNET_NODE_SHIFT,
+    TOSNET_REGISTER_SHIFT,
+)
+from unitylink.spec.model import Spec
+
+
+@dataclass(frozen=True)
+class TosnetNode:
+    """A node of the network beside the PC's own; bit r of `registers` says that register r is enabled."""
+
+    id: int
+    registers: int = 0xFF
+
+
+@dataclass(frozen=True)
+class TosnetConfiguration:
+    """A TosNet bus slave at word address `base` and the network behind it.
+
+    `master_id` is the PC's own node; `cycle_s` the network cycle; after `max_skipped_writes` cycles without a
+    commit the network halts (0: never).
+    """
+
+    base: int = 0
+    master_id: int = 1
+    master_registers: int = 0xFF
+    cycle_s: float = 100e-6
+    max_skipped_writes: int = 0
+    nodes: tuple[TosnetNode, ...] = ()
+    clock_hz: int = CLOCK_HZ_DEFAULT
+
+    @property
+    def cycle_clocks(self) -> int:
+        return max(1, round(self.cycle_s * self.clock_hz))
+
+
+@dataclass(frozen=True)
+class FifoConfiguration:
+    """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's."""
+
+    base: int
+    depth: int = 16
+
+
+@dataclass(frozen=True)
+class DoubleBufferConfiguration:
+    """A double-buffered memory: `base`+0 to +size-1 the words, +size the commit."""
+
+    base: int
+    size: int = 16
+
+
+@dataclass(frozen=True)
+class BoardConfiguration:
+    """The generics of the gateware and the board around it; widths in bits, addresses in words.
+
+    `fifo` (bytes each way) and `baud_hz` are the physical layer. Without `baud_hz` it is flow-controlled, as
+    USB is, and `fifo` 0 means large. With it, bytes take the time a UART needs and one that arrives at a full
+    receive FIFO is lost.
+
+    >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
+    166
+    """
+
+    address_bits: int = 8
+    data_bits: int = 32
+    clock_hz: int = CLOCK_HZ_DEFAULT
+    base_hz: int = BASE_HZ_DEFAULT
+    groups: int = 16
+    group_size: int = 32
+    read_many: int = 255
+    rate_bytes: int = 2
+    publish_mode: int = 2  # 0 none, 1 requests first, 2 publishing first
+    configuration_command: bool = True
+    checksum: str = "crc8"  # or "xor"
+    polynomial: int = 0x07
+    edge_event_groups: tuple[
+        int, ...
+    ] = ()  # groups whose event input is edge-triggered; the others' level counts
+    fifo: int = 0
+    baud_hz: int = 0
+    fifo_latency: int = 0  # clock cycles through each physical FIFO
+    honour_flush: bool = False  # a datalink error empties the receive FIFO, as the 2012 UART does
+    bench_memory: bool = False  # memory starts as in the recordings of the 2012 gateware, not as zero
+    bus_error_ranges: tuple[tuple[int, int], ...] = ()  # first..last address answered with a bus error
+    silent_ranges: tuple[tuple[int, int], ...] = ()  # first..last address not answered at all
+    tosnet: TosnetConfiguration | None = None
+    fifos: tuple[FifoConfiguration, ...] = ()
+    double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.checksum not in ("crc8", "xor"):
+            raise ValueRangeError(
+                f"board configuration: checksum is {self.checksum!r}; choose 'crc8' or 'xor'"
+            )
+        if self.baud_hz < 0 or self.baud_hz > self.clock_hz:
+            raise ValueRangeError(
+                f"board configuration: baud_hz is {self.baud_hz}; choose 0 to {self.clock_hz} (clock_hz)"
+            )
+        if self.fifo != 0 and self.fifo < 4:
+            raise ValueRangeError(
+                f"board configuration: fifo is {self.fifo}; choose at least 4 bytes, or 0 for large"
+            )
+        if self.tosnet is not None and self.tosnet.clock_hz != self.clock_hz:
+            object.__setattr__(self, "tosnet", replace(self.tosnet, clock_hz=self.clock_hz))
+
+    @property
+    def byte_clocks(self) -> int:
+        """Clock cycles of one byte on the line: start, eight data and stop bit; 0 without a line."""
+        return self.clock_hz * 10 // self.baud_hz if self.baud_hz else 0
+
+    @property
+    def receive_fifo(self) -> int:
+        return self.fifo
+
+    @property
+    def transmit_fifo(self) -> int:
+        return self.fifo
+
+    @classmethod
+    def for_spec(cls, spec: Spec, **overrides: Any) -> BoardConfiguration:
+        """Return a board that has what `spec` asks for; `overrides` are fields of this class.
+
+        With a TOSNET binding: its 11-bit map at BASE and one node for every node the spec talks to. Else
+        plain memory, as wide as the highest address needs. Raises ValueRangeError.
+        """
+        unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
+        if unknown:
+            raise ValueRangeError(f"board configuration: no field {', '.join(unknown)}")
+        elements = [element for _, element in spec.walk()]
+        tosnet = _tosnet_of(spec) if any(element.link.kind == "tosnet" for element in elements) else None
+        highest = max((element.address for element in elements), default=0)
+        address_bits = next(bits for bits in (8, 16, 24, 32) if highest < 1 << bits)
+        if tosnet is not None:
+            slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
+            wide = max(slave_bits, highest.bit_length())
+            address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
+        chosen: dict[str, Any] = {"address_bits": address_bits, "tosnet": tosnet, **overrides}
+        return cls(**chosen)
+
+
+def _tosnet_of(spec: Spec) -> TosnetConfiguration:
+    """Find the network a spec needs: which nodes there are, and which of them is the PC's."""
+    bound = [element for _, element in spec.walk() if element.link.kind == "tosnet"]
+    bases = sorted({element.link.base for element in bound})
+    if len(bases) > 1:
+        raise ValueRangeError(
+            f"the spec binds TosNet at {', '.join(hex(base) for base in bases)}; a virtual board has one "
+            "network: simulate each public constructor on its own"
+        )
+    memory = [(element.address - bases[0], element.access) for element in bound]
+    memory = [(word, access) for word, access in memory if 0 <= word < TOSNET_MEMORY_WORDS]
+    own = {_node(word) for word, access in memory if access == "WRITE" and not _is_input(word)} - {0}
+    remote = {_node(word) for word, access in memory if access == "READ" and not _is_input(word)} - {0}
+    remote |= {_node(word) for word, _ in memory if _is_input(word)} - {0}
+    master = _first(own) or _first(set(range(1, 16)) - remote) or 1
+    enabled = dict.fromkeys(sorted(remote - {master}), 0)
+    for word, _ in memory:
+        if _node(word) in enabled:
+            enabled[_node(word)] |= 1 << (word >> TOSNET_REGISTER_SHIFT & 7)
+    return TosnetConfiguration(
+        base=bases[0],
+        master_id=master,
+        nodes=tuple(TosnetNode(id, registers) for id, registers in enabled.items()),
+    )
+
+
+def _node(word: int) -> int:
+    return word >> TOSNET_NODE_SHIFT
+
+
+def _is_input(word: int) -> bool:
+    return bool(word >> TOSNET_IN_BIT & 1)
+
+
+def _first(numbers: Iterable[int]) -> int | None:
+    return min(numbers, default=None)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What moves behind the registers of a virtual board, and where a plant by name or from a file comes from."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol, Union
+
+from unitylink.errors import UnityLinkError
+from unitylink.spec.model import Spec
+
+from .plants.loopback import LoopbackPlant
+from .plants.ramp import RampPlant
+from .plants.scara import ScaraPlant
+from .plants.words import WordPlant
+from .registers import Registers
+
+
+class Plant(Protocol):
+    """Something that moves: stepped every `period_s` of device time by the board's thread.
+
+    An exception out of `step` ends the plant, not the board; it is logged and stands in `board.error`.
+    """
+
+    period_s: float
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        """Called once, before the first step."""
+
+    def step(self, time_s: float) -> None:
+        """Move on to device time `time_s`: read set-points from the registers, write what the sensors see."""
+
+
+AnyPlant = Union[Plant, WordPlant]
+
+PLANTS: dict[str, Callable[[], AnyPlant]] = {
+    "ramp": RampPlant,
+    "loopback": LoopbackPlant,
+    "scara": ScaraPlant,
+}
+DEFAULT_PLANT = "ramp"
+
+
+def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
+    """Return the plant called `name` (ramp, loopback, scara) or the one in the Python file `name`.
+
+    A file has a class `Plant` that can be made without arguments, or a function `make_plant(spec)`. Raises
+    UnityLinkError with the file's name and the reason.
+    """
+    if name in PLANTS:
+        return PLANTS[name]()
+    path = Path(name)
+    if path.suffix != ".py":
+        raise UnityLinkError(
+            f"plant {name!r} is not known; choose {', '.join(PLANTS)} or a Python file (FILE.py)"
+        )
+    if not path.is_file():
+        raise UnityLinkError(f"plant {name}: there is no such file")
+    try:
+        content = runpy.run_path(str(path), run_name=path.stem)
+        if "make_plant" in content:
+            plant = content["make_plant"](spec)
+        elif "Plant" in content:
+            plant = content["Plant"]()
+        else:
+            raise UnityLinkError(
+                f"plant {name}: the file has neither a class Plant nor a function make_plant(spec)"
+            )
+    except UnityLinkError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise UnityLinkError(f"plant {name}: {type(error).__name__}: {error}") from error
+    if isinstance(plant, WordPlant):
+        return plant
+    check_plant(plant, f"plant {name}")
+    return plant  # type: ignore[no-any-return]  # check_plant has looked at what a Plant needs
+
+
+def check_plant(plant: object, what: str) -> None:
+    """Raise UnityLinkError unless `plant` has a period and can be attached and stepped."""
+    period_s = getattr(plant, "period_s", None)
+    if not isinstance(period_s, (int, float)) or not 1e-5 <= period_s <= 3600:
+        raise UnityLinkError(
+            f"{what}: period_s is {period_s!r}; it must be a number of seconds, 1e-5 to 3600"
+        )
+    for method in ("attach", "step"):
+        if not callable(getattr(plant, method, None)):
+            raise UnityLinkError(f"{what}: {type(plant).__name__} has no method {method}()")

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The paper's SCARA robot: two revolute joints, a vertical axis and a rotating tool, each behind a position
+servo.
+
+Registers of a joint, as in Fig. 1 of the paper (units: counts; 100 counts are 1 degree, or 1 mm for the
+vertical axis):
+
+    cpos    READ   signed    encoder position, counts
+    spd     READ   unsigned  magnitude of the speed, counts/s
+    pos_sp  WRITE  signed    position set-point, counts; beyond a mechanical stop it means the stop
+    spd_sp  WRITE  unsigned  speed limit of the move, counts/s; 0 holds the joint where it is
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from unitylink.errors import UnityLinkError
+from unitylink.spec.model import Instance, Spec
+
+from ..registers import Registers
+
+COUNTS_PER_UNIT = 100.0  # per degree of a rotary joint, per millimetre of the vertical axis
+UPPER_ARM_MM = 250.0
+FOREARM_MM = 200.0
+
+_SERVO_RAD_S = 90.0  # bandwidth of the position loop with nominal inertia, critically damped
+_FORCE_MARGIN = 2.0  # the drive can accelerate its nominal inertia this much faster than the profile asks
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Limits of one joint, in degrees or millimetres, per second and per second squared; `inertia` relative
+    to nominal."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    speed_limit: float
+    acceleration_limit: float
+    inertia: float = 1.0
+
+
+JOINTS = (
+    Joint("shoulder", "°", -150.0, 150.0, 360.0, 1800.0),
+    Joint("elbow", "°", -145.0, 145.0, 540.0, 2700.0),
+    Joint("lift", "mm", 0.0, 150.0, 400.0, 4000.0, inertia=1.1),
+    Joint("tool", "°", -360.0, 360.0, 1080.0, 9000.0, inertia=0.9),
+)
+
+
+def tool_position_mm(shoulder_deg: float, elbow_deg: float) -> tuple[float, float]:
+    """Return where the tool is, (x, y) in mm, x along the stretched arm at 0 degrees.
+
+    >>> tool_position_mm(0, 0)
+    (450.0, 0.0)
+    """
+    upper, fore = math.radians(shoulder_deg), math.radians(shoulder_deg + elbow_deg)
+    return (
+        UPPER_ARM_MM * math.cos(upper) + FOREARM_MM * math.cos(fore),
+        UPPER_ARM_MM * math.sin(upper) + FOREARM_MM * math.sin(fore),
+    )
+
+
+class Axis:
+    """One joint in motion: a trapezoidal profile, a servo that follows it, and a mass that cannot do so at
+    once."""
+
+    def __init__(self, joint: Joint) -> None:
+        self.joint = joint
+        self.position = 0.0  # of the mass, unit of the joint
+        self.speed = 0.0
+        self._profile_position = 0.0
+        self._profile_speed = 0.0
+
+    def step(self, set_point: float, speed_limit: float, inertia: float, dt_s: float) -> None:
+        """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`; `inertia` is relative to
+        nominal."""
+        self._step_profile(set_point, speed_limit, dt_s)
+        joint = self.joint
+        force_limit = _FORCE_MARGIN * joint.acceleration_limit
+        force = _SERVO_RAD_S**2 * (self._profile_position - self.position) + 2 * _SERVO_RAD_S * (
+            self._profile_speed - self.speed
+        )
+        self.speed += max(-force_limit, min(force_limit, force)) / inertia * dt_s
+        self.position += self.speed * dt_s
+        if not joint.low <= self.position <= joint.high:  # against a mechanical stop
+            self.position = max(joint.low, min(joint.high, self.position))
+            self.speed = 0.0
+
+    def _step_profile(self, set_point: float, speed_limit: float, dt_s: float) -> None:
+        joint = self.joint
+        target = max(joint.low, min(joint.high, set_point))
+        error = target - self._profile_position
+        fastest = min(speed_limit, joint.speed_limit)
+        step_up = joint.acceleration_limit * dt_s
+        # The fastest speed from which the target can still be braked for, in whole steps.
+        braking = math.sqrt(step_up * step_up / 4 + 2 * joint.acceleration_limit * abs(error)) - step_up / 2
+        wanted = math.copysign(min(fastest, braking), error)
+        if (
+            fastest > 0
+            and abs(error) <= abs(wanted) * dt_s + 1e-9
+            and abs(self._profile_speed) <= 2 * step_up
+        ):
+            self._profile_position, self._profile_speed = target, 0.0
+            return
+        self._profile_speed += max(-step_up, min(step_up, wanted - self._profile_speed))
+        self._profile_position += self._profile_speed * dt_s
+
+
+@dataclass(frozen=True)
+class _Words:
+    """Addresses of one joint's registers."""
+
+    cpos: int
+    spd: int
+    pos_sp: int
+    spd_sp: int
+
+
+class ScaraPlant:
+    """Four joints behind the first four instances of the spec that have cpos, spd, pos_sp and spd_sp; starts
+    at zero.
+
+    Deterministic: it depends on the registers and the number of steps only.
+    """
+
+    period_s = 0.001
+
+    def __init__(self) -> None:
+        self.axes = tuple(Axis(joint) for joint in JOINTS)
+        self._words: list[_Words] = []
+        self._registers: Registers | None = None
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        """Find the joints' registers; raise UnityLinkError when the spec does not have four joints."""
+        self._words = [words for root in spec.roots for words in _joints(root)] if spec else []
+        if len(self._words) < len(JOINTS):
+            raise UnityLinkError(
+                f"plant scara: the spec has {len(self._words)} of the {len(JOINTS)} joints it needs "
+                "(instances with cpos, spd, pos_sp and spd_sp); choose another plant, such as ramp"
+            )
+        self._registers = registers
+
+    def step(self, time_s: float) -> None:
+        registers = self._registers
+        if registers is None:
+            raise UnityLinkError("plant scara: step() before attach()")
+        # The arm is heavier to turn the further the forearm is stretched out.
+        stretched = 0.75 + 0.25 * math.cos(math.radians(self.axes[1].position))
+        for index, (axis, words) in enumerate(zip(self.axes, self._words, strict=False)):
+            axis.step(
+                registers.signed(words.pos_sp) / COUNTS_PER_UNIT,
+                registers[words.spd_sp] / COUNTS_PER_UNIT,
+                axis.joint.inertia * (stretched if index == 0 else 1.0),
+                self.period_s,
+            )
+            registers[words.cpos] = round(axis.position * COUNTS_PER_UNIT)
+            registers[words.spd] = round(abs(axis.speed) * COUNTS_PER_UNIT)
+
+
+def _joints(instance: Instance) -> list[_Words]:
+    found = {element.name: element.address for element in instance.elements}
+    words = []
+    if found.keys() >= {"cpos", "spd", "pos_sp", "spd_sp"}:
+        words.append(_Words(found["cpos"], found["spd"], found["pos_sp"], found["spd_sp"]))
+    for inner in instance.instances:
+        words += _joints(inner)
+    return words

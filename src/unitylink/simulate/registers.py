@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The registers of a virtual board, from the side of the FPGA."""
+
+from __future__ import annotations
+
+from unitylink import _native
+from unitylink.errors import ValueRangeError
+
+
+class Registers:
+    """What the logic behind the link sees: `registers[address]` gets and sets raw unsigned words.
+
+    On plain memory both sides see the same word. On TosNet, nodes read IN words as last committed and set
+    their OUT words; behind a FIFO, setting its data register queues a word for the PC and getting it takes
+    one of the PC's. Negative values are stored as two's complement. Calls may come from any thread. Raises
+    ValueRangeError.
+
+        registers[0x88] = -1200          # an encoder count
+        set_point = registers.signed(0x8C)
+    """
+
+    def __init__(self, native: _native.Board, data_bits: int) -> None:
+        self._native = native
+        self._data_bits = data_bits
+
+    @property
+    def data_bits(self) -> int:
+        return self._data_bits
+
+    def __getitem__(self, address: int) -> int:
+        value = self._native.get(self._word(address))
+        if value is None:
+            raise ValueRangeError(
+                f"register 0x{address:04x} cannot be read from the board's side: nothing is there"
+            )
+        return value
+
+    def __setitem__(self, address: int, value: int) -> None:
+        if not -(1 << (self._data_bits - 1)) <= value < 1 << self._data_bits:
+            raise ValueRangeError(
+                f"register 0x{address:04x} has {self._data_bits} bits; {value} does not fit"
+            )
+        if not self._native.set(self._word(address), value & ((1 << self._data_bits) - 1)):
+            raise ValueRangeError(
+                f"register 0x{address:04x} cannot be set from the board: the PC's own, full, or not there"
+            )
+
+    def signed(self, address: int) -> int:
+        """Return the word at `address` as two's complement."""
+        value = self[address]
+        return value - (1 << self._data_bits) if value >> (self._data_bits - 1) else value
+
+    def async_receive(self) -> list[tuple[int, bytes]]:
+        """Take what the PC sent through TosNet's asynchronous channel: (node, 1 to 4 bytes) each, oldest
+        first."""
+        taken = []
+        while (word := self._native.async_take()) is not None:
+            node, data, count = word
+            taken.append((node, data.to_bytes(4, "big")[:count]))
+        return taken
+
+    def async_send(self, node: int, data: bytes) -> None:
+        """Let `node` send 1 to 4 bytes to the PC; raise ValueRangeError when its queue is full."""
+        if not 1 <= len(data) <= 4 or not 1 <= node <= 15:
+            raise ValueRangeError(
+                f"asynchronous word of {len(data)} bytes from node {node}; 1 to 4 bytes, nodes 1 to 15"
+            )
+        if not self._native.async_give(node, int.from_bytes(data.ljust(4, b"\0"), "big"), len(data)):
+            raise ValueRangeError(f"node {node}: the asynchronous channel is full or the board has no TosNet")
+
+    def _word(self, address: int) -> int:
+        if not 0 <= address < 1 << 32:
+            raise ValueRangeError(f"address {address} is not in 0..0xffffffff")
+        return address

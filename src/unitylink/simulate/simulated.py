@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`sim:` URLs: a virtual board made on the spot."""
+
+from __future__ import annotations
+
+from urllib.parse import parse_qsl, urlencode
+
+from unitylink.errors import UnityLinkError, UrlError
+from unitylink.spec import load
+
+from .board import Board
+from .configuration import BoardConfiguration
+from .plant import DEFAULT_PLANT, load_plant
+
+_BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
+_SHARED = (
+    "fifo",
+    "base_hz",
+    "groups",
+    "group_size",
+    "read_many",
+    "rate_bytes",
+    "publish_mode",
+)  # the link knows them too
+
+
+def simulated_board(url: str) -> tuple[Board, str]:
+    """Make the board of `sim:SPEC.ul?plant=NAME&…` and return it with the URL a link to it has.
+
+    Options of the board: `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits=
+    base_hz= groups= group_size= read_many= rate_bytes= publish_mode=`; all others are the link's. Close the
+    board after the link. Raises UrlError, SpecError, UnityLinkError.
+    """
+    kind, _, rest = url.partition(":")
+    path, _, query = rest.partition("?")
+    if kind != "sim" or not path:
+        raise UrlError(f"{url!r}: expected sim:SPEC.ul, with ?option=value&… behind it")
+    try:
+        options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
+    except ValueError as error:
+        raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
+    generics = {}
+    for option in (*_BOARD_ONLY, *_SHARED):
+        if option in options:
+            text = options.pop(option) if option in _BOARD_ONLY else options[option]
+            try:
+                generics[_BOARD_ONLY.get(option, option)] = int(text.split(",")[0], 0)
+            except ValueError as error:
+                raise UrlError(f"{url!r}: {option}={text} is not a whole number") from error
+    try:
+        spec = load(path)
+    except OSError as error:
+        raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
+    board = Board(
+        spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant, endpoint="fd"
+    )
+    try:
+        link_url = board.url + (f"?{urlencode(options, safe=',')}" if options else "")
+    except UnityLinkError:
+        board.close()
+        raise
+    return board, link_url

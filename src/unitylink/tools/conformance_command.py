@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink conformance`: recorded exchanges of the 2012 gateware, replayed against the twin."""
+
+from __future__ import annotations
+
+import click
+
+from .output import json_option, print_json
+
+
+@click.command()
+@click.argument("file")
+@json_option("the report, with every exchange")
+def command(file: str, as_json: bool) -> int:
+    """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
+
+    Required exchanges have to be equal byte for byte (as far as each one's `compare` rule says). Known
+    defects of the 2012 gateware have to be answered rightly instead. Optional ones are only told. The last
+    line is the verdict, `N passed, 0 failed`; the exit code is 1 if an exchange failed or a defect was
+    answered wrongly.
+
+    \b
+    Examples:
+      unitylink conformance tests/conformance/classic-transcripts.json
+      unitylink conformance recordings.json --json > report.json
+    """
+    from .conformance import as_dict, render, replay
+
+    report = replay(file)
+    if as_json:
+        print_json(as_dict(report))
+    else:
+        render(report)
+    return int(not report.ok)

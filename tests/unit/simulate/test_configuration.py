@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a spec to a board."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from unitylink.errors import ValueRangeError
+from unitylink.simulate import Board, BoardConfiguration, TosnetConfiguration, TosnetNode
+from unitylink.spec import Spec, compile_text
+
+
+def spec_of(text: str) -> Spec:
+    result = compile_text(text, "test.ul")
+    assert result.spec is not None, result
+    return result.spec
+
+
+def memory(address: str) -> Spec:
+    return spec_of(f"public board() {{ @word = {address}: READ(); }}")
+
+
+@pytest.mark.parametrize(
+    ("address", "bits"),
+    [
+        ("0x00", 8),
+        ("0xFF", 8),
+        ("0x100", 16),
+        ("0xFFFF", 16),
+        ("0x10000", 24),
+        ("0x1000000", 32),
+        ("0xFFFFFFFF", 32),
+    ],
+)
+def test_plain_memory_is_as_wide_as_its_highest_address(address: str, bits: int) -> None:
+    configuration = BoardConfiguration.for_spec(memory(address))
+    assert configuration.address_bits == bits
+    assert configuration.tosnet is None
+
+
+def tosnet(*members: str, base: int = 0) -> TosnetConfiguration:
+    body = " ".join(members)
+    text = f"public net(ctrl,comm) {{ TOSNET(CTRL=ctrl, COMM=comm, BASE={base}); {body} }}"
+    configuration = BoardConfiguration.for_spec(spec_of(text))
+    assert configuration.tosnet is not None
+    assert configuration.address_bits == (11 if base == 0 else 16)
+    return configuration.tosnet
+
+
+def test_tosnet_has_the_nodes_and_registers_of_the_spec() -> None:
+    found = tosnet("@a = 0x80: READ();", "@b = 0x8C: WRITE();", "@c = 0x178: READ();")
+    assert found.master_id == 1
+    assert found.nodes == (TosnetNode(2, 0b11), TosnetNode(5, 0x80))
+
+
+def test_the_pc_is_a_node_the_spec_does_not_read_from() -> None:
+    assert tosnet("@a = 0x40: READ();", "@b = 0x80: READ();").master_id == 3
+
+
+def test_the_pc_is_the_node_whose_outputs_it_writes() -> None:
+    assert tosnet("@a = 0xC0: WRITE();", "@b = 0x80: READ();").master_id == 3
+
+
+def test_tosnet_above_a_base() -> None:
+    assert tosnet("@a = 0x80: READ();", base=0x1000).base == 0x1000
+
+
+def test_one_network_only() -> None:
+    two = " ".join(
+        f"public n{base}(ctrl,comm) {{ TOSNET(CTRL=ctrl, COMM=comm, BASE={base}); @a = 0x80: READ(); }}"
+        for base in (0, 4096)
+    )
+    with pytest.raises(ValueRangeError, match="one network"):
+        BoardConfiguration.for_spec(spec_of(two))
+
+
+def test_overrides() -> None:
+    configuration = BoardConfiguration.for_spec(
+        memory("0x10"), groups=4, data_bits=16, baud_hz=3_000_000, fifo=16
+    )
+    assert (configuration.groups, configuration.data_bits, configuration.byte_clocks) == (4, 16, 166)
+    with pytest.raises(ValueRangeError, match="no field colour"):
+        BoardConfiguration.for_spec(memory("0x10"), colour=1)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"data_bits": 7}, "data_bits is 7"),
+        ({"groups": 257}, "groups is 257"),
+        ({"groups": -1}, "groups"),
+        ({"publish_mode": 3}, "publish_mode is 3"),
+        ({"checksum": "crc16"}, "checksum is 'crc16'"),
+        ({"fifo": 2}, "fifo is 2"),
+        ({"baud_hz": 10**9}, "baud_hz"),
+        ({"polynomial": 256}, "polynomial is 256"),
+        ({"edge_event_groups": (300,)}, "edge_event_groups"),
+        ({"tosnet": TosnetConfiguration()}, "address bits"),
+        ({"address_bits": 11, "tosnet": TosnetConfiguration(nodes=(TosnetNode(1),))}, "node id 1"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_name(fields: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueRangeError) as caught, Board(configuration=BoardConfiguration(**fields)):
+        pass
+    assert words in str(caught.value)
