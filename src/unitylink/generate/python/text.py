@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Quoting and wrapping as a formatter would leave it, at 88 columns."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+WIDTH = 88
+
+
+def quoted(text: str) -> str:
+    r"""Return a Python string literal, in double quotes unless single ones save escapes.
+
+    >>> print(quoted("joint 1"), quoted('say "x"'), quoted("a\\b\n"))
+    "joint 1" 'say "x"' "a\\b\n"
+    """
+    quote = "'" if text.count('"') > text.count("'") else '"'
+    body = "".join(_escaped(character, quote) for character in text)
+    return f"{quote}{body}{quote}"
+
+
+def _escaped(character: str, quote: str) -> str:
+    if character in ("\\", quote):
+        return "\\" + character
+    if character.isprintable():
+        return character
+    return character.encode("unicode_escape").decode("ascii")
+
+
+def docstring(indent: int, *paragraphs: str) -> str:
+    """Return a docstring, its first line without indent: one line where it fits, else wrapped.
+
+    >>> print(docstring(4, "A lamp."))
+    \"\"\"A lamp.\"\"\"
+    """
+    clean = [_clean(paragraph) for paragraph in paragraphs if paragraph]
+    if len(clean) == 1 and indent + len(clean[0]) + 6 <= WIDTH:
+        return f'"""{clean[0]}"""'
+    lines: list[str] = []
+    for number, paragraph in enumerate(clean):
+        if number:
+            lines.append("")
+        if paragraph.startswith(">>>"):
+            lines.append(paragraph)
+            continue
+        room = WIDTH - indent
+        lines += textwrap.wrap(
+            paragraph,
+            room,
+            initial_indent="" if number else '"""',
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    return "\n".join(
+        (" " * indent + line if line and number else line) for number, line in enumerate(lines)
+    ) + ("\n" + " " * indent + '"""')
+
+
+def _clean(text: str) -> str:
+    """Keep text from ending the docstring or being read as an escape."""
+    printable = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(printable.replace("\\", "\\\\").replace('"""', "'''").split())
+
+
+def call(indent: int, head: str, arguments: Sequence[str], tail: str = "") -> str:
+    """Return `head(arguments)` and `tail` on one line where it fits, else one argument a line.
+
+    >>> print(call(8, "self.led = self._write", ['"led"']))
+    self.led = self._write("led")
+    """
+    line = f"{head}({', '.join(arguments)}){tail}"
+    if indent + len(line) <= WIDTH:
+        return line
+    inner = "".join(f"{' ' * (indent + 4)}{argument},\n" for argument in arguments)
+    return f"{head}(\n{inner}{' ' * indent}){tail}"

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Layer 3: one proxy per kind of gateware module; addresses are relative to the module."""
+
+from __future__ import annotations
+
+from .committed import CommittedProxy
+from .double_buffer import DoubleBufferProxy
+from .fifo import FifoProxy, FifoStatus
+from .memory import MemoryProxy
+from .proxy import HardwareProxy
+from .tosnet import TosNetNode, TosNetProxy, TosNetRegister, TosNetWords
+from .tosnet_status import NetworkNode, TosNetCounters, TosNetStatus
+
+__all__ = [
+    "CommittedProxy",
+    "DoubleBufferProxy",
+    "FifoProxy",
+    "FifoStatus",
+    "HardwareProxy",
+    "MemoryProxy",
+    "NetworkNode",
+    "TosNetCounters",
+    "TosNetNode",
+    "TosNetProxy",
+    "TosNetRegister",
+    "TosNetStatus",
+    "TosNetWords",
+]

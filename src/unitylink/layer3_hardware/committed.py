@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Outputs that take effect together, by a commit, in gateware that swaps two buffers without copying."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from unitylink.errors import OutcomeUnknown, ValueRangeError
+
+from .proxy import HardwareProxy
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from unitylink.layer2_message import Link
+
+
+class CommittedProxy(HardwareProxy):
+    """Write outputs in bursts, each ended by one commit.
+
+    The gateware swaps its buffers at a commit and does not copy: a word that is not written before a commit
+    falls back to its value of two commits ago. So the proxy keeps a shadow of every output it is responsible
+    for (those declared and those written) and writes all of them before each commit. What it does not know
+    yet it reads back from the device first, so that a robot that is already running does not jump.
+
+    The words of a burst may be sent twice, a commit never is: if its reply is lost, OutcomeUnknown says so.
+
+    >>> with proxy.batch():            # doctest: +SKIP
+    ...     proxy.write(0x8C, 100)     # nothing is sent yet
+    ...     proxy.write(0x8D, 200)     # both take effect together at the end of the block
+    """
+
+    kind = "committed memory"
+    repeatable_writes = True
+    commit_address = 0  # relative; set by the subclass or instance
+    commit_timeout_s = 0.5  # for what follows a burst: the gateware takes the commit within one cycle
+
+    def __init__(
+        self, link: Link, base: int = 0, *, words: int | None = None, control: Link | None = None
+    ) -> None:
+        super().__init__(link, base, words=words)
+        self.control = control if control is not None else link  # where commits and status words go
+        self._lock = threading.RLock()
+        self._outputs: dict[int, int | None] = {}  # relative address -> last committed word, None = not known
+        self._staged: dict[int, int] | None = None
+        self._staged_checked: bool | None = None
+        self._batch_thread: int | None = None
+        self._settled = False  # no commit of ours can be pending
+
+    @property
+    def outputs(self) -> dict[int, int | None]:
+        """The shadow: relative address -> word as last committed, None where it was not read back yet."""
+        with self._lock:
+            return dict(self._outputs)
+
+    def declare_outputs(self, addresses: Iterable[int]) -> None:
+        """Take responsibility for these words: each commit writes them, at first as the device has them."""
+        with self._lock:
+            for address in addresses:
+                self._check_output(address)
+                self._outputs.setdefault(address, None)
+
+    @contextmanager
+    def batch(self) -> Iterator[Self]:
+        """Collect this thread's writes and commit them once at the end; if the block raises, send nothing.
+
+        Other threads wait. A batch inside a batch joins it.
+        """
+        with self._lock:
+            if self._staged is not None:
+                yield self
+                return
+            self._staged, self._staged_checked = {}, None
+            self._batch_thread = threading.get_ident()
+            try:
+                yield self
+                staged, checked = self._staged, self._staged_checked
+            finally:
+                self._staged = self._batch_thread = None
+            if staged:
+                self._burst(staged, checked, None)
+
+    def write(
+        self, address: int, value: int, *, checked: bool | None = None, timeout_s: float | None = None
+    ) -> None:
+        """Write one word and commit, or add it to the open batch."""
+        self.write_many((address,), (value,), checked=checked, timeout_s=timeout_s)
+
+    def write_many(
+        self,
+        addresses: Iterable[int],
+        values: Iterable[int],
+        *,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write words that take effect together: one burst, one commit; or add them to the open batch."""
+        where, words = list(addresses), list(values)
+        if len(where) != len(words):
+            raise ValueRangeError(f"{self.kind}: {len(where)} addresses and {len(words)} values")
+        for address in where:
+            self._check_output(address)
+        self._check_words(words)
+        with self._lock:
+            if self._staged is not None:
+                self._staged.update(zip(where, words, strict=True))
+                self._staged_checked = checked if checked is not None else self._staged_checked
+            elif where:
+                self._burst(dict(zip(where, words, strict=True)), checked, timeout_s)
+
+    async def write_async(
+        self, address: int, value: int, *, checked: bool | None = None, timeout_s: float | None = None
+    ) -> None:
+        """Write one word and commit."""
+        await self.write_many_async((address,), (value,), checked=checked, timeout_s=timeout_s)
+
+    async def write_many_async(
+        self,
+        addresses: Iterable[int],
+        values: Iterable[int],
+        *,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write words that take effect together.
+
+        A burst is a sequence that must not be interleaved with another, sync or async: it runs under the
+        lock, in a worker thread, and the event loop stays free.
+        """
+        if self._batch_thread == threading.get_ident():  # the worker would wait for the batch to end
+            self.write_many(addresses, values, checked=checked)
+            return
+        await asyncio.to_thread(self.write_many, addresses, values, checked=checked, timeout_s=timeout_s)
+
+    def commit(self, *, timeout_s: float | None = None) -> None:
+        """Write every known output again and commit: what to do after an OutcomeUnknown."""
+        with self._lock:
+            self._burst({}, None, timeout_s)
+
+    def _check_output(self, address: int) -> None:
+        self.bus_address(address)
+
+    def _burst(self, changes: dict[int, int], checked: bool | None, timeout_s: float | None) -> None:
+        deadline = time.monotonic() + (self.commit_timeout_s if timeout_s is None else timeout_s)
+        if not self._settled:
+            self._settle(deadline, committed=False)
+        self._read_back(changes, timeout_s)
+        words = {address: word for address, word in self._outputs.items() if word is not None} | changes
+        self._settled = False  # whatever happens from here on, look before the next burst
+        self.link.write_many(
+            [self.base + address for address in words],
+            list(words.values()),
+            checked=checked,
+            repeat=True,
+            timeout_s=timeout_s,
+        )
+        commit = self.base + self.commit_address
+        try:
+            self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
+        except OutcomeUnknown as error:
+            self._outputs.update(changes)  # it may have happened: falling back later would be a jump
+            raise OutcomeUnknown(
+                f"{self.kind}: the commit of {len(words)} words at {commit:#06x} was sent and its reply "
+                "lost; it may or may not have taken effect and was not repeated. "
+                "commit() writes the same words and commits again",
+                address=commit,
+                attempts=error.attempts,
+                elapsed_s=error.elapsed_s,
+            ) from error
+        self._outputs.update(changes)
+        self._settle(deadline, committed=True)
+        self._settled = True
+
+    def _read_back(self, changes: dict[int, int], timeout_s: float | None) -> None:
+        unknown = [a for a, word in self._outputs.items() if word is None and a not in changes]
+        if unknown:
+            words = self.link.read_many(
+                [self.base + address for address in unknown], repeat=True, timeout_s=timeout_s
+            )
+            self._outputs.update(zip(unknown, (int(word) for word in words), strict=True))
+
+    def _settle(self, deadline: float, *, committed: bool) -> None:
+        """Wait until no commit is pending; after our own (`committed`) raise if it was dropped."""

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What every hardware proxy has: words at addresses relative to a base, and what may be sent twice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import ValueRangeError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from unitylink.layer2_message import Link, Subscription
+
+
+class HardwareProxy:
+    """Give access to the words of one gateware module, addressed from its base.
+
+    Values are raw unsigned words of the link's data width. A subclass says by `repeatable_reads` and
+    `repeatable_writes` what the link may send again by itself after a lost reply.
+
+    >>> led = MemoryProxy(link, base=0x40)   # doctest: +SKIP
+    >>> led.write(2, 0xFF)                   # the bus sees address 0x42  # doctest: +SKIP
+    """
+
+    kind = "hardware"
+    repeatable_reads = True
+    repeatable_writes = False
+
+    def __init__(self, link: Link, base: int = 0, *, words: int | None = None) -> None:
+        if base < 0:
+            raise ValueRangeError(f"{self.kind}: base {base} is negative")
+        self.link = link
+        self.base = base
+        self.words = words  # how many words the module has, where that is known
+
+    def bus_address(self, address: int) -> int:
+        """Return the bus address of a relative one; ValueRangeError where the module has no such word."""
+        if address < 0 or (self.words is not None and address >= self.words):
+            held = "" if self.words is None else f"; it has words 0 to {self.words - 1:#x}"
+            raise ValueRangeError(f"{self.kind} at {self.base:#06x}: no word {address:#x}{held}")
+        return self.base + address
+
+    def bus_addresses(self, addresses: Iterable[int]) -> list[int]:
+        return [self.bus_address(address) for address in addresses]
+
+    def reader(self, address: int, *, checked: bool | None = None) -> Callable[..., int]:
+        """Return a function that reads one word with nothing left to look up, for whoever reads it often."""
+        return partial(
+            self.link.read, self.bus_address(address), checked=checked, repeat=self.repeatable_reads
+        )
+
+    def read(self, address: int, *, checked: bool | None = None, timeout_s: float | None = None) -> int:
+        """Read one word."""
+        return self.link.read(
+            self.bus_address(address), checked=checked, repeat=self.repeatable_reads, timeout_s=timeout_s
+        )
+
+    def read_many(
+        self,
+        addresses: Iterable[int],
+        *,
+        atomic: bool = False,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> NDArray[np.uint32]:
+        """Read many words; with `atomic` in one bus transaction, so that they belong together."""
+        return self.link.read_many(
+            self.bus_addresses(addresses),
+            atomic=atomic,
+            checked=checked,
+            repeat=self.repeatable_reads,
+            timeout_s=timeout_s,
+        )
+
+    def write(
+        self, address: int, value: int, *, checked: bool | None = None, timeout_s: float | None = None
+    ) -> None:
+        """Write one word."""
+        self.link.write(
+            self.bus_address(address),
+            value,
+            checked=checked,
+            repeat=self.repeatable_writes,
+            timeout_s=timeout_s,
+        )
+
+    def write_many(
+        self,
+        addresses: Iterable[int],
+        values: Iterable[int],
+        *,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write many words, in order, without waiting for each reply."""
+        self.link.write_many(
+            *self._pairs(addresses, values),
+            checked=checked,
+            repeat=self.repeatable_writes,
+            timeout_s=timeout_s,
+        )
+
+    async def read_async(
+        self, address: int, *, checked: bool | None = None, timeout_s: float | None = None
+    ) -> int:
+        """Read one word."""
+        return await self.link.read_async(
+            self.bus_address(address), checked=checked, repeat=self.repeatable_reads, timeout_s=timeout_s
+        )
+
+    async def read_many_async(
+        self,
+        addresses: Iterable[int],
+        *,
+        atomic: bool = False,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> NDArray[np.uint32]:
+        """Read many words; with `atomic` in one bus transaction."""
+        return await self.link.read_many_async(
+            self.bus_addresses(addresses),
+            atomic=atomic,
+            checked=checked,
+            repeat=self.repeatable_reads,
+            timeout_s=timeout_s,
+        )
+
+    async def write_async(
+        self, address: int, value: int, *, checked: bool | None = None, timeout_s: float | None = None
+    ) -> None:
+        """Write one word."""
+        await self.link.write_async(
+            self.bus_address(address),
+            value,
+            checked=checked,
+            repeat=self.repeatable_writes,
+            timeout_s=timeout_s,
+        )
+
+    async def write_many_async(
+        self,
+        addresses: Iterable[int],
+        values: Iterable[int],
+        *,
+        checked: bool | None = None,
+        timeout_s: float | None = None,
+    ) -> None:
+        """Write many words, in order."""
+        await self.link.write_many_async(
+            *self._pairs(addresses, values),
+            checked=checked,
+            repeat=self.repeatable_writes,
+            timeout_s=timeout_s,
+        )
+
+    def subscribe(self, addresses: Iterable[int], **options: Any) -> Subscription:
+        """Have the gateware publish words as one group: `divisor=` of the base rate, or `on_event=True`.
+
+        The link reads each address once before it is published, where that has no side effect.
+        """
+        options.setdefault("verify", self.repeatable_reads)
+        return self.link.subscribe(self.bus_addresses(addresses), **options)
+
+    def declare_outputs(self, addresses: Iterable[int]) -> None:
+        """Say which words the PC is responsible for; only proxies with a commit need to know."""
+        for address in addresses:
+            self.bus_address(address)
+
+    def _pairs(self, addresses: Iterable[int], values: Iterable[int]) -> tuple[list[int], list[int]]:
+        bus, words = self.bus_addresses(addresses), list(values)
+        if len(bus) != len(words):
+            raise ValueRangeError(f"{self.kind}: {len(bus)} addresses and {len(words)} values")
+        return bus, words
+
+    def _check_words(self, values: Sequence[int]) -> None:
+        """Refuse what does not fit the bus before a part of it is sent."""
+        bits = self.link.configuration.data_bits
+        for value in values:
+            if not 0 <= value < 1 << bits:
+                raise ValueRangeError(f"{self.kind}: {value} does not fit a raw word of {bits} bits")
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} at {self.base:#06x} of {getattr(self.link, 'url', '?')}>"

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The TosNet bus slave: an isochronous shared memory of up to 15 nodes, its status, and its commits."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from unitylink import protocol
+from unitylink.errors import LinkTimeout, NetworkError, ValueRangeError
+
+from .committed import CommittedProxy
+from .tosnet_async import TosNetAsync
+from .tosnet_status import NetworkNode, TosNetCounters, TosNetStatus
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+NODES = 16
+REGISTERS_PER_NODE = 8
+WORDS_PER_REGISTER = 4
+
+
+class TosNetProxy(CommittedProxy):
+    """Give access to a TosNet network behind the gateware.
+
+    Node `n`'s register `r` has four OUT words, which the node writes, and four IN words, which it obeys.
+    `read` and `write` take the word address (node * 64 + register * 8 + 4 if IN + word);
+    `node(n).register(r)` computes it. A commit takes effect at the next network cycle; a write waits for
+    that, and raises NetworkError where the network is offline, halted, or dropped the commit.
+
+    `control` is the link that status and commits go over, the same one unless told otherwise (CTRL in a
+    UL-spec).
+
+    >>> network = TosNetProxy(link)                                   # doctest: +SKIP
+    >>> network.node(2).register(1).inputs[0] = 1000   # one burst, one commit  # doctest: +SKIP
+    >>> network.node(2).register(1).outputs[0]                        # doctest: +SKIP
+    998
+    """
+
+    kind = "tosnet"
+    commit_address = protocol.TOSNET_STATUS
+
+    def __init__(self, link: Link, base: int = 0, *, control: Link | None = None) -> None:
+        super().__init__(link, base, words=1 << protocol.TOSNET_ADDRESS_BITS, control=control)
+        self._async = TosNetAsync(self.control, base)
+
+    def node(self, node_id: int) -> TosNetNode:
+        """Return node 1-15 (0 where the gateware uses it)."""
+        return TosNetNode(self, node_id)
+
+    def status(self) -> TosNetStatus:
+        """Read and decode the status word."""
+        return TosNetStatus.decode(self.control.read(self.base + protocol.TOSNET_STATUS))
+
+    def counters(self) -> TosNetCounters:
+        """Read the packet, reset and error counters."""
+        first = protocol.TOSNET_PACKET_COUNTER
+        where = (first, protocol.TOSNET_RESET_COUNTER, protocol.TOSNET_ERROR_COUNTER)
+        packets, resets, errors = (int(w) for w in self.control.read_many([self.base + a for a in where]))
+        return TosNetCounters(packets, resets, errors)
+
+    def nodes(self) -> tuple[NetworkNode, ...]:
+        """Read the list of the nodes that are in the ring, in ring order."""
+        first = self.base + protocol.TOSNET_NETWORK_REGISTERS
+        words = self.control.read_many(range(first, first + NODES))
+        return NetworkNode.decode_list([int(word) for word in words])
+
+    def async_send(self, node_id: int, data: bytes, *, timeout_s: float = 0.5) -> None:
+        """Send bytes to a node (0 = all) over the asynchronous channel; LinkTimeout if it stays full."""
+        self._async.send(node_id, data, timeout_s)
+
+    def async_receive(self) -> list[tuple[int, bytes]]:
+        """Return what the asynchronous channel has received, oldest first, as (sender's node id, bytes)."""
+        return self._async.receive()
+
+    def _check_output(self, address: int) -> None:
+        if not 0 <= address < protocol.TOSNET_MEMORY_WORDS:
+            raise ValueRangeError(
+                f"tosnet: {address:#x} is not in the shared memory, "
+                f"0 to {protocol.TOSNET_MEMORY_WORDS - 1:#x}; "
+                "commits and the asynchronous channel have methods of their own"
+            )
+
+    def _settle(self, deadline: float, *, committed: bool) -> None:
+        started = time.monotonic()
+        polls = 0
+        while True:
+            status = self.status()
+            polls += 1
+            if not status.online or status.system_halt:
+                what = "is halted until its reset" if status.system_halt else "is offline"
+                raise NetworkError(
+                    f"the TosNet network {what} ({status}); outputs take no effect",
+                    address=self.base + protocol.TOSNET_STATUS,
+                )
+            if not status.commit_pending:
+                break
+            now = time.monotonic()
+            if now >= deadline:
+                raise LinkTimeout(
+                    f"a commit is still pending after {(now - started) * 1e3:.0f} ms ({status}); "
+                    "the network does not cycle",
+                    address=self.base + protocol.TOSNET_STATUS,
+                    attempts=polls,
+                    elapsed_s=now - started,
+                )
+        if committed and status.commit_aborted:
+            raise NetworkError(
+                "the commit was aborted: somebody else wrote to the network's memory while it was pending; "
+                "nothing of this write took effect. Write again (or commit())",
+                address=self.base + protocol.TOSNET_STATUS,
+            )
+
+
+class TosNetNode:
+    """One node of the network; iterate over it for its registers."""
+
+    def __init__(self, network: TosNetProxy, node_id: int) -> None:
+        if not 0 <= node_id < NODES:
+            raise ValueRangeError(f"tosnet: node {node_id} is not in 0..{NODES - 1}")
+        self.network = network
+        self.node_id = node_id
+
+    def register(self, number: int) -> TosNetRegister:
+        """Return register 0-7 of the node."""
+        return TosNetRegister(self, number)
+
+    def __iter__(self) -> Iterator[TosNetRegister]:
+        return (self.register(number) for number in range(REGISTERS_PER_NODE))
+
+
+class TosNetRegister:
+    """A register: `outputs[0..3]` are written by the node, `inputs[0..3]` are what it obeys."""
+
+    def __init__(self, node: TosNetNode, number: int) -> None:
+        if not 0 <= number < REGISTERS_PER_NODE:
+            raise ValueRangeError(f"tosnet: register {number} is not in 0..{REGISTERS_PER_NODE - 1}")
+        first = node.node_id << protocol.TOSNET_NODE_SHIFT | number << protocol.TOSNET_REGISTER_SHIFT
+        self.outputs = TosNetWords(node.network, first)
+        self.inputs = TosNetWords(node.network, first | 1 << protocol.TOSNET_IN_BIT)
+
+
+class TosNetWords:
+    """Four words of a register; `words[2]` reads, `words[2] = 5` writes and commits (or joins a batch)."""
+
+    def __init__(self, network: TosNetProxy, first: int) -> None:
+        self.network = network
+        self.first = first
+
+    def address(self, word: int) -> int:
+        """Return the word's address relative to the network's base."""
+        if not 0 <= word < WORDS_PER_REGISTER:
+            raise ValueRangeError(f"tosnet: word {word} is not in 0..{WORDS_PER_REGISTER - 1}")
+        return self.first + word
+
+    def __getitem__(self, word: int) -> int:
+        return self.network.read(self.address(word))
+
+    def __setitem__(self, word: int, value: int) -> None:
+        self.network.write(self.address(word), value)
+
+    def __len__(self) -> int:
+        return WORDS_PER_REGISTER
+
+    def __iter__(self) -> Iterator[int]:
+        words = self.network.read_many(range(self.first, self.first + WORDS_PER_REGISTER), atomic=True)
+        return iter([int(word) for word in words])

@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Several values with one write, one consistent snapshot and one callback."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, SupportsIndex, TypeVar
+
+from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
+
+from .listeners import Listeners
+from .snapshot import Snapshot
+from .value import ReadValue, Value, WriteValue
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.layer3_hardware import HardwareProxy
+
+R = TypeVar("R")
+Writes = dict["HardwareProxy", tuple[list[WriteValue], list[int]]]
+
+
+class ValueGroup:
+    """Give values one name: READs are taken together by `snapshot`, WRITEs take effect together by `write`.
+
+    `values` is a mapping from key to value, or values, whose keys are then their paths. They may live on any
+    number of links.
+
+    >>> targets = ValueGroup([robot.j1.pos_sp, robot.j2.pos_sp])         # doctest: +SKIP
+    >>> targets.write([100, -200])                                       # doctest: +SKIP
+    >>> targets.write({"j1.pos_sp": 100}); targets.write(j2_pos_sp=-200) # doctest: +SKIP
+    """
+
+    def __init__(self, values: Mapping[str, Value] | Iterable[Value], path: str = "group") -> None:
+        pairs = values.items() if isinstance(values, Mapping) else [(value.path, value) for value in values]
+        self.path = path
+        self.values: dict[str, Value] = {}
+        for key, value in pairs:
+            if key in self.values:
+                raise ValueRangeError(f"{path}: two values are called {key}; give a mapping with other keys")
+            self.values[key] = value
+        self.reads = {k: v for k, v in self.values.items() if isinstance(v, ReadValue)}
+        self.writes = {k: v for k, v in self.values.items() if isinstance(v, WriteValue)}
+        self.listeners: Listeners[Snapshot] = Listeners(path)
+        self._lock = threading.Lock()
+        self._fresh: dict[ReadValue, int] = {}
+        self._times_s: dict[str, float] = {}
+        self._by_link: dict[Link, dict[str, ReadValue]] = {}
+        for key, value in self.reads.items():
+            self._by_link.setdefault(value.hardware.link, {})[key] = value
+        self._labels: dict[Link, str] = {}  # two links may have the same URL
+        for link in self._by_link:
+            number = sum(other.url == link.url for other in self._labels) + 1
+            self._labels[link] = link.url if number == 1 else f"{link.url}#{number}"
+
+    def __iter__(self) -> Iterator[Value]:
+        return iter(self.values.values())
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, key: str) -> Value:
+        return self.values[key]
+
+    def __repr__(self) -> str:
+        return f"<group {self.path} of {', '.join(self.values)}>"
+
+    # Reading
+
+    def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
+        """Read all READs: per link one atomic read, the links at the same time.
+
+        Raises DeviceMismatch where one atomic read cannot hold them, unless `consistent` is False.
+        """
+        self._check_snapshot(consistent)
+
+        def fetch(link: Link, values: dict[str, ReadValue]) -> tuple[float, list[int]]:
+            started = time.monotonic()
+            words = link.read_many(
+                [value.address for value in values.values()],
+                atomic=consistent and len(values) > 1,
+                checked=_any_checked(values.values()),
+                timeout_s=timeout_s,
+            )
+            return (started + time.monotonic()) / 2, [int(word) for word in words]
+
+        try:
+            fetched = _at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
+        except LinkError as error:
+            raise self._named(error)  # noqa: B904  the same error, now with its name
+        return self._snapshot(fetched)
+
+    async def snapshot_async(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
+        """Read all READs: per link one atomic read, the links at the same time."""
+        self._check_snapshot(consistent)
+
+        async def fetch(link: Link, values: dict[str, ReadValue]) -> tuple[float, list[int]]:
+            started = time.monotonic()
+            words = await link.read_many_async(
+                [value.address for value in values.values()],
+                atomic=consistent and len(values) > 1,
+                checked=_any_checked(values.values()),
+                timeout_s=timeout_s,
+            )
+            return (started + time.monotonic()) / 2, [int(word) for word in words]
+
+        try:
+            fetched = await asyncio.gather(*(fetch(link, values) for link, values in self._by_link.items()))
+        except LinkError as error:
+            raise self._named(error)  # noqa: B904
+        return self._snapshot(fetched)
+
+    def _check_snapshot(self, consistent: bool) -> None:
+        if not self.reads:
+            raise ValueRangeError(f"{self.path}: there is no READ to take a snapshot of")
+        for link, values in self._by_link.items():
+            limit = max(1, link.configuration.read_many)
+            if consistent and len(values) > limit:
+                raise DeviceMismatch(
+                    f"{self.path}: {len(values)} values do not fit one atomic read of {limit} words "
+                    f"at {link.url}; take smaller groups, or snapshot(consistent=False)"
+                )
+
+    def _snapshot(self, fetched: Sequence[tuple[float, list[int]]]) -> Snapshot:
+        numbers: dict[str, int] = {}
+        times_s: dict[str, float] = {}
+        for (link, values), (time_s, words) in zip(self._by_link.items(), fetched, strict=True):
+            times_s[self._labels[link]] = time_s
+            for (key, value), word in zip(values.items(), words, strict=True):
+                value.latest = numbers[key] = (word ^ value.sign) - value.sign
+        return Snapshot({key: numbers[key] for key in self.reads}, times_s)
+
+    # Writing
+
+    def write(
+        self,
+        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None = None,
+        /,
+        *,
+        timeout_s: float | None = None,
+        **named: SupportsIndex,
+    ) -> None:
+        """Write WRITEs together: a sequence for all of them in order, a mapping or keywords for some.
+
+        A keyword is a key with "_" for ".", or its last step where that is unique. All values are checked
+        before the first is sent. Per hardware proxy it is one burst (on TosNet: with one commit), the links
+        at the same time.
+        """
+        writes = self._words(values, named)
+        by_link: dict[Link, list[HardwareProxy]] = {}
+        for hardware in writes:
+            by_link.setdefault(hardware.link, []).append(hardware)
+
+        def send(proxies: list[HardwareProxy]) -> None:
+            for hardware in proxies:
+                targets, words = writes[hardware]
+                hardware.write_many(
+                    [value.relative_address for value in targets],
+                    words,
+                    checked=_any_checked(targets),
+                    timeout_s=timeout_s,
+                )
+                self._written(targets, words)
+
+        try:
+            _at_once([partial(send, proxies) for proxies in by_link.values()])
+        except LinkError as error:
+            raise self._named(error)  # noqa: B904
+
+    async def write_async(
+        self,
+        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None = None,
+        /,
+        *,
+        timeout_s: float | None = None,
+        **named: SupportsIndex,
+    ) -> None:
+        """Write WRITEs together, as `write`."""
+        writes = self._words(values, named)
+
+        async def send(hardware: HardwareProxy) -> None:
+            targets, words = writes[hardware]
+            await hardware.write_many_async(
+                [value.relative_address for value in targets],
+                words,
+                checked=_any_checked(targets),
+                timeout_s=timeout_s,
+            )
+            self._written(targets, words)
+
+        try:
+            await asyncio.gather(*(send(hardware) for hardware in writes))
+        except LinkError as error:
+            raise self._named(error)  # noqa: B904
+
+    def _words(
+        self,
+        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None,
+        named: Mapping[str, SupportsIndex],
+    ) -> Writes:
+        chosen: dict[WriteValue, SupportsIndex] = {}
+        if isinstance(values, Mapping):
+            for key, number in values.items():
+                if key not in self.writes:
+                    raise ValueRangeError(
+                        f"{self.path}: no WRITE {key!r}; there are {', '.join(self.writes)}"
+                    )
+                chosen[self.writes[key]] = number
+        elif values is not None:
+            if len(values) != len(self.writes):
+                raise ValueRangeError(
+                    f"{self.path}: {len(values)} values for {len(self.writes)} WRITEs "
+                    f"({', '.join(self.writes)})"
+                )
+            chosen.update(zip(self.writes.values(), values, strict=True))
+        for name, number in named.items():
+            chosen[self._by_keyword(name)] = number
+        writes: Writes = {}
+        for value, number in chosen.items():
+            targets, words = writes.setdefault(value.hardware, ([], []))
+            targets.append(value)
+            words.append(value.word(number))
+        return writes
+
+    def _by_keyword(self, name: str) -> WriteValue:
+        full = [value for key, value in self.writes.items() if key.replace(".", "_") == name]
+        short = [value for key, value in self.writes.items() if key.rpartition(".")[2] == name]
+        for matches in (full, short):
+            if len(matches) == 1:
+                return matches[0]
+        known = ", ".join(key.replace(".", "_") for key in self.writes)
+        trouble = "is more than one WRITE" if full or short else "is not a WRITE"
+        raise ValueRangeError(f"{self.path}: {name} {trouble}; there are {known}")
+
+    @staticmethod
+    def _written(targets: list[WriteValue], words: list[int]) -> None:
+        for value, word in zip(targets, words, strict=True):
+            value.latest = (word ^ value.sign) - value.sign
+
+    # Publishing
+
+    def on_publish(
+        self, callback: Callable[[float, Snapshot], object], *, rate_hz: float | None = None
+    ) -> Callable[[], None]:
+        """Call `callback(time_s, snapshot)` once per fresh sample of all READs; return what takes it back.
+
+        Values that one gateware group carries were sampled together. With several rates the slowest sets the
+        pace. READs without PUBLISH need `rate_hz`: the PC then polls them.
+        """
+        self._watch(rate_hz)
+        return self.listeners.on_publish(callback)
+
+    def on_change(
+        self, callback: Callable[[Snapshot], object], *, rate_hz: float | None = None
+    ) -> Callable[[], None]:
+        """Call `callback(snapshot)` once per set in which a value has changed; else as `on_publish`."""
+        self._watch(rate_hz)
+        return self.listeners.on_change(callback)
+
+    def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, Snapshot]]:
+        """Iterate over consistent sets: `async for time_s, snapshot in group.publishes():`."""
+        self._watch(rate_hz)
+        return self.listeners.stream(lambda: all(value.is_published() for value in self.reads.values()))
+
+    def _watch(self, rate_hz: float | None) -> None:
+        if not self.reads:
+            raise ValueRangeError(f"{self.path}: there is no READ to be published")
+        for value in self.reads.values():
+            value.publisher.demand(value, None if value.publish else rate_hz)
+        for value in self.reads.values():
+            if self not in value.groups:
+                value.groups += (self,)
+        for value in self.reads.values():
+            value.publisher.require(value)
+
+    def take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
+        """Take a publish that carries some of our values; tell the listeners when it completes a set."""
+        with self._lock:
+            for value, number in zip(values, numbers, strict=True):
+                if self in value.groups:
+                    self._fresh[value] = number
+                    self._times_s[self._labels[value.hardware.link]] = time_s
+            if len(self._fresh) < len(self.reads):
+                return
+            snapshot = Snapshot({key: self._fresh[v] for key, v in self.reads.items()}, self._times_s)
+            self._fresh.clear()
+        self.listeners.tell(time_s, snapshot)
+
+    def _named(self, error: LinkError) -> LinkError:
+        return error.with_item(self.path)
+
+
+def _any_checked(values: Iterable[Value]) -> bool | None:
+    return True if any(value.checked for value in values) else None
+
+
+def _at_once(jobs: Sequence[Callable[[], R]]) -> list[R]:
+    """Run jobs at the same time, each link's in a thread; all end before the first error is raised."""
+    if len(jobs) <= 1:
+        return [job() for job in jobs]
+    with ThreadPoolExecutor(len(jobs)) as pool:
+        return [future.result() for future in [pool.submit(job) for job in jobs]]

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A part of a robot: the base of generated classes."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from .binding import Tree
+from .group import ValueGroup
+from .recording import Recording
+from .snapshot import Snapshot
+from .value import ReadValue, Value, WriteValue
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from unitylink.layer3_hardware import HardwareProxy
+
+
+class Node:
+    """Hold the values, groups and parts of one expansion of a constructor, under the spec's names.
+
+    `node["j1.cpos"]` finds by path, iteration gives every value below, `snapshot()` reads all READs at once.
+
+    >>> for value in robot:                                   # doctest: +SKIP
+    ...     print(value.path, hex(value.address))
+    >>> with robot.publishing():                              # doctest: +SKIP
+    ...     robot.on_publish(lambda time_s, s: print(s["j1.cpos"]))
+    """
+
+    def __init__(self, parent: Node | Tree, name: str) -> None:
+        self.name = name
+        if isinstance(parent, Node):
+            self._tree: Tree = parent._tree
+            self._hardware: HardwareProxy = parent._hardware
+            self.path: str = f"{parent.path}.{name}" if parent.path else name
+            parent._members[name] = self
+        else:
+            self._tree = parent
+            self._hardware = parent.hardware("memory")
+            self.path = ""
+        self.display = self._tree.names.get(self.path, self.path or name)
+        self.publisher = self._tree.publisher
+        self._members: dict[str, Value | ValueGroup | Node] = {}
+        self._whole: ValueGroup | None = None
+        self._feed: ValueGroup | None = None
+
+    # What generated classes and trees from a Spec are built with
+
+    def _bind(self, kind: str, *, base: int = 0, ctrl: str | None = None, comm: str | None = None) -> None:
+        self._hardware = self._tree.hardware(kind, base=base, ctrl=ctrl, comm=comm)
+
+    def _read(
+        self,
+        name: str,
+        *,
+        signed: bool = False,
+        checked: bool = False,
+        publish: tuple[int, int] | None = None,
+        unit: str = "",
+    ) -> ReadValue:
+        path = self._path(name)
+        value = ReadValue(
+            path,
+            self._hardware,
+            self._tree.addresses[path],
+            signed=signed,
+            checked=checked,
+            publish=publish,
+            unit=unit,
+            display=self._tree.names.get(path, path),
+            publisher=self.publisher,
+        )
+        self._members[name] = value
+        return value
+
+    def _write(self, name: str, *, signed: bool = False, checked: bool = False, unit: str = "") -> WriteValue:
+        path = self._path(name)
+        value = WriteValue(
+            path,
+            self._hardware,
+            self._tree.addresses[path],
+            signed=signed,
+            checked=checked,
+            unit=unit,
+            display=self._tree.names.get(path, path),
+        )
+        self._members[name] = value
+        return value
+
+    def _group(self, name: str, *paths: str) -> ValueGroup:
+        members: dict[str, Value] = {}
+        for path in paths:
+            member = self[path]
+            if isinstance(member, Value):
+                members[path] = member
+        group = ValueGroup(members, self._path(name))
+        self._members[name] = group
+        return group
+
+    def _path(self, name: str) -> str:
+        return f"{self.path}.{name}" if self.path else name
+
+    # Finding
+
+    def __iter__(self) -> Iterator[Value]:
+        for member in self._members.values():
+            if isinstance(member, Value):
+                yield member
+            elif isinstance(member, Node):
+                yield from member
+
+    def __getitem__(self, path: str) -> Value | ValueGroup | Node:
+        """Return the value, group or part at a path of the spec's names; KeyError says what is near."""
+        here: Value | ValueGroup | Node = self
+        for step in path.split("."):
+            if not isinstance(here, Node) or step not in here._members:
+                start = len(self.path) + 1 if self.path else 0
+                near = get_close_matches(path, [value.path[start:] for value in self], n=1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                raise KeyError(f"no {path!r} in {self.path or self.name}{hint}")
+            here = here._members[step]
+        return here
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.path or self.name}: {', '.join(self._members)}>"
+
+    # Doing
+
+    def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
+        """Read every READ below at once; keys are paths relative to this node. See ValueGroup.snapshot."""
+        return self._all().snapshot(consistent=consistent, timeout_s=timeout_s)
+
+    def on_publish(self, callback: Callable[[float, Snapshot], object]) -> Callable[[], None]:
+        """Call `callback(time_s, snapshot)` once per set of fresh samples of all published values below."""
+        return self._published().on_publish(callback)
+
+    def on_change(self, callback: Callable[[Snapshot], object]) -> Callable[[], None]:
+        """Call `callback(snapshot)` once per set in which a published value below has changed."""
+        return self._published().on_change(callback)
+
+    def publishes(self) -> AsyncIterator[tuple[float, Snapshot]]:
+        """Iterate over consistent sets: `async for time_s, snapshot in robot.publishes():`."""
+        return self._published().publishes()
+
+    def start_publishing(self, *, fallback: bool = False) -> None:
+        """Start what the whole tree publishes; with `fallback` poll what the gateware has no room for."""
+        self.publisher.start(fallback=fallback)
+
+    def stop_publishing(self) -> None:
+        """Stop publishing, for the whole tree."""
+        self.publisher.stop()
+
+    @contextmanager
+    def publishing(self, *, fallback: bool = False) -> Iterator[Self]:
+        """Publish within a `with` block."""
+        with self.publisher.running(fallback=fallback):
+            yield self
+
+    def record(self) -> Recording:
+        """Keep what is published within a `with` block."""
+        return Recording(self.publisher)
+
+    def _all(self) -> ValueGroup:
+        if self._whole is None:
+            start = len(self.path) + 1 if self.path else 0
+            self._whole = ValueGroup({value.path[start:]: value for value in self}, self.path or self.name)
+        return self._whole
+
+    def _published(self) -> ValueGroup:
+        if self._feed is None:
+            values = {key: value for key, value in self._all().reads.items() if value.publish is not None}
+            self._feed = ValueGroup(values, self.path or self.name)
+        return self._feed

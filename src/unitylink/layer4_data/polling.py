@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Publishing without help from the gateware: the PC reads at a rate, in a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from unitylink.errors import LinkClosed, LinkError
+
+from .listeners import logger
+
+if TYPE_CHECKING:
+    from .publication import PublishPlan
+
+
+class Poller:
+    """Read a plan's words at its rate and deliver them; a read that fails is logged and counted as lost.
+
+    A poll that comes too late is skipped and counted, not made up for. The time delivered is the middle of
+    the read.
+    """
+
+    def __init__(self, plan: PublishPlan, deliver: Callable[[float, Sequence[int]], None]) -> None:
+        self.lost = 0
+        self._plan = plan
+        self._deliver = deliver
+        self._stop = threading.Event()
+        name = f"unitylink-poll-{plan.values[0].path}"
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._stop.set()
+        if (
+            self._thread is not threading.current_thread()
+        ):  # a callback may stop the publishing it is called by
+            self._thread.join()
+
+    def _run(self) -> None:
+        link, addresses = self._plan.link, self._plan.addresses
+        atomic = 1 < len(addresses) <= link.configuration.read_many
+        checked, period_s = self._plan.checked, 1 / self._plan.rate_hz
+        due = time.monotonic()
+        while not self._stop.wait(max(0.0, due - time.monotonic())):
+            started = time.monotonic()
+            try:
+                words = [int(word) for word in link.read_many(addresses, atomic=atomic, checked=checked)]
+            except LinkClosed as error:
+                logger.error("%s: polling ends: %s", self._plan.values[0].path, error)
+                return
+            except LinkError as error:
+                self.lost += 1
+                logger.warning("%s: %s", self._plan.values[0].path, error)
+            else:
+                self._deliver((started + time.monotonic()) / 2, words)
+            due += period_s
+            late = int((time.monotonic() - due) / period_s)
+            if late > 0:
+                self.lost += late
+                due += late * period_s

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was published, kept for a plot or a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from typing_extensions import Self
+
+    from .publishing import Publisher
+    from .value import ReadValue
+
+
+class Recording:
+    """Keep every publish of a tree while the `with` block runs.
+
+    >>> with robot.publishing(), robot.record() as recording:     # doctest: +SKIP
+    ...     run()
+    >>> times_s, counts = recording.series("j1.cpos")             # doctest: +SKIP
+    """
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publisher = publisher
+        self._parts: dict[tuple[ReadValue, ...], list[tuple[float, Sequence[int]]]] = {}
+
+    def _take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
+        self._parts.setdefault(tuple(values), []).append((time_s, numbers))
+
+    def __enter__(self) -> Self:
+        self._publisher.take_with(self._take)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._publisher.take_no_more(self._take)
+
+    def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Return (times in s, values) of one path, both of shape (n,); KeyError where nothing came."""
+        for values, samples in self._parts.items():
+            for column, value in enumerate(values):
+                if value.path == path:
+                    rows = list(samples)  # the publishing may still be going on
+                    return (
+                        np.array([time_s for time_s, _ in rows], np.float64),
+                        np.array([numbers[column] for _, numbers in rows], np.int64),
+                    )
+        raise KeyError(f"nothing was published for {path!r}")

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values that were sampled together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+
+class Snapshot(Mapping[str, int]):
+    """A read-only mapping from path to value, with the time of the sample.
+
+    `time_s` is monotonic host time of the newest part; `times_s` has one time per link (by URL), for a group
+    across several links is consistent within each.
+
+    >>> s = Snapshot({"j1.cpos": -3, "j2.cpos": 4}, {"sim:": 12.5})
+    >>> s["j1.cpos"], s.time_s, dict(s)
+    (-3, 12.5, {'j1.cpos': -3, 'j2.cpos': 4})
+    """
+
+    __slots__ = ("_values", "times_s")
+
+    def __init__(self, values: Mapping[str, int], times_s: Mapping[str, float]) -> None:
+        self._values = dict(values)
+        self.times_s = dict(times_s)
+
+    @property
+    def time_s(self) -> float:
+        return max(self.times_s.values())
+
+    def __getitem__(self, path: str) -> int:
+        return self._values[path]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        return f"Snapshot({self._values}, {self.times_s})"

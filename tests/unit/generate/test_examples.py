@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The examples run, and what is generated from their specs is what lies beside them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from unitylink.generate import stale
+from unitylink.spec import load
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+
+
+def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-W", "error", str(EXAMPLES / example / "run.py"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+@pytest.mark.parametrize(
+    ("example", "said"),
+    [
+        ("hello_led", "LEDs 0100"),
+        ("walker18", "in the air front.r, middle.l, rear.r"),
+        ("pa10", "14 positions; the two links were read"),
+    ],
+)
+def test_example_runs(example: str, said: str) -> None:
+    done = run(example)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert said in done.stdout
+
+
+@pytest.mark.parametrize("example", ["hello_led", "scara", "walker18"])
+def test_example_says_what_is_wrong_with_a_link(example: str) -> None:
+    done = run(example, "--link", "tcp://127.0.0.1:1")
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"{example}: ") and "Traceback" not in done.stderr
+
+
+def test_scara_proxies_are_up_to_date() -> None:
+    folder = EXAMPLES / "scara"
+    assert stale(load(folder / "scara.ul"), folder) == [], "run: unitylink generate examples/scara/scara.ul"
+
+
+def test_scara_judges_itself(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """A run that ends elsewhere, or in which a joint never moved, is not a success."""
+    monkeypatch.syspath_prepend(str(EXAMPLES / "scara"))
+    import numpy as np
+    import run as example
+
+    def judged(measured: np.ndarray, snapshot: np.ndarray) -> bool:
+        times_s = np.arange(len(measured)) / 100
+        return bool(
+            example.tell(
+                example.Run(
+                    phases=(("all", 0.0),),
+                    asked_s=times_s,
+                    asked=np.zeros((len(measured), 4)),
+                    measured_s=times_s,
+                    measured=measured,
+                    lost=0,
+                    rate_hz=100.0,
+                    snapshot=snapshot,
+                )
+            )
+        )
+
+    moving = np.outer(np.linspace(0, 50, 20), np.ones(4))
+    assert judged(moving, np.zeros(4))
+    assert not judged(moving, np.array([0, 0, 3.0, 0]))
+    assert "j3 (lift) is 3.00 mm from its set-point" in capsys.readouterr().err
+    assert not judged(moving * [1, 1, 1, 0], np.zeros(4))
+    assert "j4 never moved" in capsys.readouterr().err

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Generated proxies: golden, clean, refused when stale, and the same tree as without a file."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import os
+import subprocess
+import sys
+from itertools import count
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from unitylink.errors import BindingError
+from unitylink.generate import generate_python, stale, write
+from unitylink.generate.python.text import call, docstring, quoted
+from unitylink.layer4_data import Node, ReadValue, Value, ValueGroup, load_spec_objects
+from unitylink.layer4_data.binding import BINDING_VERSION
+from unitylink.layer4_data.names import NODE_NAMES, python_names
+from unitylink.spec import compile_text, load
+from unitylink.spec.model import Spec
+
+ROOT = Path(__file__).resolve().parents[3]
+GOLDEN = ROOT / "tests" / "golden" / "python"
+SPECS = [*sorted((ROOT / "examples").glob("*/*.ul")), *sorted(Path(__file__).parent.glob("*.ul"))]
+_serial = count()
+
+
+def spec_of(text: str, file: str = "robot.ul") -> Spec:
+    result = compile_text(text, file)
+    assert result.spec is not None, result.diagnostics
+    return result.spec
+
+
+def imported(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"generated_{next(_serial)}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_golden(path: Path) -> None:
+    (name, text), *rest = generate_python(load(path)).items()
+    assert not rest
+    if os.environ.get("UPDATE_GOLDEN"):
+        (GOLDEN / name).write_text(text, encoding="utf-8")
+    assert text == (GOLDEN / name).read_text(encoding="utf-8")
+    assert text == generate_python(load(path))[name], "the same spec gives the same text"
+
+
+def test_generated_code_is_clean() -> None:
+    """As a user's own checks would see it: strict types, default lint rules, default and our formatting."""
+    files = [str(path) for path in sorted(GOLDEN.glob("*.py"))]
+    assert len(files) == len(SPECS)
+    run = [sys.executable, "-m"]
+    for command in (
+        [*run, "mypy", "--strict", "--no-incremental", "--config-file=", *files],
+        [*run, "ruff", "check", "--isolated", *files],
+        [*run, "ruff", "format", "--isolated", "--check", *files],
+        [*run, "ruff", "format", "--isolated", "--line-length=110", "--check", *files],
+    ):
+        environment = os.environ | {"MYPYPATH": str(ROOT / "src")}
+        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment, check=False)
+        assert done.returncode == 0, f"{' '.join(command[2:5])}:\n{done.stdout}{done.stderr}"
+
+
+def facts(node: Node) -> list[tuple[Any, ...]]:
+    """Everything that matters about a tree, groups included."""
+    found: list[tuple[Any, ...]] = []
+    for name, member in node._members.items():
+        attribute = next(k for k, v in vars(node).items() if v is member)
+        if isinstance(member, Node):
+            found += [(attribute, member.path, member.display), *facts(member)]
+        elif isinstance(member, ValueGroup):
+            found.append((attribute, name, member.path, tuple(member.values)))
+        else:
+            assert isinstance(member, Value)
+            publish = member.publish if isinstance(member, ReadValue) else None
+            where = (member.address, member.hardware.kind, member.hardware.base)
+            about = (member.signed, member.checked, publish, member.display)
+            found.append((attribute, member.path, member.access, *where, *about))
+    return found
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_generated_and_loaded_trees_are_the_same(fake: ModuleType, tmp_path: Path, path: Path) -> None:
+    spec = load(path)
+    (file,) = write(spec, tmp_path)
+    module = imported(file)
+    for root in spec.roots:
+        link = fake.FakeLink()
+        loaded = load_spec_objects(spec, link, root=root.name)
+        made = next(c for n, c in vars(module).items() if n.lower() == root.name.replace("_", ""))(link)
+        assert facts(made) == facts(loaded)
+        assert [value.path for value in made] == [element.path for element in root.walk()]
+        for element in root.walk():
+            assert made[element.path].address == element.address
+
+
+def test_links_go_where_the_spec_says(fake: ModuleType, tmp_path: Path) -> None:
+    text = "public robot(control, data) { TOSNET(CTRL=control, COMM=data, BASE=0); j: joint() @ (0x84); }\n"
+    text += "joint(): @ (sp) { @sp: WRITE(); }"
+    spec = spec_of(text)
+    (file,) = write(spec, tmp_path)
+    plain, control, data = (fake.FakeLink(fake.TosNetModel(), url=name) for name in ("a", "b", "c"))
+    robot = imported(file).Robot(plain, control, data)
+    assert robot.j.sp.hardware.link is data and robot.j.sp.hardware.control is control
+    robot = imported(file).Robot(plain)
+    assert robot.j.sp.hardware.link is plain and robot.j.sp.hardware.control is plain
+    other = load_spec_objects(spec, plain, links={"data": data})
+    assert other["j.sp"].hardware.link is data  # type: ignore[union-attr]
+    with pytest.raises(BindingError, match="no parameter 'uart'; there are control, data"):
+        load_spec_objects(spec, plain, links={"uart": data})
+    with pytest.raises(BindingError, match="no public constructor 'arm'; there are: robot"):
+        load_spec_objects(spec, plain, root="arm")
+
+
+def test_two_trees_share_one_shadow(fake: ModuleType) -> None:
+    text = "public left() { TOSNET(BASE=0); @a = 0x84: WRITE(); }\n"
+    text += "public right() { TOSNET(BASE=0); @b = 0x85: WRITE(); }"
+    model = fake.TosNetModel()
+    both = load_spec_objects(spec_of(text), fake.FakeLink(model))
+    both["left.a"].write(1)  # type: ignore[union-attr]
+    both["right.b"].write(2)  # type: ignore[union-attr]
+    both["right.b"].write(3)  # type: ignore[union-attr]
+    assert model.outputs[0] == {0x84: 1, 0x85: 3}
+
+
+def test_node(fake: ModuleType) -> None:
+    robot = load_spec_objects(load(ROOT / "examples" / "scara" / "scara.ul"), fake.FakeLink())
+    assert robot["j1"].display == "joint 1"  # type: ignore[union-attr]
+    assert robot["j1"]["cpos"] is robot["j1.cpos"]  # type: ignore[index]
+    with pytest.raises(KeyError, match=r"no 'j1.cpo' in scara; did you mean j1.cpos\?"):
+        robot["j1.cpo"]
+    robot["j1"]._tree.link.bus.words = {0x89: 5}  # type: ignore[union-attr]
+    snapshot = robot.snapshot()
+    assert snapshot["j2.cpos"] == 5 and len(snapshot) == 8
+    assert dict(robot["j2"].snapshot()) == {"cpos": 5, "spd": 0}  # type: ignore[union-attr]
+    seen: list[Any] = []
+    robot.on_publish(lambda time_s, values: seen.append((time_s, values["j2.cpos"])))
+    robot.on_change(lambda values: seen.append(len(values)))
+    robot["j1"]._tree.link.publish(1.0)  # type: ignore[union-attr]
+    assert seen == [(1.0, 5), 8]
+    robot.stop_publishing()
+    with robot.publishing() as publishing, robot.record() as recording:
+        robot["j1"]._tree.link.publish(2.0)  # type: ignore[union-attr]
+    assert publishing is robot and recording.series("j2.cpos")[1].tolist() == [5]
+
+
+def test_reserved_names_are_those_of_node(fake: ModuleType) -> None:
+    node = load_spec_objects(spec_of("public p() { @a = 0x0: READ(); }"), fake.FakeLink())
+    public = {name for name in dir(node) if not name.startswith("_")} - {"a"}
+    assert public == NODE_NAMES
+
+
+@given(
+    st.lists(
+        st.from_regex(r"[A-Za-z_][A-Za-z_0-9]{0,8}", fullmatch=True)
+        | st.sampled_from(
+            ["class", "class_", "class__", "snapshot", "snapshot_", "_", "__", "__init__", "_tree", "None"]
+        ),
+        unique=True,
+    )
+)
+def test_python_names_are_usable_and_distinct(names: list[str]) -> None:
+    attributes = python_names(names)
+    assert list(attributes) == names
+    assert len(set(attributes.values())) == len(names)
+    for attribute in attributes.values():
+        assert attribute not in NODE_NAMES and not attribute.startswith("_")
+        ast.parse(f"x.{attribute}")
+
+
+@given(st.text())
+def test_any_text_survives_quoting(text: str) -> None:
+    assert ast.literal_eval(quoted(text)) == text
+
+
+@given(st.lists(st.text(), min_size=1))
+def test_any_text_makes_a_docstring(paragraphs: list[str]) -> None:
+    if "".join("".join(p.split()) for p in paragraphs).isprintable() and any(p.strip() for p in paragraphs):
+        code = f"def f():\n    {docstring(4, *paragraphs, 'End.')}\n    return 1\n"
+        assert isinstance(ast.parse(code).body[0], ast.FunctionDef)
+
+
+def test_long_calls_are_one_argument_a_line() -> None:
+    assert call(0, "f", ["a" * 50, "b" * 50]) == f"f(\n    {'a' * 50},\n    {'b' * 50},\n)"
+
+
+def test_files_are_written_once_and_only_over_ours(tmp_path: Path) -> None:
+    spec = spec_of("public p() { @a = 0x0: READ(); }")
+    assert stale(spec, tmp_path) == [f"{tmp_path / 'robot.py'} is missing"]
+    (path,) = write(spec, tmp_path)
+    before = path.stat().st_mtime_ns
+    assert write(spec, tmp_path) == [] and stale(spec, tmp_path) == []
+    assert path.stat().st_mtime_ns == before
+    path.write_text(path.read_text().replace("0x000", "0x001"))
+    assert stale(spec, tmp_path) == [f"{path} is stale or was edited"]
+    assert write(spec, tmp_path) == [path]
+    path.write_text("precious = 1\n")
+    assert stale(spec, tmp_path) == [f"{path} is not a generated file"]
+    with pytest.raises(BindingError, match="is not a generated file and was not overwritten"):
+        write(spec, tmp_path)
+    assert path.read_text() == "precious = 1\n"
+    with pytest.raises(BindingError, match="no artefact is called 'cobol'; there are: python"):
+        write(spec, tmp_path, "cobol")
+    with pytest.raises(BindingError, match="cannot write to"):
+        write(spec_of("public q() { @a = 0x0: READ(); }", "q.ul"), path)
+    assert [p.name for p in tmp_path.iterdir()] == ["robot.py"], "no temporary file is left"
+
+
+def test_a_stale_or_foreign_file_is_refused(tmp_path: Path) -> None:
+    source = tmp_path / "robot.ul"
+    source.write_text("public p() { @a = 0x0: READ(); }")
+    (path,) = write(load(source), tmp_path)
+    imported(path)
+    source.write_text("public p() { @a = 0x0: READ(); } // a comment is no change")
+    imported(path)
+    source.write_text("public p() { @a = 0x1: READ(); }")
+    with pytest.raises(BindingError, match=r"robot.py is stale: .* run: unitylink generate robot.ul --out"):
+        imported(path)
+    source.write_text("public p() { @a = ")
+    with pytest.raises(BindingError, match="which has errors; run: unitylink check"):
+        imported(path)
+    source.unlink()
+    text = path.read_text().replace(f"binding_version={BINDING_VERSION})", "binding_version=99)")
+    path.write_text(text)
+    with pytest.raises(BindingError, match=r"generated for binding version 99, this library has"):
+        imported(path)
