@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command `unitylink`: which commands there are, and how all of them end.
+
+A command is a module of `tools/` with a click command named `command`; it is imported when it is run, so that
+`unitylink --version` and a spec's `check` load neither the native core nor rich.
+Exit codes: 0 done, 1 an error, 2 wrong usage, 130 interrupted, 141 the reader of a pipe went away.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from io import TextIOWrapper
+
+import click
+
+from unitylink.errors import UnityLinkError, UrlError
+
+# name -> (module of tools/, one line for `unitylink --help`), in the order a user meets them
+COMMANDS: dict[str, tuple[str, str]] = {
+    "new": ("new", "Start a project: a spec, a script that moves it, a README."),
+    "check": ("check", "Check specs; every mistake with its place and remedy."),
+    "fmt": ("fmt", "Lay specs out in the canonical way."),
+    "generate": ("generate", "Make typed Python classes from a spec."),
+    "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
+    "info": ("info", "Show what a device is and how the link does."),
+    "list": ("list", "List the items of a spec: address, access, type, publish."),
+    "read": ("read", "Read items by name, pattern or address."),
+    "write": ("write", "Write items: NAME=VALUE."),
+    "watch": ("watch", "Watch items change, live."),
+    "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
+    "bench": ("bench_command", "Measure this machine against the figures asked for."),
+}
+
+_EXAMPLES = """
+\b
+Examples, none of which needs a board:
+  unitylink new arm && cd arm && python run.py
+  unitylink read sim:arm.ul '*.position'
+  unitylink simulate arm.ul --tcp 5555
+
+LINK is where the device is: serial:/dev/ttyUSB0?baud=3000000, tcp://HOST:PORT, udp://HOST:PORT, or
+sim:SPEC.ul for a virtual board inside the command. `unitylink COMMAND --help` shows examples of each.
+"""
+
+
+class Commands(click.Group):
+    """A click group whose commands are imported when they are run."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order of the table."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return the command."""
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(f"unitylink.tools.{COMMANDS[cmd_name][0]}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the command, or say which one was probably meant."""
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from unitylink.spec.suggest import nearest
+
+            meant = nearest(args[0], COMMANDS)
+            hint = f"did you mean '{meant}'?" if meant else f"there are: {', '.join(COMMANDS)}"
+            raise click.UsageError(f"no command '{args[0]}'; {hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+
+
+def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from unitylink import __version__
+
+        click.echo(f"unitylink {__version__}")
+        ctx.exit()
+
+
+@click.group(
+    cls=Commands,
+    help="Unity-Link connects a PC to FPGA gateware: one spec gives typed objects, a link carries them.\n"
+    + _EXAMPLES,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version."
+)
+def cli() -> None:
+    """See `help` above; the group itself does nothing."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; no error leaves as a traceback.
+
+    >>> main(["--version"]) == 0  # doctest: +ELLIPSIS
+    unitylink ...
+    True
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a file name or a bar that the encoding has not is no error
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        try:
+            result = cli.main(
+                args=None if arguments is None else list(arguments),
+                prog_name="unitylink",
+                standalone_mode=False,
+            )
+            return result if isinstance(result, int) else 0
+        finally:
+            sys.stdout.flush()
+    except click.UsageError as error:
+        error.show()
+        return 2
+    except click.ClickException as error:
+        complain(error.format_message(), getattr(error, "help_line", ""))
+    except UrlError as error:
+        complain(str(error), "`unitylink info --help` shows the forms of a LINK")
+        return 2
+    except UnityLinkError as error:
+        complain(str(error))
+    except (KeyboardInterrupt, click.Abort):
+        return 130
+    except (BrokenPipeError, SystemExit):  # SystemExit is click's own answer to a broken pipe
+        _silence_stdout()
+        return 141
+    except OSError as error:
+        if error.filename is None:  # a write to stdout failed: the disk is full
+            _silence_stdout()
+        complain(
+            f"{error.filename}: {error.strerror}" if error.filename else f"output: {error.strerror or error}"
+        )
+    return 1
+
+
+def complain(message: str, help_line: str = "") -> None:
+    """Print an error on stderr, with what to do about it where that is known."""
+    from unitylink.tools.output import colours
+
+    red, bold, off = ("\x1b[1;31m", "\x1b[1m", "\x1b[0m") if colours(sys.stderr) else ("", "", "")
+    text = message if message.startswith("error") else f"error: {message}"
+    text = f"{red}{text[:5]}{off}{text[5:]}" if red else text
+    click.echo(text.rstrip("\n"), err=True)
+    if help_line:
+        click.echo(f"{bold}help{off}: {help_line}", err=True)
+
+
+def _silence_stdout() -> None:
+    """Keep the interpreter's own flush at exit from failing on the same pipe again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

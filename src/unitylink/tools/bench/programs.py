@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The other processes of the bench (native programs, the twin, LiteX's client), driven by lines on pipes."""
+
+from __future__ import annotations
+
+import json
+import select
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+
+from .figure import BenchError
+
+PATIENCE_S = 60.0  # for one answer; every series is far shorter
+
+
+def find_checkout() -> Path:
+    """Return the source checkout this library runs from: an installed wheel has no bench programs."""
+    for folder in (*Path(__file__).resolve().parents, Path.cwd()):
+        if (folder / "bench" / "native").is_dir() and (folder / "CMakeLists.txt").is_file():
+            return folder
+    raise BenchError("the bench needs a source checkout (its programs are in bench/); run `make bench` there")
+
+
+def native(checkout: Path, name: str) -> Path:
+    """Return the path of a program of `bench/native/`."""
+    path = checkout / "build" / "native" / name
+    if not path.is_file():
+        raise BenchError(f"{path.relative_to(checkout)} is not built; `make bench` builds it")
+    return path
+
+
+class Process:
+    """A process that answers lines with lines; it ends when its standard input does.
+
+    >>> with Process(["cat"]) as cat:
+    ...     cat.ask("1 2")
+    '1 2'
+    """
+
+    def __init__(self, command: Sequence[str | Path], *, pass_fds: Sequence[int] = ()) -> None:
+        self.name = Path(command[0]).name
+        try:
+            self._process = subprocess.Popen(
+                [str(part) for part in command],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                pass_fds=tuple(pass_fds),
+            )
+        except OSError as error:
+            raise BenchError(f"{self.name} did not start: {error}") from error
+
+    def line(self) -> str:
+        """Return the next line the process prints."""
+        assert self._process.stdout is not None
+        ready, _, _ = select.select([self._process.stdout], [], [], PATIENCE_S)
+        if not ready:
+            raise BenchError(f"{self.name} said nothing for {PATIENCE_S:.0f} s")
+        text = self._process.stdout.readline()
+        if not text:
+            raise BenchError(f"{self.name} ended early: {self._last_words()}")
+        return text.strip()
+
+    def ask(self, text: str) -> str:
+        """Send a line, return the answer."""
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(text + "\n")
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            raise BenchError(f"{self.name} ended early: {self._last_words()}") from None
+        return self.line()
+
+    def series(self, text: str) -> list[int]:
+        """Send a line, return the answer's whole numbers."""
+        return [int(word) for word in self.ask(text).split()]
+
+    def close(self) -> None:
+        """End the process and wait for it."""
+        process = self._process
+        for pipe in (process.stdin, process.stdout):
+            if pipe is not None:
+                with suppress(BrokenPipeError):  # it is gone already, which is what is wanted
+                    pipe.close()
+        try:
+            process.wait(timeout=5)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if process.stderr is not None:
+            process.stderr.close()
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _last_words(self) -> str:
+        try:
+            code = self._process.wait(timeout=5)
+        except subprocess.TimeoutExpired:
+            return "it closed its output"
+        assert self._process.stderr is not None
+        said = self._process.stderr.read().strip()
+        return said.splitlines()[-1] if said else f"exit code {code}"
+
+
+def twin(endpoint: str, **configuration: int) -> Process:
+    """Start the twin in a process of its own; its first line is the URL to connect to.
+
+    `configuration` are fields of `BoardConfiguration`; addresses have 16 bits, as those of a TosNet board.
+    """
+    options = {"address_bits": 16, **configuration}
+    return Process([sys.executable, "-m", "unitylink.tools.bench.board", endpoint, json.dumps(options)])

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sync read: a read through layer 4 from Python against a bare C++ blocking round trip of the same bytes.
+
+Both sides talk to the same twin through the same pty: the bare program holds a descriptor of it that was
+opened before the link took the port, and the two take turns.
+"""
+
+from __future__ import annotations
+
+import os
+
+from .board import ADDRESS, layer4_word
+from .figure import BenchError, Figure, Run
+from .programs import Process, native, twin
+from .timing import in_turns, times
+
+
+def measure(run: Run) -> Figure:
+    """Measure the figure."""
+    from unitylink import connect
+
+    with twin("pty") as board:
+        url = board.line()
+        slave = os.open(url.partition(":")[2].partition("?")[0], os.O_RDWR | os.O_NOCTTY)
+        try:
+            with connect(url) as link:
+                word = layer4_word(link)
+                request = f"#R:{ADDRESS:0{2 * link.configuration.address_bytes}X}"
+                before = link.statistics().bytes_sent
+                word.read()
+                if link.statistics().bytes_sent - before != len(request) + 1:
+                    raise BenchError(f"layer 4 does not send {request}: the two sides would not compare")
+                options = ["--request", request, "--descriptor", str(slave)]
+                with Process([native(run.checkout, "bench_round_trip"), *options], pass_fds=[slave]) as bare:
+                    bare.series("200")
+                    times(word.read, 200)
+                    result = in_turns(
+                        lambda count: times(word.read, count),
+                        lambda count: bare.series(str(count)),
+                        rounds=run.rounds(101),
+                        count=200 if not run.quick else 50,
+                    )
+        finally:
+            os.close(slave)
+    return Figure(
+        "sync-read",
+        "layer-4 read from Python / bare C++ round trip, pty",
+        1.3,
+        True,
+        result.ratio,
+        "x",
+        {
+            "layer 4 us": result.ours_ns / 1e3,
+            "bare us": result.theirs_ns / 1e3,
+            "quartile low": result.low,
+            "high": result.high,
+        },
+    )

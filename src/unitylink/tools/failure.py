@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The failures of commands themselves; links, specs and boards have the errors of `unitylink.errors`."""
+
+from __future__ import annotations
+
+import click
+
+
+class Failure(click.ClickException):
+    """A command cannot do what was asked; `help_line` says what to do about it. Ends with exit code 1."""
+
+    def __init__(self, message: str, help_line: str = "") -> None:
+        super().__init__(message)
+        self.help_line = help_line

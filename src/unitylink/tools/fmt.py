@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink fmt`: specs in their canonical layout."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from contextlib import nullcontext
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
+@click.option(
+    "--check", is_flag=True, help="Change nothing; exit with 1 if a file is not in its canonical layout."
+)
+@click.option("--stdout", is_flag=True, help="Print the result and leave the files alone.")
+def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
+    """Lay specs out in the canonical way; comments stay, the meaning does not change.
+
+    SPEC is a file, or - to read standard input and print the result.
+
+    \b
+    Examples:
+      unitylink fmt scara.ul
+      unitylink fmt --check arms/*.ul
+      unitylink fmt - < scara.ul
+    """
+    if check and stdout:
+        raise click.UsageError("--check and --stdout exclude each other")
+    differing = 0
+    for spec in specs:
+        text, formatted = _formatted(spec)
+        if check:
+            if formatted != text:
+                differing += 1
+                click.echo(
+                    f"{spec}: not in its canonical layout; `unitylink fmt {spec}` sets it right", err=True
+                )
+        elif stdout or spec == "-":
+            sys.stdout.buffer.write(formatted.encode())
+        elif formatted != text:
+            _replace(Path(spec), formatted)
+            click.echo(f"{spec}: laid out anew")
+        else:
+            click.echo(f"{spec}: already in its canonical layout")
+    return int(differing > 0)
+
+
+def _formatted(spec: str) -> tuple[str, str]:
+    """Return (text, formatted text) of a file; SpecError where the text is no spec."""
+    from unitylink.errors import SpecError
+    from unitylink.spec import compile_text, format_text, render
+    from unitylink.spec.source import MAX_BYTES
+
+    name = "<stdin>" if spec == "-" else spec
+    with open(spec, "rb") if spec != "-" else nullcontext(sys.stdin.buffer) as file:
+        data = file.read(MAX_BYTES + 1)
+    try:
+        text = data.decode()
+    except UnicodeDecodeError:
+        text = ""
+    if len(data) > MAX_BYTES or (data and not text):
+        # The compiler has the diagnostic that says what is wrong, and where.
+        diagnostics = compile_text(data, name).diagnostics
+        raise SpecError(render(diagnostics), diagnostics)
+    return text, format_text(text, name)
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write `text` so that a crash leaves either the old file or the new one; keep its permissions."""
+    path = path.resolve()  # a symbolic link stays one
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(text.encode())
+        os.chmod(name, path.stat().st_mode & 0o7777)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink info`: what a device is, and how the link does."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .link_option import Target, link_argument, open_target, spec_option
+from .output import json_option, print_fields, print_json
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Configuration
+    from unitylink.spec.model import Spec
+
+_UNVERIFIED = "classic gateware cannot say which spec it was built from; check that the two belong together"
+_PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
+
+
+@click.command()
+@link_argument
+@spec_option
+@json_option("all of it")
+def command(link: str, spec_file: str | None, as_json: bool) -> None:
+    """Show the configuration of a device, what its network does, and the statistics of the link.
+
+    LINK is one of serial:PORT?baud=N, tcp://HOST:PORT, udp://HOST:PORT, fd:N and sim:SPEC.ul. Options follow
+    a `?`, divided by `&`: timeout= (s) attempts= fifo= (bytes) crc=0|1 window= gateware=auto|2012|corrected.
+
+    \b
+    Examples:
+      unitylink info "serial:/dev/ttyUSB0?baud=3000000"
+      unitylink info tcp://127.0.0.1:5555 --spec scara.ul
+      unitylink info sim:scara.ul --json
+    """
+    with open_target(link, spec_file) as target:
+        configuration = target.link.configuration
+        networks = {f"0x{base:04X}": _network(target, base) for base in _tosnet_bases(target.spec)}
+        report: dict[str, Any] = {
+            "link": target.link.url,
+            "configuration": {**asdict(configuration), "usable_group_size": configuration.usable_group_size},
+            "spec": _spec(target),
+            "binding": {"verified": False, "reason": _UNVERIFIED},
+            "networks": networks,
+            "statistics": asdict(target.link.statistics()),
+        }
+    if as_json:
+        print_json(report)
+        return
+    print_fields(_configuration_fields(configuration), title=target.link.url)
+    if report["spec"]:
+        print_fields(_spec_fields(report["spec"]), title=f"spec {target.names.source}")
+    else:
+        print_fields([("binding", f"not verified: {_UNVERIFIED}")], title="spec: none given")
+    for base, network in networks.items():
+        print_fields(_network_fields(network), title=f"TosNet at {base}")
+    print_fields(_statistics_fields(report["statistics"]), title="statistics (what is not shown is 0)")
+
+
+def _tosnet_bases(spec: Spec | None) -> list[int]:
+    bindings = [element.link for _, element in spec.walk()] if spec else []
+    return sorted({binding.base for binding in bindings if binding.kind == "tosnet"})
+
+
+def _network(target: Target, base: int) -> dict[str, Any]:
+    """Ask the TosNet slave at `base` for its status, its counters and the nodes of its ring."""
+    from unitylink.layer3_hardware import TosNetProxy
+
+    proxy = TosNetProxy(target.link, base)
+    status, counters = proxy.status(), proxy.counters()
+    return {
+        "status": str(status),
+        "online": status.online,
+        "nodes": [asdict(node) for node in proxy.nodes()],
+        **asdict(counters),
+    }
+
+
+def _spec(target: Target) -> dict[str, Any] | None:
+    """Say what of the spec the device cannot do, as far as its configuration tells."""
+    spec, configuration = target.spec, target.link.configuration
+    if spec is None:
+        return None
+    items = target.names.all()
+    beyond = [item.name for item in items if item.address >> configuration.address_bits]
+    hardware = [i for i in items if i.element and i.element.publish and i.element.publish.mode == 1]
+    rate_max = (1 << 8 * configuration.rate_bytes) - 1
+    slow = [
+        i.name for i in hardware if i.element and i.element.publish and i.element.publish.divisor > rate_max
+    ]
+    silent = bool(hardware) and configuration.publish_mode == 0
+    return {
+        "name": spec.name,
+        "hash": spec.hash,
+        "items": len(items),
+        "unreachable": beyond,
+        "rate_too_slow": slow,
+        "publishing_missing": silent,
+    }
+
+
+def _configuration_fields(c: Configuration) -> list[tuple[str, str]]:
+    rate = f"base {c.base_hz:,} Hz, divisor up to {(1 << 8 * c.rate_bytes) - 1:,}"
+    publishing = _PUBLISHING.get(c.publish_mode, f"mode {c.publish_mode}")
+    return [
+        (
+            "configuration",
+            "told by the device" if c.discovered else "from the URL; the device does not tell its own",
+        ),
+        ("address", f"{c.address_bits} bits"),
+        ("data", f"{c.data_bits} bits"),
+        ("read-many", f"up to {c.read_many} words" if c.read_many else "not supported"),
+        ("publishing", f"{publishing}; {rate}" if c.publish_mode else "not supported"),
+        (
+            "groups",
+            f"{c.groups} of {c.group_size} addresses, {c.usable_group_size} of them usable"
+            if c.groups
+            else "none",
+        ),
+    ]
+
+
+def _spec_fields(report: dict[str, Any]) -> list[tuple[str, str]]:
+    fields = [
+        ("name", report["name"]),
+        ("hash", report["hash"]),
+        ("items", f"{report['items']:,}"),
+        ("binding", f"not verified: {_UNVERIFIED}"),
+    ]
+    if report["unreachable"]:
+        fields.append(("beyond the address bus", ", ".join(report["unreachable"])))
+    if report["rate_too_slow"]:
+        fields.append(("divisor too large", ", ".join(report["rate_too_slow"])))
+    if report["publishing_missing"]:
+        fields.append(("publishing", "the spec asks for it and the device has none"))
+    return fields
+
+
+def _network_fields(network: dict[str, Any]) -> list[tuple[str, str]]:
+    nodes = [
+        f"{n['node_id']} (registers {', '.join(map(str, n['registers'])) or 'none'})"
+        for n in network["nodes"]
+    ]
+    counts = f"{network['packets']:,} packets, {network['resets']:,} resets, {network['errors']:,} errors"
+    return [("status", network["status"]), ("nodes", "; ".join(nodes) or "none"), ("counters", counts)]
+
+
+def _statistics_fields(counters: dict[str, int]) -> list[tuple[str, str]]:
+    return [(name.replace("_", " "), f"{count:,}") for name, count in counters.items() if count]

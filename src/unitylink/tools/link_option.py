@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The argument LINK and the option `--spec`, and opening what they name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from .failure import Failure
+from .names import Names
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.spec.model import Spec
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_SCHEME = re.compile(r"[a-z]+:")
+
+
+def is_link(text: str) -> bool:
+    """Tell a LINK from a name: a LINK begins with a scheme and a colon, which no name has."""
+    return bool(_SCHEME.match(text))
+
+
+def _checked(ctx: click.Context, parameter: click.Parameter, value: str) -> str:
+    if is_link(value):
+        return value
+    if value.endswith(".ul"):
+        raise click.UsageError(f"LINK comes first and '{value}' is a spec; did you mean sim:{value}?", ctx)
+    if value.startswith("/dev/"):
+        raise click.UsageError(f"'{value}' is no LINK; did you mean serial:{value}?", ctx)
+    raise click.UsageError(
+        f"LINK comes first and '{value}' is none; "
+        "a LINK is like serial:/dev/ttyUSB0, tcp://HOST:PORT or sim:SPEC.ul",
+        ctx,
+    )
+
+
+link_argument = click.argument("link", metavar="LINK", callback=_checked)
+spec_option = click.option(
+    "--spec", "spec_file", metavar="FILE", help="The spec that gives the names; a sim: link brings its own."
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """An open link and the names on it."""
+
+    link: Link
+    names: Names
+
+    @property
+    def spec(self) -> Spec | None:
+        return self.names.spec
+
+
+def simulated_spec(link: str) -> str | None:
+    """Return the file a `sim:` link simulates, None for other links.
+
+    >>> simulated_spec("sim:arms/scara.ul?plant=ramp")
+    'arms/scara.ul'
+    """
+    if not link.startswith("sim:"):
+        return None
+    return link.removeprefix("sim:").partition("?")[0]
+
+
+def load_names(link: str | None, spec_file: str | None) -> Names:
+    """Return the names that belong to a link: those of `--spec`, of the `sim:` link, or none."""
+    from unitylink.spec import load
+
+    simulated = simulated_spec(link) if link else None
+    if (
+        simulated is not None
+        and spec_file is not None
+        and Path(simulated).resolve() != Path(spec_file).resolve()
+    ):
+        raise click.UsageError(f"a sim: link brings its own spec; leave --spec {spec_file} out")
+    file = spec_file if spec_file is not None else simulated
+    if file is None:
+        return Names(None)
+    if not file:
+        raise Failure("sim: names no spec", "write the file after the colon: sim:scara.ul")
+    return Names(load(file), file)
+
+
+@contextmanager
+def open_target(link: str, spec_file: str | None) -> Iterator[Target]:
+    """Open LINK and load its names; the link is closed at the end."""
+    names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
+    from unitylink import connect
+
+    with connect(link) as opened:
+        yield Target(opened, names)

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The live table of `unitylink watch`."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections import deque
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from .names import Item
+
+if TYPE_CHECKING:
+    from unitylink.layer4_data import Publisher
+
+    from .sampler import Sample
+
+_REDRAW_S = 0.1
+_TREND = 24  # values in the trend column
+_BARS = "▁▂▃▄▅▆▇█"
+
+
+class Track:
+    """What is shown of one item: its last values, extremes, and rate."""
+
+    def __init__(self) -> None:
+        self.values: deque[int] = deque(maxlen=_TREND)
+        self.times_s: deque[float] = deque(maxlen=200)
+        self.minimum = self.maximum = 0
+
+    def take(self, time_s: float, number: int) -> None:
+        if not self.values:
+            self.minimum = self.maximum = number
+        self.minimum, self.maximum = min(self.minimum, number), max(self.maximum, number)
+        self.values.append(number)
+        self.times_s.append(time_s)
+
+    @property
+    def rate_hz(self) -> float:
+        """The rate of the last samples as measured, 0 before there are two."""
+        span_s = self.times_s[-1] - self.times_s[0] if self.times_s else 0.0
+        return (len(self.times_s) - 1) / span_s if span_s > 0 else 0.0
+
+
+def trend(values: Sequence[int]) -> str:
+    """Draw values as bars between their smallest and largest.
+
+    >>> trend([0, 5, 10])
+    '▁▄█'
+    """
+    if not values:
+        return ""
+    low, span = min(values), max(values) - min(values) or 1
+    return "".join(_BARS[(value - low) * (len(_BARS) - 1) // span] for value in values)
+
+
+class _LastMessage(logging.Handler):
+    """Keeps what is logged (a read that failed) for the line below the table."""
+
+    text = ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.text = record.getMessage()
+
+
+def show(samples: Iterable[Sample | None], items: Sequence[Item], publisher: Publisher, link: str) -> None:
+    """Draw the samples until they end; the last table stays on the terminal."""
+    tracks = {item.name: Track() for item in items}
+    messages = _LastMessage()
+    logger = logging.getLogger("unitylink")
+    logger.addHandler(messages)
+    drawn = 0.0
+    try:
+        with Live(console=Console(), auto_refresh=False) as live:
+            for sample in samples:
+                if sample is not None:
+                    time_s, values, numbers = sample
+                    for value, number in zip(values, numbers, strict=True):
+                        tracks[value.path].take(time_s, number)
+                if time.monotonic() - drawn >= _REDRAW_S:
+                    live.update(draw(items, tracks, publisher, link, messages.text), refresh=True)
+                    drawn = time.monotonic()
+            live.update(draw(items, tracks, publisher, link, messages.text), refresh=True)
+    finally:
+        logger.removeHandler(messages)
+
+
+def draw(
+    items: Sequence[Item], tracks: dict[str, Track], publisher: Publisher, link: str, message: str
+) -> Table:
+    """Return the table of this moment."""
+    table = Table(
+        title=Text(link),
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        caption_justify="left",
+        caption=Text(message) if message else None,
+    )
+    table.add_column("name", style="bold")
+    table.add_column("value", justify="right", style="cyan", min_width=11)
+    units = any(item.unit for item in items)
+    if units:
+        table.add_column("unit")
+    table.add_column("min", justify="right", style="dim")
+    table.add_column("max", justify="right", style="dim")
+    table.add_column("rate", justify="right")
+    table.add_column("from", style="dim")
+    table.add_column("trend", min_width=_TREND, no_wrap=True, style="green")
+    origin = {path: "gateware" if r.hardware else "polled" for r in publisher.reports() for path in r.paths}
+    for item in items:
+        track = tracks[item.name]
+        known = bool(track.values)
+        table.add_row(
+            Text(item.name),
+            str(track.values[-1]) if known else "-",
+            *([Text(item.unit)] if units else []),
+            str(track.minimum) if known else "",
+            str(track.maximum) if known else "",
+            f"{track.rate_hz:.0f} Hz" if track.rate_hz else "",
+            origin.get(item.name, ""),
+            trend(track.values),
+        )
+    return table

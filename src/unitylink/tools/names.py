@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Names, patterns and addresses as they are typed on the command line, resolved to words of the device."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import click
+
+from unitylink.protocol import ADDRESS_BITS_MAX
+from unitylink.spec.model import Element, Instance, Spec
+from unitylink.spec.suggest import nearest
+
+from .failure import Failure
+
+_ADDRESS = re.compile(r"0[xX][0-9a-fA-F_]+")
+_GLOB = re.compile(r"[*?\[]")
+
+
+@dataclass(frozen=True)
+class Item:
+    """A word of the device: an element of the spec, or (`element` None) a bare address that was typed."""
+
+    name: str
+    address: int
+    element: Element | None = None
+
+    @property
+    def unit(self) -> str:
+        return self.element.unit if self.element else ""
+
+
+class Names:
+    """All names of a spec (or none), with search."""
+
+    def __init__(self, spec: Spec | None, source: str = "") -> None:
+        self.spec = spec
+        self.source = source or (spec.source if spec else "")
+        self.elements: dict[str, Element] = dict(spec.walk()) if spec else {}
+        self.instances: dict[str, list[str]] = {}  # name -> names of all elements below
+        self.groups: dict[str, list[str]] = {}  # name -> names of its elements
+        if spec:
+            for root in spec.roots:
+                self._collect(root, f"{root.name}." if len(spec.roots) > 1 else "")
+
+    def _collect(self, instance: Instance, prefix: str) -> None:
+        name = prefix + instance.path if instance.path else instance.name
+        self.instances[name] = [prefix + element.path for element in instance.walk()]
+        for group in instance.groups:
+            self.groups[prefix + group.path] = [prefix + element.path for element in group.elements]
+        for below in instance.instances:
+            self._collect(below, prefix)
+
+    def find(self, words: Sequence[str]) -> list[Item]:
+        """Resolve names, patterns and addresses, in the order typed, each item once.
+
+        The name of an instance or a group stands for its elements. `Failure` for a word that finds nothing.
+        """
+        found: dict[str, Item] = {}
+        for word in words:
+            for item in self._find_one(word):
+                found.setdefault(item.name, item)
+        return list(found.values())
+
+    def all(self) -> list[Item]:
+        """Return every element of the spec, in source order."""
+        return self._items(self.elements)
+
+    def _items(self, names: Iterable[str]) -> list[Item]:
+        return [Item(name, self.elements[name].address, self.elements[name]) for name in names]
+
+    def _find_one(self, word: str) -> list[Item]:
+        if _ADDRESS.fullmatch(word):
+            address = int(word, 16)
+            if address >> ADDRESS_BITS_MAX:
+                raise Failure(f"address {word} has more than {ADDRESS_BITS_MAX} bits")
+            return [Item(f"0x{address:04X}", address)]
+        if self.spec is None:
+            raise Failure(
+                f"'{word}' is a name, and names come from a spec",
+                "add --spec FILE.ul, or give the address: 0x88",
+            )
+        if word in self.elements:
+            return self._items([word])
+        if word in self.groups or word in self.instances:
+            return self._items(self.groups.get(word) or self.instances[word])
+        if _GLOB.search(word):
+            items = self._items(name for name in self.elements if fnmatchcase(name, word))
+            if items:
+                return items
+            raise Failure(f"the pattern '{word}' matches no item of {self.source}", self._advice("*"))
+        raise Failure(f"there is no item '{word}' in {self.source}", self._advice(word))
+
+    def _advice(self, word: str) -> str:
+        meant = nearest(word, [*self.elements, *self.groups, *self.instances])
+        listing = f"`unitylink list --spec {self.source}` shows all names"
+        return f"did you mean '{meant}'? {listing}" if meant else listing
+
+
+def parse_number(text: str, what: str) -> int:
+    """Return the integer of a decimal, 0x, 0o or 0b literal; a usage error names `what` otherwise.
+
+    >>> parse_number("-0x10", "j1.pos_sp")
+    -16
+    """
+    try:
+        return int(text, 0)
+    except ValueError:
+        raise click.UsageError(f"{what}: '{text}' is no integer; write 30, -30, 0x1E or 0b11110") from None

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink new`: a project to start from."""
+
+from __future__ import annotations
+
+import keyword
+import re
+import sys
+from pathlib import Path
+
+import click
+
+from .failure import Failure
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_MODULES = frozenset({"run", "show", "step", "url", "link", *sys.stdlib_module_names, "unitylink", "numpy"})
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+@click.command()
+@click.argument("name")
+@click.option("--dir", "folder", metavar="FOLDER", help="Where to write; the default is a new folder NAME.")
+def command(name: str, folder: str | None) -> None:
+    """Start a project: a spec, its generated classes, a script that moves it on a virtual board, a README.
+
+    Nothing that exists is overwritten.
+
+    \b
+    Examples:
+      unitylink new arm
+      unitylink new arm --dir robots/arm
+    """
+    files = _files(name)
+    target = Path(folder if folder is not None else name)
+    taken = [file for file in files if (target / file).exists()]
+    if taken:
+        raise Failure(
+            f"{target / taken[0]} exists and is not overwritten",
+            "give another folder: --dir FOLDER, or another NAME",
+        )
+    target.mkdir(parents=True, exist_ok=True)
+    for file, text in files.items():
+        with open(target / file, "x", encoding="utf-8") as handle:
+            handle.write(text)
+        click.echo(f"wrote {target / file}")
+    click.echo(f"\nNow: cd {target} && python run.py")
+
+
+def _files(name: str) -> dict[str, str]:
+    """Return {file name: text} of the project; a usage error where `name` cannot be one."""
+    from unitylink.generate.python import generate_python
+    from unitylink.spec import compile_text
+
+    _check_name(name)
+    spec_text = _template("project.ul").replace("NAME", name)
+    result = compile_text(spec_text, f"{name}.ul")
+    if result.spec is None or result.diagnostics:
+        raise click.UsageError(f"'{name}' means something else in a spec; did you mean {name}_robot?")
+    generated = generate_python(result.spec)
+    classes = re.findall(r"^class (\w+)\(", generated[f"{name}.py"], re.M)  # the public one comes first
+
+    def filled(template: str) -> str:
+        return _template(template).replace("NAME", name).replace("CLASS", classes[0])
+
+    return {
+        f"{name}.ul": spec_text,
+        **generated,
+        "run.py": filled("run.py.txt"),
+        "README.md": filled("README.md.txt"),
+    }
+
+
+def _template(file: str) -> str:
+    return (_TEMPLATES / file).read_text(encoding="utf-8")
+
+
+def _check_name(name: str) -> None:
+    if not _NAME.fullmatch(name):
+        meant = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+        hint = f"; did you mean {meant}?" if _NAME.fullmatch(meant) else ""
+        raise click.UsageError(f"'{name}' is no name: letters, digits and _, a letter first{hint}")
+    if keyword.iskeyword(name) or name in _MODULES:
+        raise click.UsageError(f"'{name}' means something else in Python; did you mean {name}_robot?")

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink read`: values, once."""
+
+from __future__ import annotations
+
+import click
+
+from .link_option import link_argument, open_target, spec_option
+from .names import Item
+from .output import json_option, print_json, print_table
+
+
+@click.command()
+@link_argument
+@click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@spec_option
+@click.option("--value", "value_only", is_flag=True, help="Print the values only, one a line.")
+@click.option("--hex", "as_hex", is_flag=True, help="Print raw words in hexadecimal.")
+@json_option("the values")
+def command(
+    link: str, *, names: tuple[str, ...], spec_file: str | None, value_only: bool, as_hex: bool, as_json: bool
+) -> None:
+    """Read items and print their values.
+
+    NAME is a name of the spec, an instance or group (all its items), a pattern, or a word address like 0x88.
+    What fits one message of the device is one consistent snapshot.
+
+    \b
+    Examples:
+      unitylink read sim:scara.ul j1.cpos
+      unitylink read tcp://127.0.0.1:5555 --spec scara.ul 'j*.cpos' --json
+      unitylink read "serial:/dev/ttyUSB0?baud=3000000" 0x88 --hex
+    """
+    from unitylink.layer4_data import ValueGroup
+
+    from .readable import readable
+
+    with open_target(link, spec_file) as target:
+        items = target.names.find(names)
+        values = readable(target.link, items)
+        snapshot = ValueGroup(values).snapshot(consistent=len(items) <= target.link.configuration.read_many)
+    bits = target.link.configuration.data_bits
+    words = [snapshot[item.name] & values[item.name].mask for item in items]
+    texts = [
+        f"0x{word:0{bits // 4}X}" if as_hex else str(snapshot[i.name])
+        for i, word in zip(items, words, strict=True)
+    ]
+    if as_json:
+        print_json([_entry(item, snapshot[item.name], word) for item, word in zip(items, words, strict=True)])
+    elif value_only:
+        click.echo("\n".join(texts))
+    elif len(items) == 1:
+        click.echo(f"{items[0].name} = {texts[0]} {items[0].unit}".rstrip())
+    else:
+        units = any(item.unit for item in items)
+        rows = [
+            (item.name, text, *([item.unit] if units else []))
+            for item, text in zip(items, texts, strict=True)
+        ]
+        print_table(("name", "value", "unit")[: 2 + units], rows, right=[1])
+
+
+def _entry(item: Item, value: int, word: int) -> dict[str, object]:
+    return {"name": item.name, "address": item.address, "value": value, "word": word, "unit": item.unit}

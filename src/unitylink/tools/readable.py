@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Items as layer-4 values that can be read and published."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from unitylink.errors import ValueRangeError
+from unitylink.layer3_hardware import MemoryProxy
+from unitylink.layer4_data import Publisher, ReadValue
+
+from .names import Item
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+
+def readable(link: Link, items: Sequence[Item], publisher: Publisher | None = None) -> dict[str, ReadValue]:
+    """Make a value of each item; unlike those of the spec's own tree also of WRITE items and bare addresses.
+
+    Addresses of items are final, so that plain memory reaches all of them. Raises BindingError for an item of
+    the spec beyond the device's address bus, ValueRangeError for such a bare address.
+    """
+    check_bare(link, items)
+    memory = MemoryProxy(link)
+    publisher = publisher if publisher is not None else Publisher()
+    values = {}
+    for item in items:
+        element = item.element
+        publish = element.publish if element is not None else None
+        values[item.name] = ReadValue(
+            item.name,
+            memory,
+            item.address,
+            signed=element is not None and element.signed,
+            checked=element is not None and element.checked,
+            unit=item.unit,
+            publish=(publish.mode, publish.divisor) if publish is not None else None,
+            publisher=publisher,
+        )
+    return values
+
+
+def check_bare(link: Link, items: Sequence[Item]) -> None:
+    """Raise ValueRangeError for a typed address that the bus of the device does not have."""
+    bits = link.configuration.address_bits
+    for item in items:
+        if item.element is None and item.address >> bits:
+            raise ValueRangeError(f"{item.name} is beyond the {bits} bits of the address bus of {link.url}")

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Samples of items as they come: published by the gateware where the spec says so, else read by the PC."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from unitylink.errors import LinkClosed, LinkError, LinkTimeout
+from unitylink.layer4_data import Publisher, ReadValue
+
+from .names import Item
+from .readable import readable
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+    from unitylink.layer2_message import Link
+
+Sample = tuple[float, Sequence[ReadValue], Sequence[int]]  # host time in s, values, their numbers
+
+TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up
+_WAITING = 100_000  # samples that wait for whoever takes them; more are lost, and counted
+
+
+class Sampler:
+    """Publish `items` while the `with` block runs, and hand out what comes.
+
+    >>> with Sampler(link, items, rate_hz=10) as sampler:          # doctest: +SKIP
+    ...     for sample in sampler.samples(count=100):
+    ...         print(sample)
+    """
+
+    def __init__(self, link: Link, items: Sequence[Item], rate_hz: float) -> None:
+        self.publisher = Publisher()
+        self.lost = 0
+        self._link = link
+        self._arrived: queue.Queue[Sample] = queue.Queue(_WAITING)
+        for value in readable(link, items, self.publisher).values():
+            if value.publish is None:
+                self.publisher.demand(value, rate_hz)
+        self.publisher.take_with(self._take)
+
+    def _take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
+        try:
+            self._arrived.put_nowait((time_s, values, numbers))
+        except queue.Full:
+            self.lost += 1
+
+    def __enter__(self) -> Self:
+        self.publisher.start(fallback=True)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.lost += sum(report.lost for report in self.publisher.reports())
+        try:
+            self.publisher.stop()
+        except LinkError:
+            if error is None:  # else the first error tells more than that stopping fails as well
+                raise
+
+    def samples(self, count: int | None = None, duration_s: float | None = None) -> Iterator[Sample | None]:
+        """Yield samples, and None at least every 0.1 s, until there were `count` or `duration_s` is over.
+
+        Raises LinkClosed when the device goes away, LinkTimeout when it falls silent.
+        """
+        slowest_hz = min(report.rate_hz for report in self.publisher.reports())
+        patience_s = 2.0 + 3.0 / slowest_hz
+        last = time.monotonic()
+        end = last + duration_s if duration_s is not None else float("inf")
+        taken = 0
+        while time.monotonic() < end:
+            sample = self._next(min(TICK_S, end - time.monotonic()))
+            yield sample
+            if sample is not None:
+                last = time.monotonic()
+                taken += 1
+                if taken == count:
+                    return
+            elif self._link.closed:
+                raise LinkClosed(f"{self._link.url}: the device went away")
+            elif time.monotonic() - last > patience_s:
+                raise LinkTimeout(
+                    f"{self._link.url}: no sample for {patience_s:.1f} s; does the device publish?"
+                )
+
+    def _next(self, wait_s: float) -> Sample | None:
+        try:
+            return self._arrived.get(timeout=max(0.0, wait_s))
+        except queue.Empty:
+            return None

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink watch`: values as they come."""
+
+from __future__ import annotations
+
+import json
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+import click
+
+from .failure import Failure
+from .link_option import link_argument, open_target, spec_option
+from .names import Item
+from .output import terminal
+
+if TYPE_CHECKING:
+    from .sampler import Sample
+
+
+@click.command()
+@link_argument
+@click.argument("names", metavar="[NAME...]", nargs=-1)
+@spec_option
+@click.option(
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(0, min_open=True),
+    default=10.0,
+    show_default=True,
+    metavar="HZ",
+    help="How often to read what the spec does not publish.",
+)
+@click.option("--count", type=click.IntRange(1), metavar="N", help="End after N samples.")
+@click.option(
+    "--duration",
+    "duration_s",
+    type=click.FloatRange(0, min_open=True),
+    metavar="S",
+    help="End after S seconds.",
+)
+@click.option(
+    "--changes", is_flag=True, help="Print only samples in which a value differs from the one before."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line for each sample.")
+def command(
+    link: str,
+    *,
+    names: tuple[str, ...],
+    spec_file: str | None,
+    rate_hz: float,
+    count: int | None,
+    duration_s: float | None,
+    changes: bool,
+    as_json: bool,
+) -> None:
+    """Watch items: a live table on a terminal, else one line for each sample. Ctrl-C ends it.
+
+    Items with PUBLISH in the spec are sent by the gateware at their own rate; the others are read at --rate.
+    NAME is as for `read`; without any, all READ items of the spec are watched. Times are seconds since the
+    start.
+
+    \b
+    Examples:
+      unitylink watch sim:scara.ul
+      unitylink watch serial:/dev/ttyUSB0 --spec scara.ul 'j*.cpos' --duration 10 > log.txt
+      unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
+    """
+    with _ended_by_signals(), open_target(link, spec_file) as target:
+        items = target.names.find(names) if names else [i for i in target.names.all() if _is_read(i)]
+        if not items:
+            raise Failure(
+                f"there is nothing to watch on {link}", "name items of a spec (--spec FILE.ul), or an address"
+            )
+        from .sampler import Sampler
+
+        with Sampler(target.link, items, rate_hz) as sampler, suppress(KeyboardInterrupt):  # the usual end
+            samples = sampler.samples(count, duration_s)
+            if terminal() and not as_json:
+                from .live_table import show
+
+                show(samples, items, sampler.publisher, link)
+            else:
+                _print_lines(samples, as_json, changes)
+        if sampler.lost:
+            click.echo(
+                f"{sampler.lost:,} samples were lost: overwritten before they were taken, or read too late",
+                err=True,
+            )
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM, and SIGINT in the background too, do what Ctrl-C does: end with the link closed."""
+    handlers = {n: signal.signal(n, signal.default_int_handler) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def _is_read(item: Item) -> bool:
+    return item.element is not None and item.element.access == "READ"
+
+
+def _print_lines(samples: Iterator[Sample | None], as_json: bool, changes: bool) -> None:
+    start = time.monotonic()
+    before: dict[str, int] = {}
+    for sample in samples:
+        if sample is None:
+            continue
+        time_s, values, numbers = sample
+        named = {value.path: number for value, number in zip(values, numbers, strict=True)}
+        differs = any(before.get(path) != number for path, number in named.items())
+        before |= named
+        if changes and not differs:
+            continue
+        since_s = round(time_s - start, 6)
+        if as_json:
+            click.echo(json.dumps({"time_s": since_s, "values": named}))
+        else:
+            click.echo(f"{since_s:12.6f}  " + "  ".join(f"{path}={number}" for path, number in named.items()))

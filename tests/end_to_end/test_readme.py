@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the README and docs/start.md tell a stranger to type works as it stands."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from unitylink.spec import compile_text
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+START = (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
+UNITYLINK = Path(sys.executable).with_name("unitylink")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    result = subprocess.run([*command], cwd=cwd, capture_output=True, text=True, timeout=60, check=False)
+    assert result.returncode == 0, f"{command}: {result.stdout}\n{result.stderr}"
+    return result.stdout
+
+
+def test_the_readme_script(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples" / "scara", tmp_path / "examples" / "scara")
+    run(UNITYLINK, "generate", "examples/scara/scara.ul", "--out", ".", cwd=tmp_path)
+    (script,) = blocks(README, "python")
+    (tmp_path / "move.py").write_text(script)
+    output = run(sys.executable, "-W", "error", "move.py", cwd=tmp_path)
+    assert "joint 1 passes 300" in output
+    assert "'j1.cpos': 300" in output or "j1.cpos=300" in output
+
+
+def test_the_spec_shown_is_the_one_shipped() -> None:
+    shown = next(block for block in blocks(README, "") if block.startswith("public scara"))
+    shipped = (ROOT / "examples" / "scara" / "scara.ul").read_text(encoding="utf-8")
+    ours, theirs = compile_text(shown, "scara.ul").spec, compile_text(shipped, "scara.ul").spec
+    assert ours is not None and theirs is not None
+    assert ours.hash == theirs.hash
+
+
+def test_the_start_page(tmp_path: Path) -> None:
+    spec = next(block for block in blocks(START, "") if block.startswith("public arm"))
+    (tmp_path / "arm.ul").write_text(spec)
+    assert run(UNITYLINK, "check", "arm.ul", cwd=tmp_path) is not None
+    run(UNITYLINK, "generate", "arm.ul", "--out", ".", cwd=tmp_path)
+    (script,) = blocks(START, "python")
+    (tmp_path / "try.py").write_text(script)
+    assert "x.position" in run(sys.executable, "-W", "error", "try.py", cwd=tmp_path)
+
+
+def test_a_new_project_runs(tmp_path: Path) -> None:
+    run(UNITYLINK, "new", "arm", cwd=tmp_path)
+    assert run(sys.executable, "-W", "error", "run.py", cwd=tmp_path / "arm")

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every figure can be measured. Its number is no business of a test: that would be a timed test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+from pathlib import Path
+
+import pytest
+
+from unitylink.tools.bench import FIGURES, BenchError, Figure, run
+from unitylink.tools.bench.figure import Run
+from unitylink.tools.bench.start_up import flat_spec
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_figure_yields_a_number(name: str, program: Callable[[str], Path]) -> None:
+    said: list[str] = []
+    report = run(only=[name], quick=True, say=said.append)
+    assert not report.failures
+    (figure,) = report.figures
+    assert figure.name == name
+    assert isfinite(figure.measured)
+    assert figure.measured > 0
+    assert figure.title in report.text()
+    assert any(name in message for message in said)
+
+
+def test_a_figure_that_cannot_be_measured_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(context: Run) -> Figure:
+        raise BenchError("there is no index to install LiteX from")
+
+    monkeypatch.setattr("unitylink.tools.bench.litex.measure_single", broken)
+    report = run(only=["litex-single", "version"], quick=True, say=lambda message: None)
+    assert [figure.name for figure in report.figures] == ["version"]
+    assert report.failures == {"litex-single": "there is no index to install LiteX from"}
+    assert not report.met
+    assert "litex-single: not measured: there is no index" in report.text()
+
+
+def test_an_unknown_figure_is_named() -> None:
+    with pytest.raises(BenchError, match="no figure speed; there are: sync-read"):
+        run(only=["speed"])
+
+
+def test_flat_spec_is_valid_and_as_long_as_asked() -> None:
+    from unitylink.spec import compile_text
+
+    result = compile_text(flat_spec(100).encode(), "flat.ul")
+    assert result.spec is not None
+    assert sum(1 for _ in result.spec.walk()) == 100
+    assert not result.diagnostics

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The live table of `watch`."""
+
+from __future__ import annotations
+
+import io
+
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.console import Console
+
+from unitylink.layer4_data import Publisher
+from unitylink.tools.live_table import Track, draw, trend
+from unitylink.tools.names import Item
+
+
+@given(st.lists(st.integers(-(2**31), 2**32), min_size=1, max_size=30))
+def test_a_trend_keeps_the_order_of_values(values: list[int]) -> None:
+    bars = trend(values)
+    assert len(bars) == len(values)
+    for (a, bar_a), (b, bar_b) in zip(
+        zip(values, bars, strict=True), zip(values[1:], bars[1:], strict=True), strict=False
+    ):
+        assert (bar_a <= bar_b) if a <= b else (bar_a >= bar_b)
+    if min(values) != max(values):
+        assert bars[values.index(min(values))] == "▁" and bars[values.index(max(values))] == "█"
+
+
+def test_a_track_knows_rate_and_extremes() -> None:
+    track = Track()
+    assert track.rate_hz == 0
+    for index, number in enumerate([5, -3, 4]):
+        track.take(index / 100, number)
+    assert (track.minimum, track.maximum, track.values[-1]) == (-3, 5, 4)
+    assert round(track.rate_hz) == 100
+
+
+def test_the_table_shows_what_is_known() -> None:
+    tracks = {"a": Track(), "b[1]": Track()}
+    tracks["a"].take(0.0, -42)
+    table = draw([Item("a", 1), Item("b[1]", 2)], tracks, Publisher(), "tcp://[::1]:5", "a read failed")
+    out = io.StringIO()
+    Console(file=out, width=120).print(table)
+    shown = out.getvalue()
+    assert "tcp://[::1]:5" in shown and "-42" in shown and "a read failed" in shown
+    row = next(line for line in shown.splitlines() if "b[1]" in line)
+    assert row.split() == ["b[1]", "-"]
