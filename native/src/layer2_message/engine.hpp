@@ -68,6 +68,7 @@ class MessageEngine {
   [[nodiscard]] Statistics& statistics() noexcept { return statistics_; }
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
   [[nodiscard]] std::uint64_t last_answer_ns() const noexcept { return last_answer_ns_; }
+  [[nodiscard]] std::uint64_t now_ns() const noexcept { return now_ns_; }  // the last time it was given
   [[nodiscard]] std::uint64_t completed() const noexcept { return completed_; }
   [[nodiscard]] std::optional<Status> ended() const noexcept { return ended_; }
 

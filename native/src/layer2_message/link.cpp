@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t terminal_chunk = 4095;  // a pseudo-terminal gives no more at a time, so less than this means empty
 constexpr int reads_per_turn_max = 16;
+constexpr std::uint64_t reader_patience_ns = 1'000'000;
 
 void signal(int descriptor) noexcept {
   const std::uint64_t one = 1;
@@ -104,6 +105,10 @@ void Link::run(std::span<Exchange> exchanges) {
     engine_.submit(exchange, now);
   }
   flush(now);
+  ++callers_;
+  if (reader_leading_) {
+    wake();  // a caller is quicker at reading its own answer than at being woken for it
+  }
   std::size_t done = 0;
   while (true) {
     while (done < exchanges.size() && exchanges[done].done()) {
@@ -123,6 +128,8 @@ void Link::run(std::span<Exchange> exchanges) {
       lead(lock, MessageEngine::no_deadline);
     }
   }
+  --callers_;
+  last_call_ns_ = engine_.now_ns();
   hand_over();
 }
 
@@ -246,7 +253,7 @@ void Link::stop_reader() {
     const std::scoped_lock lock(mutex_);
     reader_wanted_ = false;
     wake();
-    turn_.notify_all();
+    idle_.notify_all();
   }
   if (reader_.joinable()) {
     reader_.join();
@@ -256,12 +263,13 @@ void Link::stop_reader() {
 void Link::read_loop() noexcept {
   Lock lock(mutex_);
   while (reader_wanted_ && !engine_.ended()) {
-    if (leading_) {
-      ++followers_;
-      turn_.wait(lock);
-      --followers_;
+    if (leading_ || callers_ > 0 || now_ns() - last_call_ns_ < reader_patience_ns) {
+      idle_.wait_for(lock, std::chrono::nanoseconds(reader_patience_ns));  // where there was one call there may be more
     } else {
+      reader_leading_ = true;
       lead(lock, MessageEngine::no_deadline);
+      reader_leading_ = false;
+      hand_over();
     }
   }
   hand_over();

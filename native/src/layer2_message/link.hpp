@@ -2,7 +2,8 @@
 // Link: one MessageEngine, one driver, one mutex. Every call may be made from any thread.
 //
 // Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its own answers are in
-// it hands the role on. Only while there are subscriptions or asynchronous requests does a reader thread stand in.
+// it hands the role on. Only while there are subscriptions or asynchronous requests does a reader thread stand in,
+// and it stands back as long as callers come.
 #pragma once
 
 #include <array>
@@ -146,12 +147,16 @@ class Link {
   std::mutex mutex_;                     // all below, up to the next mutex
   std::condition_variable turn_;         // followers: something was finished, or the role is free
   std::condition_variable published_;
+  std::condition_variable idle_;         // the reader, while callers read for themselves
   MessageEngine engine_;
   std::string reason_;                   // why the link has ended
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;
-  unsigned followers_ = 0;
+  bool reader_leading_ = false;
+  unsigned followers_ = 0;               // wait for turn_
+  unsigned callers_ = 0;                 // wait for answers, leading or not
+  std::uint64_t last_call_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
   bool reader_wanted_ = false;
