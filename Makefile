@@ -6,8 +6,11 @@
 #   make bench   the performance figures, as ratios within one run
 #   make docs    regenerates what is generated in docs/ and checks every link
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
+#   make build   the library in .venv only; with PYTHON=python3.12 for another Python
+#   make unit    the Python tests that need no board process, in about a minute
+#   make native-tests   the C++ tests alone
+#   make clean   removes build/ and .venv/
 SHELL := /bin/bash
-PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 NATIVE := build/native
@@ -16,7 +19,7 @@ SECONDS ?= 60
 
 .PHONY: demo test check bench docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,10p' Makefile
+	@sed -n '2,14s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -41,6 +44,7 @@ bench: $(VENV)/.built $(NATIVE)/.built
 docs: $(VENV)/.built
 	@tools/setup.sh group test
 	$(BIN)/python protocol/generate.py
+	$(BIN)/python tests/unit/spec/test_docs.py
 	$(BIN)/python -m pytest tests/unit/docs -q
 
 fuzz: $(NATIVE)/.built
@@ -50,15 +54,23 @@ build: $(VENV)/.built
 native-tests: $(NATIVE)/.built
 	$(NATIVE)/unitylink_tests
 
-# The editable install lists the modules it knows, so a module that comes or goes needs a new install.
+# The editable install lists the modules it knows and where they are, so a module that comes or goes, or a
+# checkout that moves, needs a new install.
 build/.modules: .FORCE
-	@mkdir -p build && find src -type f ! -name '*.pyc' | sort > $@.new && \
+	@mkdir -p build && { pwd -P; find src -type f ! -name '*.pyc' | sort; } > $@.new && \
 	if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 .FORCE:
 .PHONY: .FORCE
 
+# Another PYTHON than last time needs another environment; without PYTHON the one that is there stays.
+ifdef PYTHON
+build/.python: .FORCE
+	@mkdir -p build && echo '$(PYTHON)' | cmp -s - $@ || echo '$(PYTHON)' > $@
+$(VENV)/.built: build/.python
+endif
+
 $(VENV)/.built: $(NATIVE_SOURCES) build/.modules
-	@PYTHON=$(PYTHON) tools/setup.sh build
+	@PYTHON='$(PYTHON)' tools/setup.sh build
 
 $(NATIVE)/.built: $(NATIVE_SOURCES) $(wildcard bench/native/*) $(VENV)/.built
 	@tools/setup.sh system

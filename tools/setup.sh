@@ -7,7 +7,6 @@
 #   setup.sh native         the native tests, fuzzers and benches
 set -euo pipefail
 cd "$(dirname "$0")/.."
-python=${PYTHON:-python3}
 venv=.venv
 mkdir -p build
 exec 9>build/.lock
@@ -15,9 +14,18 @@ flock 9                                   # two makes at once must not build int
 
 stop() { printf 'unitylink: %s\n' "$1" >&2; exit 1; }
 
-need() {                                  # need COMMAND PACKAGE
-  command -v "$1" >/dev/null || stop "'$1' is not installed; on Debian or Ubuntu: apt-get install $2"
+missing=() packages=()
+need() {                                  # need WHAT PACKAGE CHECK...: note what is absent, to name all of it at once
+  "${@:3}" >/dev/null 2>&1 || { missing+=("$1"); packages+=("$2"); }
 }
+stop_if_missing() {
+  [ ${#missing[@]} = 0 ] || stop "missing: $(printf '%s, ' "${missing[@]}" | sed 's/, $//'); on Debian or Ubuntu: sudo apt-get install ${packages[*]}"
+}
+
+has_header() { "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'; }
+version() { "$1" -c 'import sys; print(*sys.version_info[:2], sep=".")'; }
+whole() { "$venv/bin/python" -m pip --version >/dev/null 2>&1; }   # an interrupted first run may leave half an environment
+compiles() { "$cxx" -std=c++20 -x c++ -fsyntax-only -; }
 
 pip() { "$venv/bin/python" -m pip --quiet --quiet --disable-pip-version-check "$@"; }
 
@@ -37,16 +45,28 @@ PY
 
 case "${1:?usage: setup.sh build|group|system|native}" in
 build)
-  need "$python" python3
-  need git git
-  command -v c++ >/dev/null || command -v g++ >/dev/null || stop "no C++ compiler; on Debian or Ubuntu: apt-get install g++"
-  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' || stop "Python 3.10 or newer is needed, $("$python" --version) found"
-  "$python" -c 'import ensurepip, venv' 2>/dev/null || stop "Python has no venv; on Debian or Ubuntu: apt-get install python3-venv"
-  "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
-    || stop "the Python headers are missing; on Debian or Ubuntu: apt-get install python3-dev"
-  echo 'int main() { return [](auto... x) requires(sizeof...(x) == 0) { return 0; }(); }' > build/.probe.cpp
-  "${CXX:-c++}" -std=c++20 -o build/.probe build/.probe.cpp 2>/dev/null || stop "the C++ compiler does not know C++20; g++ 10 or clang 12 is needed"
-  [ -x "$venv/bin/python" ] || { echo "creating $venv"; "$python" -m venv "$venv"; }
+  if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
+    echo "the checkout has moved: building anew"
+    rm -rf build/* "$venv"                 # both know their place by its full path
+  fi
+  python=${PYTHON:-}                       # not given: that of the environment which is there, else python3
+  [ -n "$python" ] || { whole && python=$venv/bin/python || python=python3; }
+  cxx=${CXX:-$(command -v c++ || command -v g++ || command -v clang++ || echo c++)}
+  need git git command -v git
+  need "a C++ compiler" g++ command -v "$cxx"
+  need "$python" python3 "$python" --version
+  stop_if_missing
+  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
+    || stop "Python 3.10 or newer is needed and $python is $("$python" --version); name another: make PYTHON=/path/to/python3"
+  need "Python's venv" python3-venv "$python" -c 'import ensurepip, venv'
+  need "Python's headers" python3-dev has_header
+  stop_if_missing
+  compiles <<< 'int main() { return [](auto... x) requires(sizeof...(x) == 0) { return 0; }(); }' 2>/dev/null \
+    || stop "$cxx does not know C++20; g++ 10 or clang 12 is needed (on Debian or Ubuntu: sudo apt-get install g++, then make CXX=g++)"
+  if ! whole || [ "$(version "$venv/bin/python")" != "$(version "$python")" ]; then
+    echo "creating $venv with $("$python" --version)"
+    "$python" -m venv --clear "$venv" || stop "could not create $venv (see above)"
+  fi
   touch build/.started                     # an edit made during the build must count as newer than it
   group build
   echo "building the native core (about a minute the first time)"
@@ -55,17 +75,15 @@ build)
   ;;
 group) group "$2" ;;
 system)
-  missing=()
-  command -v ghdl >/dev/null || missing+=(ghdl)                       # compiles the generated VHDL
-  [ -e /usr/include/doctest/doctest.h ] || missing+=(doctest-dev)      # the native tests' framework
-  if [ ${#missing[@]} -gt 0 ]; then
-    if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
-      echo "installing ${missing[*]}"
-      { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"; } > build/apt.log 2>&1 \
-        || { tail -5 build/apt.log >&2; stop "apt-get could not install ${missing[*]}"; }
-    else
-      stop "the tests need: sudo apt-get install ${missing[*]}"
-    fi
+  cxx=${CXX:-c++}
+  need ghdl ghdl command -v ghdl                                       # compiles the generated VHDL
+  need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
+  if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+    echo "installing ${packages[*]}"
+    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"; } > build/apt.log 2>&1 \
+      || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all of its output: build/apt.log)"; }
+  else
+    stop_if_missing
   fi
   ;;
 native)

@@ -8,7 +8,9 @@
  *     if (ul_read(link, 0x20, &value, NULL) == UL_OK) printf("%08x\n", value);
  *     ul_free(link);
  *
+ * A whole program: examples/c_reader. Link URLs and their options: docs/command-line.md.
  * Threads: every function may be called from any thread at any time, except ul_free, which must be the last call with its link.
+ * After fork() a link is the parent's alone: the child makes no call with it, not even ul_free.
  * Errors: every function returns a ul_status and never throws; what failed and why is told, per thread, by ul_last_error and
  * ul_last_error_text, until that thread's next failure. UL_ARGUMENT: a required pointer is NULL or a struct's size unknown.
  * Structs carry their own size, so that they can grow: set it to sizeof of the struct you were compiled with.
@@ -133,17 +135,19 @@ UL_API ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t c
 UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
                                const ul_options* options);
 
-/* The words at `addresses` together, published by the device; `group` names the subscription from then on. Errors as requests. */
+/* The words at `addresses` together, published by the device. `subscription` names it from then on; the number never comes back.
+ * Errors as requests; UL_MISMATCH also when no group is left, none is so large, or the line too slow. */
 UL_API ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
-                              uint32_t* group);
-/* What came before can still be drained until the group is subscribed anew. */
-UL_API ul_status ul_unsubscribe(ul_link* link, uint32_t group);
-/* Takes the oldest publishes out: up to `room` times (s, monotonic clock) and room * count words; `taken` says how many. */
-UL_API ul_status ul_drain(ul_link* link, uint32_t group, double* times_s, uint32_t* values, size_t room, size_t* taken);
+                              uint32_t* subscription);
+/* Stops its publishes. What came before can be drained until another subscription gets its group. Twice does nothing. */
+UL_API ul_status ul_unsubscribe(ul_link* link, uint32_t subscription);
+/* Takes the oldest publishes out, as many as there are up to `room`; `taken` says how many. For each a time (s, CLOCK_MONOTONIC) and
+ * `count` words, one publish after the other: `times_s` has room for `room`, `values` for room * count of them. */
+UL_API ul_status ul_drain(ul_link* link, uint32_t subscription, double* times_s, uint32_t* values, size_t room, size_t* taken);
 /* UL_OK: something to drain. UL_TIMEOUT: nothing came in time. UL_CLOSED: link or subscription ended. */
-UL_API ul_status ul_wait_publish(ul_link* link, uint32_t group, uint64_t timeout_ns);
+UL_API ul_status ul_wait_publish(ul_link* link, uint32_t subscription, uint64_t timeout_ns);
 /* Publishes overwritten before they were drained. */
-UL_API ul_status ul_lost(ul_link* link, uint32_t group, uint64_t* lost);
+UL_API ul_status ul_lost(ul_link* link, uint32_t subscription, uint64_t* lost);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <unistd.h>
 #include <vector>
 
 #include "layer0_driver/status.hpp"
@@ -16,6 +17,27 @@ void bind_driver(nanobind::module_& module);
 void bind_stream(nanobind::module_& module);
 void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
+
+// Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back for it by unwinding
+// their stacks, which C++ would answer with abort(): such a thread waits here instead until the process is gone.
+class GilRelease {
+ public:
+  GilRelease() noexcept : state_(PyEval_SaveThread()) {}
+  GilRelease(const GilRelease&) = delete;
+  GilRelease& operator=(const GilRelease&) = delete;
+  ~GilRelease() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (...) {
+      while (true) {
+        ::pause();
+      }
+    }
+  }
+
+ private:
+  PyThreadState* state_;
+};
 
 // Raises the class of unitylink.errors that belongs to the status; returns only when it is ok.
 void raise_unless_ok(const Outcome& outcome);

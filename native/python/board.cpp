@@ -110,7 +110,7 @@ class PythonBoard final : public Board {
  public:
   using Board::Board;
   ~PythonBoard() {
-    const nb::gil_scoped_release released;
+    const GilRelease released;
     stop();
   }
 };
@@ -189,7 +189,7 @@ void bind_device(nb::module_& module) {
 
 void bind_board(nb::module_& module) {
   bind_device(module);
-  using Release = nb::call_guard<nb::gil_scoped_release>;
+  using Release = nb::call_guard<GilRelease>;
   nb::class_<PythonBoard>(module, "Board", "A thread that serves a device on an endpoint; use unitylink.simulate.Board.")
       .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind) {
              return make_board(configuration, endpoint, bind);
@@ -233,7 +233,7 @@ void bind_board(nb::module_& module) {
              std::string url;
              std::string problem;
              {
-               const nb::gil_scoped_release released;
+               const GilRelease released;
                try {
                  url = self.url();
                } catch (const EndpointError& error) {
@@ -250,7 +250,7 @@ void bind_board(nb::module_& module) {
            [](PythonBoard& self, std::uint32_t address) {
              BusReply reply;
              {
-               const nb::gil_scoped_release released;
+               const GilRelease released;
                reply = self.get(address);
              }
              return value_of(reply);
@@ -271,7 +271,7 @@ void bind_board(nb::module_& module) {
              AsyncWord word;
              bool taken = false;
              {
-               const nb::gil_scoped_release released;
+               const GilRelease released;
                taken = self.async_take(word);
              }
              return taken ? nb::object(nb::make_tuple(word.node, word.data, word.last + 1)) : nb::none();
@@ -285,7 +285,7 @@ void bind_board(nb::module_& module) {
       .def("statistics", [](PythonBoard& self) {
         BoardStatistics all;
         {
-          const nb::gil_scoped_release released;
+          const GilRelease released;
           all = self.statistics();
         }
         nb::dict result = statistics_of(all.device);

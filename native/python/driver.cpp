@@ -4,6 +4,9 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/unique_ptr.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <memory>
 #include <poll.h>
 #include <string>
@@ -25,7 +28,7 @@ std::unique_ptr<Driver> open(std::string_view text, double timeout_s) {
   Outcome outcome = parse_url(text, url);
   std::unique_ptr<Driver> driver;
   if (outcome.ok()) {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = open_driver(url, static_cast<std::uint64_t>(timeout_s * 1e9), driver);
   }
   raise_unless_ok(outcome);
@@ -34,7 +37,18 @@ std::unique_ptr<Driver> open(std::string_view text, double timeout_s) {
 
 bool wait_for(const Driver& driver, short what, double timeout_s) {
   pollfd waiting{driver.descriptor(), what, 0};
-  return ::poll(&waiting, 1, milliseconds(timeout_s)) > 0;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(milliseconds(timeout_s));
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    const int ready = ::poll(&waiting, 1, static_cast<int>(std::max<std::int64_t>(left, 0)));
+    if (ready >= 0 || errno != EINTR) {
+      return ready > 0;
+    }
+    const nb::gil_scoped_acquire hold;
+    if (PyErr_CheckSignals() != 0) {
+      throw nb::python_error();
+    }
+  }
 }
 
 void must_be_open(const Driver& driver) {
@@ -49,7 +63,7 @@ std::size_t send(Driver& driver, nb::bytes data, double timeout_s) {
   Outcome outcome;
   std::size_t done = 0;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     while (done < bytes.size()) {
       const Transfer transfer = driver.send(bytes.subspan(done));
       done += transfer.count;
@@ -72,7 +86,7 @@ nb::bytes receive(Driver& driver, double timeout_s) {
   Outcome outcome;
   Transfer transfer;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     if (wait_for(driver, POLLIN, timeout_s)) {
       transfer = driver.receive(std::span(reinterpret_cast<std::uint8_t*>(room.data()), room.size()));
       if (transfer.status != Status::ok) {

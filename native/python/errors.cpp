@@ -42,6 +42,9 @@ void raise_unless_ok(const Outcome& outcome) {
   if (outcome.ok()) {
     return;
   }
+  if (PyErr_Occurred() != nullptr) {  // Ctrl-C during the call: that is what happened, not its outcome
+    throw nb::python_error();
+  }
   const nb::object type = nb::module_::import_("unitylink.errors").attr(class_of(outcome.status));
   if (outcome.status == Status::range || outcome.status == Status::bad_url) {
     raise(type, type(outcome.text));

@@ -46,7 +46,7 @@ std::unique_ptr<Link> open_link(std::string_view url) {
   std::unique_ptr<Link> link;
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = Link::open(url, link);
   }
   raise_unless_ok(outcome);
@@ -59,7 +59,7 @@ std::uint32_t read(Link& link, nb::handle address, nb::handle checked, bool repe
   std::uint32_t value = 0;
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = link.read(word, value, options);
   }
   raise_unless_ok(outcome);
@@ -72,7 +72,7 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
   const RequestOptions options = options_of(checked, repeat, timeout_s);
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = link.write(word, what, options);
   }
   raise_unless_ok(outcome);
@@ -84,7 +84,7 @@ nb::object read_words(nb::handle addresses, const Reader& reader) {
   auto values = std::make_unique<std::uint32_t[]>(words.size());
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = reader(std::span<const std::uint32_t>(words), std::span(values.get(), words.size()));
   }
   raise_unless_ok(outcome);
@@ -107,7 +107,7 @@ void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle 
   const RequestOptions options = options_of(checked, repeat, timeout_s);
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     outcome = link.write_many(where, what, options);
   }
   raise_unless_ok(outcome);
@@ -116,35 +116,35 @@ void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle 
 std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring) {
   const std::vector<std::uint32_t> words = words_of(addresses, "address");
   const SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
-  std::uint32_t group = 0;
+  std::uint32_t id = 0;
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
-    outcome = link.subscribe(request, group);
+    GilRelease release;
+    outcome = link.subscribe(request, id);
   }
   raise_unless_ok(outcome);
-  return group;
+  return id;
 }
 
-void unsubscribe(Link& link, std::uint32_t group) {
+void unsubscribe(Link& link, std::uint32_t id) {
   Outcome outcome;
   {
-    nb::gil_scoped_release release;
-    outcome = link.unsubscribe(group);
+    GilRelease release;
+    outcome = link.unsubscribe(id);
   }
   raise_unless_ok(outcome);
 }
 
-nb::tuple drain(Link& link, std::uint32_t group, std::size_t words) {
+nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
   std::unique_ptr<double[]> times;
   std::unique_ptr<std::uint32_t[]> values;
   std::size_t count = 0;
   {
-    nb::gil_scoped_release release;
-    const std::size_t room = link.available(group);
+    GilRelease release;
+    const std::size_t room = link.available(id);
     times.reset(new double[room]);
     values.reset(new std::uint32_t[room * words]);
-    count = room == 0 ? 0 : link.drain(group, std::span(times.get(), room), std::span(values.get(), room * words));
+    count = room == 0 ? 0 : link.drain(id, std::span(times.get(), room), std::span(values.get(), room * words));
   }
   return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
 }
@@ -155,19 +155,48 @@ void check_signals() {
   }
 }
 
-bool wait_publish(Link& link, std::uint32_t group, double timeout_s) {
+// Ctrl-C is for the main thread; the others are not asked.
+bool interrupted() noexcept {
+  if (::gettid() != ::getpid()) {
+    return false;
+  }
+  const nb::gil_scoped_acquire hold;
+  return PyErr_Occurred() == nullptr && PyErr_CheckSignals() != 0;
+}
+
+// Raises why the link has ended by itself: not when it lives, nor when this program closed it.
+void check_alive(Link& link) {
+  bool by_itself = false;
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = link.ending(by_itself);
+  }
+  if (by_itself) {
+    raise_unless_ok(outcome);
+  }
+}
+
+bool wait_publish(Link& link, std::uint32_t id, double timeout_s) {
   std::uint64_t left = timeout_s > 0 ? static_cast<std::uint64_t>(std::min(timeout_s, 1e9) * 1e9) : 0;
   while (true) {
     const std::uint64_t slice = std::min(left, patience_ns);
     bool come = false;
-    bool over = false;
+    Outcome over;
     {
-      nb::gil_scoped_release release;
-      come = link.wait_publish(group, slice);
-      over = !come && link.closed();
+      GilRelease release;
+      bool by_itself = false;
+      come = link.wait_publish(id, slice);
+      if (!come && !link.subscribed(id)) {
+        over = {Status::closed, "the subscription is closed"};
+      }
+      if (Outcome ending = come ? Outcome{} : link.ending(by_itself); !ending.ok()) {
+        over = std::move(ending);
+      }
     }
+    raise_unless_ok(over);
     left -= slice;
-    if (come || over || left == 0) {
+    if (come || left == 0) {
       return come;
     }
     check_signals();
@@ -221,7 +250,7 @@ class Pending {
     const RequestOptions options = options_of(checked, repeat, timeout_s);
     Outcome outcome;
     {
-      nb::gil_scoped_release release;
+      GilRelease release;
       outcome = pending->plan(link, atomic, options);
       if (outcome.ok()) {
         pending->submit(link, pending);
@@ -231,10 +260,15 @@ class Pending {
     return pending;
   }
 
+  void withdraw(Link& link) {
+    GilRelease release;
+    link.withdraw(call_);
+  }
+
   nb::object result(Link& link) {
     Outcome outcome;
     {
-      nb::gil_scoped_release release;
+      GilRelease release;
       outcome = link.result(call_);
     }
     raise_unless_ok(outcome);
@@ -289,7 +323,7 @@ class Pending {
 nb::dict statistics(Link& link) {
   Statistics counted;
   {
-    nb::gil_scoped_release release;
+    GilRelease release;
     counted = link.statistics();
   }
   nb::dict result;
@@ -336,7 +370,7 @@ void bind_link(nb::module_& module) {
   using namespace nb::literals;
   nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect);
   module.def("mailbox", [] { return std::make_shared<Mailbox>(); });
-  nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a);
+  nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a).def("withdraw", &Pending::withdraw, "link"_a);
   nb::class_<Link>(module, "NativeLink")
       .def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("write", &write, "address"_a, "value"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
@@ -346,19 +380,22 @@ void bind_link(nb::module_& module) {
       .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a, "checked"_a.none(),
            "repeat"_a, "timeout_s"_a.none())
       .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a)
-      .def("unsubscribe", &unsubscribe, "group"_a)
-      .def("drain", &drain, "group"_a, "words"_a)
-      .def("wait", &wait_publish, "group"_a, "timeout_s"_a)
-      .def("available", &Link::available, "group"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def("lost", &Link::lost, "group"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def("wait_publishes", &Link::wait_publishes, "seen"_a, "timeout_ns"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def("notify_publishes", &Link::notify_publishes, "descriptor"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def("forget_notification", &Link::forget_notification, "descriptor"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("unsubscribe", &unsubscribe, "id"_a)
+      .def("drain", &drain, "id"_a, "words"_a)
+      .def("wait", &wait_publish, "id"_a, "timeout_s"_a)
+      .def("available", &Link::available, "id"_a, nb::call_guard<GilRelease>())
+      .def("lost", &Link::lost, "id"_a, nb::call_guard<GilRelease>())
+      .def("wait_publishes", &Link::wait_publishes, "seen"_a, "timeout_ns"_a, nb::call_guard<GilRelease>())
+      .def("notify_publishes", &Link::notify_publishes, "descriptor"_a, nb::call_guard<GilRelease>())
+      .def("forget_notification", &Link::forget_notification, "descriptor"_a, nb::call_guard<GilRelease>())
       .def("statistics", &statistics)
       .def_prop_ro("configuration", &configuration)
       .def_prop_ro("usable_group_size", &Link::usable_group_size)
-      .def_prop_ro("closed", &Link::closed, nb::call_guard<nb::gil_scoped_release>())
-      .def("close", &Link::close, nb::call_guard<nb::gil_scoped_release>());
+      .def_prop_ro("closed", &Link::closed, nb::call_guard<GilRelease>())
+      .def("check_alive", &check_alive)
+      .def("disown", &Link::disown)
+      .def("close", &Link::close, nb::call_guard<GilRelease>());
+  Link::ask_while_waiting(&interrupted);
   module.def("open_link", &open_link, "url"_a);
 }
 

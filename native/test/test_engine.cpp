@@ -243,6 +243,79 @@ TEST_CASE("after a failure the rest of its batch is not sent") {
   CHECK(writes[2].status == Status::cancelled);
 }
 
+TEST_CASE("requests that are taken back end at once; the others in flight come again, or are unknown") {
+  Bench bench(600);
+  bench.begin();
+  std::array<Exchange, 2> mine{reading(1), writing(2, 3)};
+  Exchange theirs = reading(4), write = writing(5, 6), later = reading(7);
+  for (Exchange* exchange : {&theirs, &mine[0], &mine[1], &write}) {
+    bench.submit(*exchange);
+  }
+  CHECK(bench.sent() == "#R:04\n#R:01\n#W:0200000003\n#W:0500000006\n");
+  bench.submit(later);
+  bench.engine->abandon(mine, bench.now);
+  CHECK(mine[0].status == Status::timeout);
+  CHECK(mine[1].status == Status::unknown);
+  CHECK(write.status == Status::unknown);
+  CHECK_FALSE(theirs.done());
+  CHECK(bench.sent() == "!$RLC*9B\n");
+  bench.answer("#S_R:00000009\n");  // too late to be believed
+  bench.answer(cnf);
+  CHECK(bench.sent() == "#R:04\n#R:07\n");
+  bench.answer("#S_R:00000044\n#S_R:00000077\n");
+  CHECK(theirs.value == 0x44);
+  CHECK(later.value == 0x77);
+}
+
+TEST_CASE("requests that are withdrawn harm no other: unsent ones are never sent, one on its way is waited for but not repeated") {
+  Bench bench;
+  bench.begin();
+  std::array<Exchange, 2> mine{reading(1), writing(2, 3)};
+  Exchange theirs = writing(4, 5);
+  mine[0].timeout_ns = 3'600'000 * ms;
+  for (Exchange* exchange : {&mine[0], &mine[1], &theirs}) {
+    bench.submit(*exchange);
+  }
+  CHECK(bench.sent() == "#R:01\n");  // 16 bytes hold no more
+  bench.engine->withdraw(mine, bench.now);
+  CHECK(mine[1].status == Status::cancelled);
+  CHECK_FALSE(mine[0].done());
+  CHECK(bench.sent().empty());
+  bench.wait(100 * ms);  // the usual time, not its own
+  CHECK(mine[0].status == Status::timeout);
+  CHECK(bench.sent() == "!$RLC*9B\n");
+  bench.answer(cnf);
+  CHECK(bench.sent() == "#W:0400000005\n");
+  bench.answer("#S_W\n");
+  CHECK(theirs.status == Status::ok);
+}
+
+TEST_CASE("requests that are taken back during a fence leave nothing to trip over") {
+  Bench bench;
+  bench.begin();
+  std::array<Exchange, 2> mine{reading(1), reading(2)};
+  bench.submit(mine[0]);
+  CHECK(bench.sent() == "#R:01\n");
+  bench.submit(mine[1]);
+  bench.answer("?f4\n");
+  CHECK(bench.sent() == "!$RLC*9B\n");
+  bench.engine->abandon(mine, bench.now);
+  CHECK(mine[0].status == Status::timeout);
+  CHECK(mine[1].status == Status::cancelled);  // never sent
+  bench.answer("?f1\n$?E_ICC\n#S_W\n");
+  bench.answer(cnf);
+  bench.wait(1000 * ms);
+  CHECK(bench.engine->next_deadline_ns() == MessageEngine::no_deadline);
+  CHECK(bench.sent().empty());
+  Exchange next = reading(3);
+  bench.submit(next);
+  CHECK(bench.sent() == "!$RLC*9B\n");
+  bench.answer(cnf);
+  CHECK(bench.sent() == "#R:03\n");
+  bench.answer("#S_R:00000033\n");
+  CHECK(next.value == 0x33);
+}
+
 TEST_CASE("busy, another device, and the end of the port reach everybody") {
   Bench bench;
   bench.begin();

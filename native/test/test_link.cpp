@@ -186,7 +186,14 @@ TEST_CASE("groups run out, and are free again") {
   CHECK(link->subscribe({.addresses = address, .divisor = 10}, groups[4]).status == Status::mismatch);
   CHECK(link->unsubscribe(2).ok());
   CHECK(link->subscribe({.addresses = address, .divisor = 10}, groups[4]).ok());
-  CHECK(groups[4] == 2);
+  CHECK(Link::group_of(groups[4]) == 2);
+  CHECK(groups[4] != groups[2]);  // the old id has nothing of the new subscription
+  CHECK(link->subscribed(groups[4]));
+  CHECK_FALSE(link->subscribed(groups[2]));
+  CHECK(link->words(groups[2]) == 0);
+  CHECK_FALSE(link->wait_publish(groups[2], 3'600'000'000'000));
+  CHECK(link->unsubscribe(groups[2]).ok());
+  CHECK(link->subscribed(groups[4]));
 }
 
 TEST_CASE("another program's subscriptions are silenced only when this one subscribes") {
@@ -220,22 +227,32 @@ TEST_CASE("another program's subscriptions are silenced only when this one subsc
   CHECK(link->statistics().unclaimed_publishes == unclaimed);
 }
 
-TEST_CASE("words of 16 bits: written only where gateware can") {
-  auto configuration = plain_board();
-  configuration.data_bits = 16;
-  const auto board = board_on("fd", configuration);
-  std::uint32_t value = 0;
-  {
-    const auto link = opened(board->url());
-    const Outcome asked = link->write(1, 2, {});  // the twin says which gateware it is
-    CAPTURE(asked.text);
-    CHECK((asked.ok() || asked.status == Status::mismatch));
-    CHECK(link->read(1, value, {}).ok());
-    CHECK(value == (asked.ok() ? 2u : 0u));
-    CHECK(link->write(1, 0x10000, {}).status == Status::range);
+TEST_CASE("narrow words: written only where gateware can, which is asked once") {
+  for (const std::uint32_t data_bits : {8u, 16u, 24u}) {
+    CAPTURE(data_bits);
+    auto configuration = plain_board();
+    configuration.data_bits = data_bits;
+    const auto board = board_on("fd", configuration);  // the twin is corrected gateware
+    const std::uint32_t highest = (1u << data_bits) - 1;
+    std::uint32_t value = 0;
+    {
+      const auto link = opened(board->url());
+      const std::uint64_t before = link->statistics().requests;
+      CHECK(link->read(1, value, {}).ok());
+      CHECK(link->statistics().requests == before + 1);  // a reader is not asked
+      CHECK(link->write(1, highest, {}).ok());
+      CHECK(link->statistics().requests == before + 3);
+      CHECK(link->write(2, 5, {}).ok());
+      CHECK(link->statistics().requests == before + 4);
+      CHECK(link->read(1, value, {}).ok());
+      CHECK(value == highest);
+      CHECK(link->write(1, highest + 1, {}).status == Status::range);
+    }
+    const auto told = opened_again(*board, "gateware=2012");
+    CHECK(told->write(1, 2, {}).status == Status::mismatch);
+    CHECK(told->read(1, value, {}).ok());
+    CHECK(value == highest);
   }
-  const auto told = opened_again(*board, "gateware=2012");
-  CHECK(told->write(1, 2, {}).status == Status::mismatch);
 }
 
 TEST_CASE("gateware without RLC needs the widths in the URL; wrong ones are refused") {

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from unitylink.errors import UrlError
 from unitylink.layer2_message import Link
 
 
@@ -26,6 +27,9 @@ def connect(url: str) -> Link:
         board, link_url = simulated_board(url)
         try:
             link = Link(link_url)
+        except UrlError as error:
+            board.close()
+            raise UrlError(str(error).replace(link_url, url)) from None
         except BaseException:
             board.close()
             raise

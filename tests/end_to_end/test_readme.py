@@ -46,13 +46,28 @@ def test_the_spec_shown_is_the_one_shipped() -> None:
 
 
 def test_the_start_page(tmp_path: Path) -> None:
-    spec = next(block for block in blocks(START, "") if block.startswith("public arm"))
-    (tmp_path / "arm.ul").write_text(spec)
-    assert run(UNITYLINK, "check", "arm.ul", cwd=tmp_path) is not None
-    run(UNITYLINK, "generate", "arm.ul", "--out", ".", cwd=tmp_path)
-    (script,) = blocks(START, "python")
-    (tmp_path / "try.py").write_text(script)
-    assert "x.position" in run(sys.executable, "-W", "error", "try.py", cwd=tmp_path)
+    run(UNITYLINK, "new", "arm", cwd=tmp_path)
+    shown = compile_text(
+        next(block for block in blocks(START, "") if block.startswith("public arm")), "arm.ul"
+    )
+    made = compile_text((tmp_path / "arm" / "arm.ul").read_bytes(), "arm.ul")
+    assert shown.spec is not None and made.spec is not None
+    assert shown.spec.hash == made.spec.hash  # the page shows what `new` writes
+    script, plant = blocks(START, "python")
+    (tmp_path / "arm" / "try.py").write_text(script)
+    assert "x.position" in run(sys.executable, "-W", "error", "try.py", cwd=tmp_path / "arm")
+    (tmp_path / "arm" / "motor.py").write_text(plant)
+    mover = script.replace("sim:arm.ul", "sim:arm.ul?plant=motor.py").replace(
+        "import unitylink", "import time, unitylink"
+    )
+    first, _ = mover.split("    robot.target")
+    (tmp_path / "arm" / "move.py").write_text(
+        first
+        + "    robot.x.speed_limit.write(20000)\n    robot.target.write([300, -100])\n"
+        + "    while robot.x.position.read() != 300:\n        time.sleep(0.01)\n"
+        + "    print(robot.x.position.read(), robot.y.position.read())\n"
+    )
+    assert run(sys.executable, "-W", "error", "move.py", cwd=tmp_path / "arm") == "300 0\n"
 
 
 def test_a_new_project_runs(tmp_path: Path) -> None:

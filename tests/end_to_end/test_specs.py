@@ -96,6 +96,14 @@ def test_fmt_leaves_a_wrong_file_alone(run: Run, tmp_path: Path) -> None:
     assert run("fmt", "gone.ul").stderr == "error: gone.ul: No such file or directory\n"
 
 
+def test_fmt_goes_on_behind_a_wrong_file(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bad.ul").write_text("public led() {")
+    (tmp_path / "led.ul").write_text("public led(){@on=0x10:WRITE();}")
+    done = run("fmt", "bad.ul", "gone.ul", "led.ul")
+    assert (done.returncode, done.stdout) == (1, "led.ul: laid out anew\n")
+    assert "bad.ul:1:14" in done.stderr and "error: gone.ul: No such file or directory" in done.stderr
+
+
 def test_list(run: Run, scara: Path) -> None:
     done = run("list", "--spec", scara)
     lines = done.stdout.splitlines()

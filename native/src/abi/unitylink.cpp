@@ -225,52 +225,52 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
   return guarded([&] { return told(link->link->write_many({addresses, count}, {values, count}, how)); });
 }
 
-ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* group) {
-  if (link == nullptr || addresses == nullptr || group == nullptr || !known(options)) {
+ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* subscription) {
+  if (link == nullptr || addresses == nullptr || subscription == nullptr || !known(options)) {
     return bad_argument(known(options) ? null_pointer : unknown_size);
   }
   return guarded([&] {
     const SubscriptionRequest request{{addresses, count}, options->divisor, options->on_event != 0, options->verify != 0, options->ring};
-    return told(link->link->subscribe(request, *group));
+    return told(link->link->subscribe(request, *subscription));
   });
 }
 
-ul_status ul_unsubscribe(ul_link* link, uint32_t group) {
+ul_status ul_unsubscribe(ul_link* link, uint32_t subscription) {
   if (link == nullptr) {
     return bad_argument(null_pointer);
   }
-  return guarded([&] { return told(link->link->unsubscribe(group)); });
+  return guarded([&] { return told(link->link->unsubscribe(subscription)); });
 }
 
-ul_status ul_drain(ul_link* link, uint32_t group, double* times_s, uint32_t* values, size_t room, size_t* taken) {
+ul_status ul_drain(ul_link* link, uint32_t subscription, double* times_s, uint32_t* values, size_t room, size_t* taken) {
   if (link == nullptr || times_s == nullptr || values == nullptr || taken == nullptr) {
     return bad_argument(null_pointer);
   }
   return guarded([&] {
-    *taken = link->link->drain(group, {times_s, room}, {values, room * link->link->words(group)});
+    *taken = link->link->drain(subscription, {times_s, room}, {values, room * link->link->words(subscription)});
     return ul_status{UL_OK};
   });
 }
 
-ul_status ul_wait_publish(ul_link* link, uint32_t group, uint64_t timeout_ns) {
+ul_status ul_wait_publish(ul_link* link, uint32_t subscription, uint64_t timeout_ns) {
   if (link == nullptr) {
     return bad_argument(null_pointer);
   }
   return guarded([&] {
-    if (link->link->wait_publish(group, timeout_ns)) {
+    if (link->link->wait_publish(subscription, timeout_ns)) {
       return ul_status{UL_OK};
     }
-    const bool over = link->link->closed() || !link->link->subscribed(group);
+    const bool over = link->link->closed() || !link->link->subscribed(subscription);
     return told({over ? Status::closed : Status::timeout, over ? "the link or the subscription has ended" : "no publish came in time"});
   });
 }
 
-ul_status ul_lost(ul_link* link, uint32_t group, uint64_t* lost) {
+ul_status ul_lost(ul_link* link, uint32_t subscription, uint64_t* lost) {
   if (link == nullptr || lost == nullptr) {
     return bad_argument(null_pointer);
   }
   return guarded([&] {
-    *lost = link->link->lost(group);
+    *lost = link->link->lost(subscription);
     return ul_status{UL_OK};
   });
 }

@@ -20,6 +20,7 @@ constexpr std::uint64_t lead_ns = 200'000;
 constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can bring it work
 constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a sign
 constexpr std::uint64_t lag_most_ns = 100'000'000; // beyond this the device clock slips
+constexpr std::uint64_t linger_ns = 500'000'000;   // for the answers to a client that sends no more but still reads
 constexpr std::size_t chunk = 16384;
 
 std::uint64_t now_ns() noexcept {
@@ -66,8 +67,6 @@ void Board::stop() {
   wake();
   if (thread_.joinable() && thread_.get_id() != std::this_thread::get_id()) {
     thread_.join();
-    const std::lock_guard lock(mutex_);
-    endpoint_.reset();  // the client sees the board go
   }
 }
 
@@ -77,6 +76,18 @@ void Board::wake() {
 }
 
 Clock Board::real_clock() const noexcept { return clocks(now_ns() - start_ns_, configuration().clock_hz) - slip_; }
+
+std::unique_lock<std::mutex> Board::enter() {
+  board_waits_.wait(true);
+  return std::unique_lock(mutex_);
+}
+
+void Board::come_back(std::unique_lock<std::mutex>& lock) {
+  board_waits_ = true;
+  lock.lock();
+  board_waits_ = false;
+  board_waits_.notify_all();
+}
 
 void Board::serve() {
   ::prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
@@ -99,6 +110,7 @@ void Board::serve() {
       wait(lock);
     }
   }
+  endpoint_.reset();  // the client sees the board go
 }
 
 void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
@@ -116,7 +128,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
     plant_next_ += plant_period_;
     lock.unlock();
     const bool goes_on = plant_.step(time_s);
-    lock.lock();
+    come_back(lock);
     ++statistics_.plant_steps;
     if (!goes_on) {
       plant_next_ = never;
@@ -132,8 +144,15 @@ bool Board::feed() {
   if (endpoint_->client() < 0 || room == 0) {
     return false;
   }
+  const bool lingered = endpoint_->ended();
   const Endpoint::Transfer taken = endpoint_->receive(std::span(bytes).first(room));
   if (taken.result == Endpoint::Result::gone) {
+    forget_output();
+  }
+  if (endpoint_->ended() && (!lingered || !device_.input_empty())) {
+    linger_until_ = real_clock() + clocks(linger_ns, configuration().clock_hz);
+  } else if (lingered && real_clock() >= linger_until_ && !output_blocked_) {
+    endpoint_->dismiss();
     forget_output();
   }
   if (taken.result != Endpoint::Result::done) {
@@ -191,7 +210,8 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
     polled[count++] = {listener, POLLIN, 0};
   }
   if (const int client = endpoint_->client(); client >= 0) {
-    const short wanted = static_cast<short>((device_.room() > 0 ? POLLIN : 0) | (output_blocked_ ? POLLOUT : 0));
+    const bool more = device_.room() > 0 && !endpoint_->ended();
+    const short wanted = static_cast<short>((more ? POLLIN : 0) | (output_blocked_ ? POLLOUT : 0));
     polled[count++] = {client, wanted, 0};
   }
   Clock next = std::min(device_.next_event(), plant_next_);
@@ -205,13 +225,13 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
     const std::uint64_t now = now_ns();
     pause_ns = std::max(pause_least_ns, due_ns > now ? due_ns - now : 0);
   }
-  if (endpoint_->must_look()) {
+  if (endpoint_->must_look() || endpoint_->ended()) {
     pause_ns = std::min(pause_ns, look_ns);
   }
   const timespec pause{static_cast<time_t>(pause_ns / second_ns), static_cast<long>(pause_ns % second_ns)};
   lock.unlock();
   ::ppoll(polled.data(), count, pause_ns == never ? nullptr : &pause, nullptr);
-  lock.lock();
+  come_back(lock);
   if (polled[0].revents != 0) {
     std::uint64_t ignored = 0;
     [[maybe_unused]] const ssize_t cleared = ::read(wake_, &ignored, sizeof ignored);
@@ -219,7 +239,7 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
 }
 
 std::string Board::url() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   if (!endpoint_) {
     throw EndpointError("the board is closed");
   }
@@ -229,67 +249,67 @@ std::string Board::url() {
 }
 
 double Board::time_s() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   return static_cast<double>(device_.clock()) / configuration().clock_hz;
 }
 
 BusReply Board::get(std::uint32_t address) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   return device_.bus().get(address, device_.clock());
 }
 
 BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   return device_.bus().set(address, value, device_.clock());
 }
 
 void Board::set_event(std::uint32_t group, bool high) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   device_.set_event(group, high);
   wake();
 }
 
 void Board::pulse_event(std::uint32_t group) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   device_.set_event(group, true);  // no clock passes between the two: a level is caught once, as an edge is
   device_.set_event(group, false);
   wake();
 }
 
 void Board::receive_error(std::uint8_t bits) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   device_.receive_error(bits);
   wake();
 }
 
 bool Board::async_take(AsyncWord& word) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   Tosnet* tosnet = device_.bus().tosnet();
   return tosnet != nullptr && tosnet->async_take(word, device_.clock());
 }
 
 bool Board::async_give(const AsyncWord& word) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   Tosnet* tosnet = device_.bus().tosnet();
   return tosnet != nullptr && tosnet->async_give(word, device_.clock());
 }
 
 void Board::set_online(bool online) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
     tosnet->set_online(online, device_.clock());
   }
 }
 
 void Board::damage_cycle() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
     tosnet->damage_cycle(device_.clock());
   }
 }
 
 BoardStatistics Board::statistics() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = enter();
   statistics_.device = device_.statistics();
   return statistics_;
 }

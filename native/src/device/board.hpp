@@ -61,6 +61,11 @@ class Board {
   [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_.configuration(); }
 
  private:
+  // The calls from outside. A mutex lets whoever asks first have it again at once: a caller in a tight loop would keep the
+  // board's thread out for long, so callers stand back while it waits.
+  [[nodiscard]] std::unique_lock<std::mutex> enter();
+  void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
+
   void serve();
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
   void wait(std::unique_lock<std::mutex>& lock);
@@ -71,6 +76,7 @@ class Board {
   [[nodiscard]] Clock real_clock() const noexcept;
 
   std::mutex mutex_;
+  std::atomic<bool> board_waits_ = false;
   Device device_;
   std::unique_ptr<Endpoint> endpoint_;
   PlantHook plant_;
@@ -85,6 +91,7 @@ class Board {
   std::uint64_t start_ns_ = 0;
   Clock slip_ = 0;
   Clock lead_ = 0;
+  Clock linger_until_ = 0;            // when a client that sends no more is let go
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -73,6 +73,9 @@ std::string DeviceConfiguration::problem() const {
   std::vector<Slave> slaves;
   if (tosnet.present) {
     slaves.push_back({"tosnet", tosnet.base, std::uint64_t{1} << protocol::tosnet::address_bits});
+    if (data_bits != 32) {
+      return "data_bits is " + std::to_string(data_bits) + "; TosNet has words of 32 bits";
+    }
     if (tosnet.cycle_clocks == 0) {
       return "tosnet.cycle_clocks is 0; choose the length of a network cycle in clock cycles";
     }

@@ -41,6 +41,9 @@ class Endpoint {
   virtual bool admit(bool at_rest) = 0;
   // True when a client can come without any descriptor becoming readable: admit() must be called every few milliseconds.
   [[nodiscard]] virtual bool must_look() const noexcept { return false; }
+  // True when the client has said that it sends no more, and may still read: `receive` then only finds out that it is gone.
+  [[nodiscard]] virtual bool ended() const noexcept { return false; }
+  virtual void dismiss() {}
   virtual Transfer receive(std::span<std::uint8_t> room) = 0;
   virtual Transfer send(std::span<const std::uint8_t> bytes) = 0;
 };

@@ -96,6 +96,19 @@ class TcpEndpoint final : public StreamEndpoint {
   std::string url() override { return url_; }
   [[nodiscard]] int listener() const noexcept override { return listener_.get(); }
 
+  [[nodiscard]] bool ended() const noexcept override { return client_.open() && ended_; }
+  void dismiss() override { client_.reset(); }
+
+  // `printf '$RLC*9B\n' | nc -N` closes its sending side at once: its answers are still on their way.
+  Transfer receive(std::span<std::uint8_t> room) override {
+    const Transfer taken = outcome(::recv(client_.get(), room.data(), room.size(), 0), false);
+    if (taken.result == Result::gone) {
+      client_.reset();
+    }
+    ended_ = taken.result == Result::done && taken.bytes == 0;
+    return ended_ ? Transfer{} : taken;
+  }
+
   bool admit(bool) override {
     bool came = false;
     for (;;) {
@@ -110,6 +123,7 @@ class TcpEndpoint final : public StreamEndpoint {
       const int on = 1;
       ::setsockopt(next.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       client_ = std::move(next);
+      ended_ = false;
       came = true;
     }
   }
@@ -117,6 +131,7 @@ class TcpEndpoint final : public StreamEndpoint {
  private:
   Descriptor listener_;
   std::string url_;
+  bool ended_ = false;
 };
 
 class UdpEndpoint final : public Endpoint {

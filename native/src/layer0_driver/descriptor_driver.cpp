@@ -56,7 +56,11 @@ Transfer DescriptorDriver::failed(int error) noexcept {
 std::string DescriptorDriver::reason() const {
   switch (error_) {
     case 0: return "closed by this program";
-    case end_of_stream: return "the other side closed the connection";
+    case end_of_stream:
+      if (socket_) {
+        return "the other side closed the connection";
+      }
+      [[fallthrough]];  // a terminal that was hung up reads as its end
     case EIO: return "the port is gone: unplugged, or the other side of the terminal was closed";
     case ECONNREFUSED: return "nothing listens at the other side";
     default: return std::strerror(error_);

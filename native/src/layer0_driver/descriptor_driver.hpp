@@ -17,6 +17,7 @@ class DescriptorDriver : public Driver {
   [[nodiscard]] Transfer send(std::span<const std::uint8_t> bytes) noexcept override;
   [[nodiscard]] Transfer receive(std::span<std::uint8_t> room) noexcept override;
   void close() noexcept override;
+  void disown() noexcept override { DescriptorDriver::close(); }
   [[nodiscard]] int descriptor() const noexcept override { return descriptor_; }
   [[nodiscard]] std::string reason() const override;
 

@@ -30,6 +30,8 @@ class Driver {
   [[nodiscard]] virtual Transfer send(std::span<const std::uint8_t> bytes) noexcept = 0;
   [[nodiscard]] virtual Transfer receive(std::span<std::uint8_t> room) noexcept = 0;
   virtual void close() noexcept = 0;
+  // Closes without a word to the other side: another process goes on using the port.
+  virtual void disown() noexcept = 0;
 
   // To poll for POLLIN and POLLOUT; -1 once closed.
   [[nodiscard]] virtual int descriptor() const noexcept = 0;

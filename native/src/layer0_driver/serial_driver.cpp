@@ -17,6 +17,7 @@ namespace unitylink {
 namespace {
 
 constexpr std::uint64_t bits_per_byte = 10;  // start, 8 data, stop
+constexpr std::uint64_t baud_hz_min = 50;    // the slowest that termios names; below, a timeout would be a night
 
 class SerialDriver final : public DescriptorDriver {
  public:
@@ -58,6 +59,7 @@ Outcome cannot_open(const std::string& path, int error) {
     case ENODEV:
     case ENXIO:
     case ENOTDIR:
+    case EISDIR:
       return {Status::not_found, name + "there is no such port; is it plugged in?"};
     case EIO: return {Status::not_found, name + "the port is gone (unplugged, or its other side was closed)"};
     case EACCES:
@@ -73,7 +75,7 @@ Outcome cannot_open(const std::string& path, int error) {
 Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
   std::uint64_t baud_hz = default_baud_hz;
   if (const std::string* text = url.option("baud");
-      text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz == 0)) {
+      text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz < baud_hz_min)) {
     return {Status::bad_url, "link URL '" + url.text + "': baud=" + *text + " is not a baud rate such as 3000000"};
   }
   const int descriptor = ::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);

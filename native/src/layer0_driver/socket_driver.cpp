@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "layer0_driver/socket_driver.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fcntl.h>
 #include <netdb.h>
@@ -38,8 +40,13 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
   if (errno != EINPROGRESS) {
     return errno;
   }
+  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
   pollfd waiting{descriptor, POLLOUT, 0};
-  const int ready = ::poll(&waiting, 1, static_cast<int>(timeout_ns / 1'000'000) + 1);
+  int ready = -1;
+  do {  // a signal is no reason to give up
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    ready = ::poll(&waiting, 1, static_cast<int>(std::max<std::int64_t>(left, 0)) + 1);
+  } while (ready < 0 && errno == EINTR);
   if (ready <= 0) {
     return ready == 0 ? ETIMEDOUT : errno;
   }

@@ -49,6 +49,7 @@ Outcome split_host(std::string_view text, std::string_view place, Url& url) {
   if (!parse_number(url.port, 65535, number) || number == 0) {
     return wrong(text, "port '" + url.port + "' is not a number from 1 to 65535");
   }
+  url.port = std::to_string(number);
   return {};
 }
 

@@ -169,6 +169,9 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
     message_.error = *known;
     return Found::message;
   }
+  if (message_.letters.empty()) {
+    return Found::message;  // malformed: only an error comes without
+  }
   if (checked) {
     if (at + 3 != text.size() || text[at] != bytes::checksum_mark) {
       return Found::message;

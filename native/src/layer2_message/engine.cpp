@@ -67,7 +67,7 @@ std::span<const std::uint8_t> MessageEngine::transmit(std::uint64_t now_ns) noex
     Exchange& exchange = *waiting_.front();
     if (exchange.batch != nullptr && exchange.batch->failed) {
       waiting_.pop_front();
-      finish(exchange, !exchange.sent ? Status::cancelled : exchange.operation == Operation::write ? Status::unknown : Status::timeout);
+      finish(exchange, exchange.cut_off());
     } else if (state_ == State::fence_due) {
       encode_fence();
     } else if (!admits(exchange)) {
@@ -186,6 +186,14 @@ void MessageEngine::advance(std::uint64_t now_ns) noexcept {
   } else {
     fence_failed();
   }
+}
+
+void MessageEngine::forget(Status status) noexcept {
+  ended_ = status;
+  state_ = State::fence_due;
+  oldest_ = nullptr;
+  in_flight_ = {};
+  waiting_ = {};
 }
 
 void MessageEngine::end(Status status, std::uint64_t now_ns) noexcept {

@@ -58,8 +58,14 @@ class MessageEngine {
   void sent(std::size_t bytes) noexcept;
   void advance(std::uint64_t now_ns) noexcept;
   [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept;
+  // Takes requests back: all of them are done afterwards. If one was on its way, all that is becomes void.
+  void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept;
+  // The gentle form: what is on its way is waited for, at most the usual time, but not sent again.
+  void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept;
   // Ends everything, with `status`; writes on their way end unknown. Nothing is accepted any more.
   void end(Status status, std::uint64_t now_ns) noexcept;
+  // The same without telling anybody: their threads are in another process.
+  void forget(Status status) noexcept;
 
   // Who gets a group's publishes; nullptr: nobody, they are counted as unclaimed.
   void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }

@@ -50,6 +50,41 @@ void MessageEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
   }
 }
 
+void MessageEngine::abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  const bool on_its_way = std::any_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) {
+    return exchange.state_ == Exchange::State::in_flight || exchange.state_ == Exchange::State::replied;
+  });
+  for (Exchange& exchange : exchanges) {
+    exchange.attempts_max = 0;
+  }
+  if (on_its_way) {
+    void_in_flight(Status::timeout, 0);
+  }
+  withdraw(exchanges, now_ns);
+}
+
+void MessageEngine::withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  for (Exchange& exchange : exchanges) {
+    exchange.attempts_max = 0;
+    exchange.timeout_ns = std::min(exchange.timeout_ns, settings_.timeout_ns);
+  }
+  ExchangeList remaining;
+  ExchangeList over;
+  while (!waiting_.empty()) {
+    Exchange& exchange = waiting_.pop_front();
+    (exchange.attempts_max > 0 ? remaining : over).push_back(exchange);
+  }
+  waiting_ = remaining;
+  if (waiting_.empty() && state_ == State::fencing) {
+    state_ = State::fence_due;  // nobody is left to wait for the answer
+  }
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    finish(exchange, exchange.cut_off());
+  }
+}
+
 void MessageEngine::hasten_fence() noexcept {
   if (fences_hastened_ < hastened_fences_max && !fence_hastened_) {
     fences_hastened_ += 1;

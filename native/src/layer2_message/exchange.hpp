@@ -44,7 +44,7 @@ struct Exchange {
   std::span<const std::uint8_t> mask;        // write_event_mask, most significant byte first
   std::span<std::uint32_t> values;           // room for read_many's words, read_group's rate and addresses
   std::uint64_t timeout_ns = 0;              // per attempt
-  std::uint32_t attempts_max = 1;
+  std::uint32_t attempts_max = 1;            // 0 once the caller does not want it any more
   Batch* batch = nullptr;
   PublishRing* ring = nullptr;               // write_group_addresses: who gets the group's publishes from now on
   void* owner = nullptr;                     // for on_done
@@ -61,6 +61,10 @@ struct Exchange {
   std::uint64_t ended_ns = 0;
 
   [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
+  // How it ends when it is not sent (again).
+  [[nodiscard]] Status cut_off() const noexcept {
+    return !sent ? Status::cancelled : operation == Operation::write ? Status::unknown : Status::timeout;
+  }
 
  private:
   friend class MessageEngine;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstring>
+#include <new>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -17,6 +19,11 @@ namespace {
 constexpr std::size_t terminal_chunk = 4095;  // a pseudo-terminal gives no more at a time, so less than this means empty
 constexpr int reads_per_turn_max = 16;
 constexpr std::uint64_t reader_patience_ns = 1'000'000;
+constexpr std::uint64_t interruption_patience_ns = 100'000'000;
+constexpr std::uint64_t farewell_ns = 200'000'000;
+constexpr const char* closed_here = "closed by this program";
+
+std::atomic<bool (*)() noexcept> ask_interrupted = nullptr;
 
 void signal(int descriptor) noexcept {
   const std::uint64_t one = 1;
@@ -69,6 +76,9 @@ Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, s
   LinkOptions settled = options;
   settled.engine.byte_time_ns = driver->byte_time_ns();
   std::unique_ptr<Link> opened(new Link(std::move(driver), settled));
+  if (opened->wake_descriptor_ < 0) {
+    return {Status::closed, std::string("no descriptor to wake threads with: ") + std::strerror(errno)};
+  }
   Outcome outcome = opened->begin();
   if (outcome.ok()) {
     link = std::move(opened);
@@ -98,9 +108,10 @@ Outcome Link::begin() {
 
 // ---- the role of the leader
 
-void Link::run(std::span<Exchange> exchanges) {
+void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
   Lock lock(mutex_);
-  const std::uint64_t now = now_ns();
+  std::uint64_t now = now_ns();
+  std::uint64_t look_ns = std::min(until_ns, now + interruption_patience_ns);
   for (Exchange& exchange : exchanges) {
     engine_.submit(exchange, now);
   }
@@ -122,16 +133,39 @@ void Link::run(std::span<Exchange> exchanges) {
         wake();
       }
       ++followers_;
-      turn_.wait(lock);
+      turn_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(look_ns)));
       --followers_;
+      now = now_ns();
     } else {
-      lead(lock, MessageEngine::no_deadline);
+      lead(lock, look_ns);
+      now = engine_.now_ns();
+    }
+    if (now >= look_ns) {
+      look_ns = std::min(until_ns, now + interruption_patience_ns);
+      if (now >= until_ns || interrupted(lock)) {
+        engine_.abandon(exchanges, now_ns());
+        flush(engine_.now_ns());
+        wake();
+      }
     }
   }
   --callers_;
   last_call_ns_ = engine_.now_ns();
   hand_over();
 }
+
+bool Link::interrupted(Lock& lock) noexcept {
+  bool (*const ask)() noexcept = ask_interrupted;
+  if (ask == nullptr) {
+    return false;
+  }
+  lock.unlock();
+  const bool answer = ask();
+  lock.lock();
+  return answer;
+}
+
+void Link::ask_while_waiting(bool (*interrupted)() noexcept) noexcept { ask_interrupted = interrupted; }
 
 void Link::hand_over() noexcept {
   if (followers_ > 0) {
@@ -211,7 +245,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   if (engine_.completed() != completed || engine_.ended()) {
     hand_over();
   }
-  if (engine_.statistics().publishes != published) {
+  if (engine_.statistics().publishes != published || engine_.ended()) {
     announce();
   }
 }
@@ -231,6 +265,7 @@ void Link::fail(Status status, const std::string& reason) noexcept {
   }
   turn_.notify_all();
   announce();
+  wake();  // a leader that polls would not hear of it before its own deadline
 }
 
 // ---- the reader that stands in while nobody waits
@@ -289,12 +324,14 @@ void Link::close() {
     publishing = !engine_.ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
   }
   if (publishing) {  // a board left publishing would meet the next program with it
-    static_cast<void>(command(Operation::disable_publishing, 1));
+    Exchange exchange;
+    prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
+    exchange.operation = Operation::disable_publishing;
+    run(std::span(&exchange, 1), now_ns() + farewell_ns);
   }
   {
     const std::scoped_lock lock(mutex_);
-    fail(Status::closed, "closed by this program");
-    wake();
+    fail(Status::closed, closed_here);
   }
   stop_reader();
   Lock lock(mutex_);
@@ -305,6 +342,34 @@ void Link::close() {
     --followers_;
   }
   driver_->close();
+}
+
+void Link::disown() noexcept {
+  // Their old states name threads that do not exist here.
+  for (std::mutex* mutex : {&mutex_, &configuring_, &reader_mutex_}) {
+    new (mutex) std::mutex;
+  }
+  for (std::condition_variable* condition : {&turn_, &published_, &idle_}) {
+    new (condition) std::condition_variable;
+  }
+  if (reader_.joinable()) {
+    reader_.detach();
+  }
+  leading_ = reader_leading_ = reader_wanted_ = false;
+  followers_ = callers_ = 0;
+  notified_.clear();
+  reason_ = "it belongs to the process that this one was forked from; open another here";
+  engine_.forget(Status::closed);
+  driver_->disown();
+}
+
+Outcome Link::ending(bool& by_itself) {
+  const std::scoped_lock lock(mutex_);
+  by_itself = engine_.ended() && reason_ != closed_here;
+  if (!engine_.ended()) {
+    return {};
+  }
+  return {*engine_.ended(), reason_.empty() ? status_text(*engine_.ended()) : "the link is closed (" + reason_ + ")"};
 }
 
 Statistics Link::statistics() {

@@ -70,15 +70,18 @@ class Link {
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                    const RequestOptions& how);
 
-  [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& group);
-  [[nodiscard]] Outcome unsubscribe(std::uint32_t group);
-  [[nodiscard]] bool subscribed(std::uint32_t group);
-  [[nodiscard]] std::size_t words(std::uint32_t group);      // in each publish, 0 for a group never subscribed
-  [[nodiscard]] std::size_t available(std::uint32_t group);  // publishes to drain
-  [[nodiscard]] std::uint64_t lost(std::uint32_t group);
-  std::size_t drain(std::uint32_t group, std::span<double> times_s, std::span<std::uint32_t> values);
-  // True when the group has something to drain; false after `timeout_ns`, or when link or subscription was closed.
-  [[nodiscard]] bool wait_publish(std::uint32_t group, std::uint64_t timeout_ns);
+  // `id` names the subscription from then on; an id never comes back. What came before it was closed can be drained until its group
+  // (group_of) is subscribed anew; then there is nothing behind the old id any more.
+  [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
+  [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept { return id % protocol::limits::groups_max; }
+  [[nodiscard]] Outcome unsubscribe(std::uint32_t id);
+  [[nodiscard]] bool subscribed(std::uint32_t id);
+  [[nodiscard]] std::size_t words(std::uint32_t id);      // in each publish
+  [[nodiscard]] std::size_t available(std::uint32_t id);  // publishes to drain
+  [[nodiscard]] std::uint64_t lost(std::uint32_t id);
+  std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
+  // True when there is something to drain; false after `timeout_ns`, or when link or subscription has ended.
+  [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
   // How many publishes there have been in all; returns when that is no longer `seen`, after `timeout_ns`, or when the link was closed.
   [[nodiscard]] std::uint64_t wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns);
   // `descriptor` (an eventfd) is written to at every batch of publishes, and when the link closes.
@@ -94,12 +97,20 @@ class Link {
   [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                         const RequestOptions& how);
   void submit(Call& call);
+  // Nobody wants it any more: what has not been sent is not, the rest is not sent again. It is done as usual, if not at once then soon.
+  void withdraw(Call& call);
   [[nodiscard]] Outcome result(const Call& call);
 
   [[nodiscard]] Statistics statistics();
   [[nodiscard]] bool closed();
-  // Everything waiting ends with Status::closed, here and in other threads.
+  // Ok while the link lives, then why it has ended; `by_itself`: not by close().
+  [[nodiscard]] Outcome ending(bool& by_itself);
+  // Everything waiting ends with Status::closed, here and in other threads. Does not wait for a silent device.
   void close();
+  // In a forked child, first of all: the link stays the parent's, and is closed here without a word to the device.
+  void disown() noexcept;
+  // Asked by threads that wait for an answer, about ten times a second, with no lock held; true makes them give their request up.
+  static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
   [[nodiscard]] static std::uint64_t now_ns() noexcept;
 
@@ -111,9 +122,10 @@ class Link {
   [[nodiscard]] Outcome begin();
 
   // the wire (link.cpp)
-  void run(std::span<Exchange> exchanges);
+  void run(std::span<Exchange> exchanges, std::uint64_t until_ns = MessageEngine::no_deadline);
   void flush(std::uint64_t now) noexcept;
   void lead(Lock& lock, std::uint64_t until_ns) noexcept;
+  [[nodiscard]] static bool interrupted(Lock& lock) noexcept;
   void hand_over() noexcept;
   void wake() noexcept;
   void announce() noexcept;
@@ -136,7 +148,8 @@ class Link {
   [[nodiscard]] Outcome configure_group(std::uint32_t group, const SubscriptionRequest& request, PublishRing& ring);
   [[nodiscard]] Outcome set_rate(std::uint32_t group, std::uint32_t divisor);
   [[nodiscard]] Outcome set_event(std::uint32_t group, bool on);
-  [[nodiscard]] Outcome command(Operation operation, std::uint32_t attempts);
+  [[nodiscard]] Outcome command(Operation operation);
+  [[nodiscard]] Subscription* find(std::uint32_t id) const noexcept;
 
   const LinkOptions options_;
   std::unique_ptr<Driver> driver_;

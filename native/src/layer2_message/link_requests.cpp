@@ -276,4 +276,12 @@ void Link::submit(Call& call) {
   }
 }
 
+void Link::withdraw(Call& call) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t now = now_ns();
+  engine_.withdraw(call.exchanges, now);
+  flush(now);
+  wake();  // the next deadline may be nearer now
+}
+
 }  // namespace unitylink

@@ -16,6 +16,7 @@ struct Link::Subscription {
         on_event(request.on_event),
         ring(request.addresses.size(), request.ring) {}
 
+  std::uint32_t id = 0;  // its group, plus 256 for each subscription of the group before it
   std::vector<std::uint32_t> addresses;
   std::uint32_t divisor;
   bool on_event;

@@ -32,10 +32,9 @@ std::uint32_t Link::usable_group_size() const noexcept {
   return configuration_.group_size > 0 ? configuration_.group_size - 1 : 0;
 }
 
-Outcome Link::command(Operation operation, std::uint32_t attempts) {
+Outcome Link::command(Operation operation) {
   Exchange exchange;
   prepare(exchange, repeatable);
-  exchange.attempts_max = attempts;
   exchange.operation = operation;
   run(std::span(&exchange, 1));
   return outcome_of(exchange);
@@ -70,7 +69,7 @@ Outcome Link::quiet_device() {
   if (quieted_) {
     return {};
   }
-  if (Outcome outcome = command(Operation::disable_publishing, options_.attempts); !outcome.ok()) {
+  if (Outcome outcome = command(Operation::disable_publishing); !outcome.ok()) {
     return outcome;
   }
   for (std::uint32_t group = 0; group < configuration_.groups; ++group) {
@@ -159,7 +158,7 @@ Outcome Link::configure_group(std::uint32_t group, const SubscriptionRequest& re
   return request.on_event ? set_event(group, true) : Outcome{};
 }
 
-Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& group) {
+Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
   const std::scoped_lock one_at_a_time(configuring_);
   if (Outcome outcome = check_subscription(request); !outcome.ok()) {
     return outcome;
@@ -188,6 +187,7 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& group
       return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");
     }
     engine_.claim(free, nullptr);
+    subscription->id = subscriptions_[free] ? subscriptions_[free]->id + protocol::limits::groups_max : free;
     subscriptions_[free] = subscription;
     subscription->open = true;
   }
@@ -198,7 +198,7 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& group
       const std::scoped_lock lock(mutex_);
       engine_.expect_checked_publishes(checked);
     }
-    outcome = command(checked ? Operation::enable_checked_publishing : Operation::enable_publishing, options_.attempts);
+    outcome = command(checked ? Operation::enable_checked_publishing : Operation::enable_publishing);
   }
   if (!outcome.ok()) {
     static_cast<void>(set_rate(free, 0));
@@ -207,20 +207,21 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& group
     subscription->open = false;
     return outcome;
   }
-  group = free;
+  id = subscription->id;
   start_reader();
   return {};
 }
 
-Outcome Link::unsubscribe(std::uint32_t group) {
+Outcome Link::unsubscribe(std::uint32_t id) {
+  const std::uint32_t group = group_of(id);
   const std::scoped_lock one_at_a_time(configuring_);
   std::shared_ptr<Subscription> subscription;
   bool last = true;
   bool last_user = false;
   {
     const std::scoped_lock lock(mutex_);
-    subscription = group < subscriptions_.size() ? subscriptions_[group] : nullptr;
-    if (!subscription || !subscription->open) {
+    subscription = subscriptions_[group];
+    if (!subscription || subscription->id != id || !subscription->open) {
       return {};
     }
     subscription->open = false;
@@ -234,7 +235,7 @@ Outcome Link::unsubscribe(std::uint32_t group) {
   Outcome outcome;
   if (!closed()) {
     if (last) {
-      outcome = command(Operation::disable_publishing, options_.attempts);
+      outcome = command(Operation::disable_publishing);
     }
     Outcome rate = subscription->divisor > 0 ? set_rate(group, 0) : Outcome{};
     Outcome event = subscription->on_event ? set_event(group, false) : Outcome{};
@@ -248,45 +249,53 @@ Outcome Link::unsubscribe(std::uint32_t group) {
 
 // ---- what has come
 
-bool Link::subscribed(std::uint32_t group) {
-  const std::scoped_lock lock(mutex_);
-  return group < subscriptions_.size() && subscriptions_[group] && subscriptions_[group]->open;
+// Nothing behind an id whose group has been subscribed anew.
+Link::Subscription* Link::find(std::uint32_t id) const noexcept {
+  Subscription* const subscription = subscriptions_[group_of(id)].get();
+  return subscription != nullptr && subscription->id == id ? subscription : nullptr;
 }
 
-std::size_t Link::words(std::uint32_t group) {
+bool Link::subscribed(std::uint32_t id) {
   const std::scoped_lock lock(mutex_);
-  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.words() : 0;
+  const Subscription* subscription = find(id);
+  return subscription != nullptr && subscription->open;
 }
 
-std::size_t Link::available(std::uint32_t group) {
+std::size_t Link::words(std::uint32_t id) {
   const std::scoped_lock lock(mutex_);
-  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.size() : 0;
+  const Subscription* subscription = find(id);
+  return subscription != nullptr ? subscription->ring.words() : 0;
 }
 
-std::uint64_t Link::lost(std::uint32_t group) {
+std::size_t Link::available(std::uint32_t id) {
   const std::scoped_lock lock(mutex_);
-  return group < subscriptions_.size() && subscriptions_[group] ? subscriptions_[group]->ring.lost() : 0;
+  const Subscription* subscription = find(id);
+  return subscription != nullptr ? subscription->ring.size() : 0;
 }
 
-std::size_t Link::drain(std::uint32_t group, std::span<double> times_s, std::span<std::uint32_t> values) {
+std::uint64_t Link::lost(std::uint32_t id) {
   const std::scoped_lock lock(mutex_);
-  if (group >= subscriptions_.size() || !subscriptions_[group]) {
+  const Subscription* subscription = find(id);
+  return subscription != nullptr ? subscription->ring.lost() : 0;
+}
+
+std::size_t Link::drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values) {
+  const std::scoped_lock lock(mutex_);
+  Subscription* const subscription = find(id);
+  if (subscription == nullptr) {
     return 0;
   }
-  PublishRing& ring = subscriptions_[group]->ring;
+  PublishRing& ring = subscription->ring;
   return ring.drain(times_s.first(std::min(times_s.size(), values.size() / ring.words())), values);
 }
 
-bool Link::wait_publish(std::uint32_t group, std::uint64_t timeout_ns) {
-  if (group >= subscriptions_.size()) {
-    return false;
-  }
+bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
   Lock lock(mutex_);
-  const std::shared_ptr<Subscription> subscription = subscriptions_[group];
-  if (!subscription) {
+  if (find(id) == nullptr) {
     return false;
   }
+  const std::shared_ptr<Subscription> subscription = subscriptions_[group_of(id)];
   published_.wait_until(lock, until, [&] { return subscription->ring.size() > 0 || !subscription->open || engine_.ended(); });
   return subscription->ring.size() > 0;
 }

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from typing import Protocol
 
 from unitylink import _native
+from unitylink.errors import LinkError
 
 _PATIENCE_NS = 200_000_000
+
+_log = logging.getLogger("unitylink.link")
 
 
 class Deliverable(Protocol):
@@ -39,6 +43,12 @@ class CallbackThread:
         with self._lock:
             self._subscriptions = tuple(other for other in self._subscriptions if other is not subscription)
 
+    def disown(self) -> None:
+        """Forget the thread, which a forked child does not have, and the lock that it may have held."""
+        self._subscriptions = ()
+        self._lock = threading.Lock()
+        self._thread = None
+
     def stop(self) -> None:
         thread = self._thread
         if thread is not None and thread is not threading.current_thread():
@@ -53,4 +63,8 @@ class CallbackThread:
             with self._lock:
                 if self._native.closed or not self._subscriptions:
                     self._thread = None
-                    return
+                    break
+        try:
+            self._native.check_alive()
+        except LinkError as error:
+            _log.error("no more callbacks: %s", error)

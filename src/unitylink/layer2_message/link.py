@@ -4,6 +4,10 @@
 from __future__ import annotations
 
 import asyncio
+import atexit
+import os
+import warnings
+import weakref
 from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -21,6 +25,24 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+_open: weakref.WeakSet[Link] = weakref.WeakSet()
+
+
+def _close_all() -> None:
+    """Leave no device publishing, and no thread behind, when the program ends without close()."""
+    for link in list(_open):
+        link.close()
+
+
+def _disown_all() -> None:
+    """Leave the links to the parent: a forked child has its descriptors but none of its threads."""
+    for link in list(_open):
+        link._disown()
+
+
+os.register_at_fork(after_in_child=_disown_all)
+
+
 class Link:
     """A connection to one device; every method may be called from any thread.
 
@@ -31,6 +53,7 @@ class Link:
 
     url: str
     configuration: Configuration
+    _unclosed = False  # while it must still be closed, whatever has become of the port
 
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
@@ -41,6 +64,12 @@ class Link:
         self._callbacks = CallbackThread(self._native)
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._on_close: list[Callable[[], None]] = []
+        self._unclosed = True
+        _open.add(self)
+        atexit.unregister(
+            _close_all
+        )  # the last to be registered is the first to run: before an in-process board goes
+        atexit.register(_close_all)
 
     # ---- one word
 
@@ -172,8 +201,8 @@ class Link:
         loop = asyncio.get_running_loop()
         mailbox = self._mailboxes.get(loop)
         if mailbox is None:
-            for old in [old for old in self._mailboxes if old.is_closed()]:
-                del self._mailboxes[old]
+            for old in [old for old in list(self._mailboxes) if old.is_closed()]:
+                self._mailboxes.pop(old, None)
             mailbox = self._mailboxes[loop] = LoopMailbox(self._native, loop)
         return mailbox
 
@@ -196,9 +225,9 @@ class Link:
         fetched; then the newest win. Raises DeviceMismatch when the device has no group left, or none so
         large, or the line is too slow.
         """
-        group = self._native.subscribe(addresses, divisor, on_event, verify, ring)
+        identity = self._native.subscribe(addresses, divisor, on_event, verify, ring)
         words = tuple(int(address) for address in addresses)
-        return Subscription(self._native, self._callbacks, group, words, divisor)
+        return Subscription(self, identity, words, divisor)
 
     # ---- the rest
 
@@ -213,9 +242,11 @@ class Link:
 
     def close(self) -> None:
         """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
+        _open.discard(self)
+        self._unclosed = False
         self._native.close()
         self._callbacks.stop()
-        for loop, mailbox in self._mailboxes.items():
+        for loop, mailbox in list(self._mailboxes.items()):
             if not loop.is_closed():
                 loop.call_soon_threadsafe(mailbox.retire)
         self._mailboxes.clear()
@@ -225,6 +256,19 @@ class Link:
     def call_on_close(self, action: Callable[[], None]) -> None:
         """Call `action` when the link is closed: for what was made for it, such as an in-process board."""
         self._on_close.append(action)
+
+    def _disown(self) -> None:
+        _open.discard(self)
+        self._unclosed = False
+        self._native.disown()
+        self._callbacks.disown()
+        self._mailboxes.clear()
+        self._on_close.clear()
+
+    def __del__(self) -> None:
+        if self._unclosed:
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, stacklevel=1, source=self)
+            self.close()
 
     def __enter__(self) -> Self:
         return self

@@ -26,6 +26,7 @@ class LoopMailbox:
         ticket = next(self._tickets)
         future: asyncio.Future[Any] = self._loop.create_future()
         pending = self._native.start(self._mailbox, ticket, *request)
+        future.add_done_callback(lambda done: pending.withdraw(self._native) if done.cancelled() else None)
         self._waiting[ticket] = (pending, future)  # the loop cannot look before this coroutine yields
         return future
 

@@ -13,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from unitylink import _native
-
-from .callbacks import CallbackThread
+from unitylink.errors import LinkClosed
+from unitylink.protocol import GROUPS_MAX
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from .link import Link
 
 Words = npt.NDArray[np.uint32]
 Times = npt.NDArray[np.float64]
@@ -35,50 +37,60 @@ class Subscription:
 
     def __init__(
         self,
-        native: _native.NativeLink,
-        callbacks: CallbackThread,
-        group: int,
+        link: Link,
+        identity: int,
         addresses: tuple[int, ...],
         divisor: int,
     ) -> None:
         """Made by Link.subscribe."""
-        self.group = group
+        self.group = identity % GROUPS_MAX
         self.addresses = addresses
         self.divisor = divisor
-        self._native = native
-        self._callbacks = callbacks
+        self._link = link  # a link lives as long as somebody has a subscription of it
+        self._native = link._native
+        self._identity = identity
+        self._callbacks = link._callbacks
         self._open = True
         self._callback: PublishCallback | None = None
 
     @property
     def lost(self) -> int:
         """Publishes that were overwritten before anybody fetched them."""
-        return self._native.lost(self.group)
+        return self._native.lost(self._identity)
 
     @property
     def available(self) -> int:
         """Publishes that wait to be fetched."""
-        return self._native.available(self.group)
+        return self._native.available(self._identity)
 
     def drain(self) -> tuple[Times, Words]:
         """Take all that has come, oldest first: (n,) times in s of time.monotonic, (n, k) words."""
-        times, values = self._native.drain(self.group, len(self.addresses))
+        times, values = self._native.drain(self._identity, len(self.addresses))
         return times, values
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until there is something to drain; False after `timeout_s`, or when the link ends."""
-        return self._native.wait(self.group, timeout_s)
+        """Wait until there is something to drain; False after `timeout_s`.
+
+        Raises LinkClosed once nothing can come any more: link or subscription are closed, the port is gone.
+        """
+        return self._native.wait(self._identity, timeout_s)
 
     def on_publish(self, callback: PublishCallback) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
         What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
+        A port that is gone ends the calls; that is logged too.
         """
+        if not self._open:
+            raise LinkClosed("the subscription is closed")
         self._callback = callback
         self._callbacks.add(self)
 
     async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:
-        """Yield (time_s, words) of every publish until link or subscription are closed."""
+        """Yield (time_s, words) of every publish until link or subscription are closed.
+
+        Raises LinkClosed when the port is gone.
+        """
         loop = asyncio.get_running_loop()
         arrived = asyncio.Event()
         mailbox = _native.mailbox()
@@ -96,7 +108,10 @@ class Subscription:
                     yield time_s, tuple(words)
                 if len(times):
                     continue
-                if not self._open or self._native.closed:
+                if not self._open:
+                    return
+                if self._native.closed:
+                    self._native.check_alive()
                     return
                 await arrived.wait()
                 arrived.clear()
@@ -108,9 +123,10 @@ class Subscription:
         """Stop the group's publishes and free the group; what came before can still be drained."""
         if self._open:
             self._open = False
+            self._callback = None
             self._callbacks.remove(self)
             if not self._native.closed:
-                self._native.unsubscribe(self.group)
+                self._native.unsubscribe(self._identity)
 
     def __enter__(self) -> Self:
         return self
@@ -125,15 +141,17 @@ class Subscription:
 
     def deliver(self) -> None:
         """Fetch what has come and call back for each; what the callback raises does not stop the rest."""
-        times, values = self._native.drain(self.group, len(self.addresses))
         callback = self._callback
-        if callback is None or not len(times):
+        if callback is None:
             return
+        times, values = self.drain()
         rows = zip(times.tolist(), map(tuple, values.tolist()), strict=True)
         while True:
             try:
                 for time_s, words in rows:
+                    if self._callback is not callback:  # it closed the subscription, or gave another
+                        return
                     callback(time_s, words)
                 return
-            except Exception:
+            except BaseException:  # sys.exit() too: it would silence the other subscriptions
                 _log.exception("callback of %r failed; the publishes go on", self)

@@ -69,11 +69,16 @@ class CommittedProxy(HardwareProxy):
     def batch(self) -> Iterator[Self]:
         """Collect this thread's writes and commit them once at the end; if the block raises, send nothing.
 
-        Other threads wait. A batch inside a batch joins it.
+        Other threads wait. A batch inside a batch joins it; what raises inside takes back the inner writes.
         """
         with self._lock:
             if self._staged is not None:
-                yield self
+                before = dict(self._staged)
+                try:
+                    yield self
+                except BaseException:
+                    self._staged = before
+                    raise
                 return
             self._staged, self._staged_checked = {}, None
             self._batch_thread = threading.get_ident()
@@ -130,12 +135,16 @@ class CommittedProxy(HardwareProxy):
         """Write words that take effect together.
 
         A burst is a sequence that must not be interleaved with another, sync or async: it runs under the
-        lock, in a worker thread, and the event loop stays free.
+        lock, in a worker thread, and the event loop stays free. Cancelling the await does not take it back.
         """
-        if self._batch_thread == threading.get_ident():  # the worker would wait for the batch to end
+        if self.collects_here:  # the worker would wait for the batch to end
             self.write_many(addresses, values, checked=checked)
             return
         await asyncio.to_thread(self.write_many, addresses, values, checked=checked, timeout_s=timeout_s)
+
+    @property
+    def collects_here(self) -> bool:
+        return self._batch_thread == threading.get_ident()
 
     def commit(self, *, timeout_s: float | None = None) -> None:
         """Write every known output again and commit: what to do after an OutcomeUnknown."""
@@ -149,6 +158,8 @@ class CommittedProxy(HardwareProxy):
         deadline = time.monotonic() + (self.commit_timeout_s if timeout_s is None else timeout_s)
         if not self._settled:
             self._settle(deadline, committed=False)
+        for address in changes:  # if this burst fails half-way, the next one has to mend these words too
+            self._outputs.setdefault(address, None)
         self._read_back(changes, timeout_s)
         words = {address: word for address, word in self._outputs.items() if word is not None} | changes
         self._settled = False  # whatever happens from here on, look before the next burst

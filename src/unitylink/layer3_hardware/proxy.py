@@ -37,6 +37,11 @@ class HardwareProxy:
         self.base = base
         self.words = words  # how many words the module has, where that is known
 
+    @property
+    def collects_here(self) -> bool:
+        """Say whether what this thread writes is only sent later, at the end of a batch."""
+        return False
+
     def bus_address(self, address: int) -> int:
         """Return the bus address of a relative one; ValueRangeError where the module has no such word."""
         if address < 0 or (self.words is not None and address >= self.words):

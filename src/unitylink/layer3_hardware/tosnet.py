@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from unitylink import protocol
-from unitylink.errors import LinkTimeout, NetworkError, ValueRangeError
+from unitylink.errors import DeviceMismatch, LinkTimeout, NetworkError, ValueRangeError
 
 from .committed import CommittedProxy
 from .tosnet_async import TosNetAsync
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 NODES = 16
 REGISTERS_PER_NODE = 8
 WORDS_PER_REGISTER = 4
+WORD_BITS = 32
 
 
 class TosNetProxy(CommittedProxy):
@@ -44,6 +45,12 @@ class TosNetProxy(CommittedProxy):
 
     def __init__(self, link: Link, base: int = 0, *, control: Link | None = None) -> None:
         super().__init__(link, base, words=1 << protocol.TOSNET_ADDRESS_BITS, control=control)
+        bits = self.control.configuration.data_bits
+        if bits != WORD_BITS:
+            raise DeviceMismatch(
+                f"{self.control.url} has words of {bits} bits, a TosNet module of {WORD_BITS}: "
+                "this is not the board the spec is for"
+            )
         self._async = TosNetAsync(self.control, base)
 
     def node(self, node_id: int) -> TosNetNode:
@@ -91,17 +98,20 @@ class TosNetProxy(CommittedProxy):
             polls += 1
             if not status.online or status.system_halt:
                 what = "is halted until its reset" if status.system_halt else "is offline"
+                pending = committed and status.commit_pending
+                effect = "this write takes effect when it is back" if pending else "outputs take no effect"
                 raise NetworkError(
-                    f"the TosNet network {what} ({status}); outputs take no effect",
+                    f"the TosNet network {what} ({status}); {effect}",
                     address=self.base + protocol.TOSNET_STATUS,
                 )
             if not status.commit_pending:
                 break
             now = time.monotonic()
             if now >= deadline:
+                what = "this write takes effect when it does" if committed else "nothing was written"
                 raise LinkTimeout(
                     f"a commit is still pending after {(now - started) * 1e3:.0f} ms ({status}); "
-                    "the network does not cycle",
+                    f"the network does not cycle; {what}",
                     address=self.base + protocol.TOSNET_STATUS,
                     attempts=polls,
                     elapsed_s=now - started,

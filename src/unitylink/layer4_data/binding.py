@@ -26,14 +26,15 @@ def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> No
     Generated modules call it when they are imported, with their own `__file__`. The spec is looked for beside
     the file; where it is not there, only the library can be checked.
     """
-    remedy = f"run: unitylink generate {source} --out {Path(file).parent}"
+    spec_file = Path(file).parent / source
+    beside = spec_file.is_file()
+    remedy = f"run: unitylink generate {spec_file if beside else source} --out {Path(file).parent}"
     if binding_version != BINDING_VERSION:
         raise BindingError(
             f"{file} was generated for binding version {binding_version}, this library has "
             f"{BINDING_VERSION}; {remedy}"
         )
-    spec_file = Path(file).parent / source
-    if not spec_file.is_file():
+    if not beside:
         return
     from unitylink.spec import compile_file  # only here: most generated files do not lie beside their spec
 

@@ -6,10 +6,10 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, SupportsIndex, TypeVar
+from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar, cast
 
 from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
 
@@ -110,7 +110,7 @@ class ValueGroup:
             return (started + time.monotonic()) / 2, [int(word) for word in words]
 
         try:
-            fetched = await asyncio.gather(*(fetch(link, values) for link, values in self._by_link.items()))
+            fetched = await _all(fetch(link, values) for link, values in self._by_link.items())
         except LinkError as error:
             raise self._named(error)  # noqa: B904
         return self._snapshot(fetched)
@@ -152,9 +152,11 @@ class ValueGroup:
         at the same time.
         """
         writes = self._words(values, named)
+        batched = [hardware for hardware in writes if hardware.collects_here]
         by_link: dict[Link, list[HardwareProxy]] = {}
         for hardware in writes:
-            by_link.setdefault(hardware.link, []).append(hardware)
+            if hardware not in batched:
+                by_link.setdefault(hardware.link, []).append(hardware)
 
         def send(proxies: list[HardwareProxy]) -> None:
             for hardware in proxies:
@@ -168,6 +170,7 @@ class ValueGroup:
                 self._written(targets, words)
 
         try:
+            send(batched)  # here, for a batch is its thread's
             _at_once([partial(send, proxies) for proxies in by_link.values()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904
@@ -194,7 +197,7 @@ class ValueGroup:
             self._written(targets, words)
 
         try:
-            await asyncio.gather(*(send(hardware) for hardware in writes))
+            await _all(send(hardware) for hardware in writes)
         except LinkError as error:
             raise self._named(error)  # noqa: B904
 
@@ -211,7 +214,10 @@ class ValueGroup:
                         f"{self.path}: no WRITE {key!r}; there are {', '.join(self.writes)}"
                     )
                 chosen[self.writes[key]] = number
-        elif values is not None:
+        elif values is None:
+            if not named:
+                raise ValueRangeError(f"{self.path}: nothing to write; there are {', '.join(self.writes)}")
+        else:
             if len(values) != len(self.writes):
                 raise ValueRangeError(
                     f"{self.path}: {len(values)} values for {len(self.writes)} WRITEs "
@@ -297,6 +303,15 @@ class ValueGroup:
 
 def _any_checked(values: Iterable[Value]) -> bool | None:
     return True if any(value.checked for value in values) else None
+
+
+async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:
+    """Await jobs at the same time; all end before the first error is raised."""
+    ended = await asyncio.gather(*jobs, return_exceptions=True)
+    for result in ended:
+        if isinstance(result, BaseException):
+            raise result
+    return cast("list[R]", ended)
 
 
 def _at_once(jobs: Sequence[Callable[[], R]]) -> list[R]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Generic, TypeVar
@@ -22,25 +23,28 @@ class Listeners(Generic[T]):
 
     def __init__(self, item: str) -> None:
         self._item = item
-        self._publish: tuple[
-            Callable[[float, T], object], ...
-        ] = ()  # replaced, never changed: no lock to tell
+        self._lock = threading.Lock()  # of who comes and goes; telling needs none: tuples are replaced
+        self._publish: tuple[Callable[[float, T], object], ...] = ()
         self._change: tuple[Callable[[T], object], ...] = ()
         self._previous: object = None  # nothing was published yet
 
     def on_publish(self, callback: Callable[[float, T], object]) -> Callable[[], None]:
-        self._publish += (callback,)
+        with self._lock:
+            self._publish += (callback,)
 
         def remove() -> None:
-            self._publish = tuple(c for c in self._publish if c is not callback)
+            with self._lock:
+                self._publish = tuple(c for c in self._publish if c is not callback)
 
         return remove
 
     def on_change(self, callback: Callable[[T], object]) -> Callable[[], None]:
-        self._change += (callback,)
+        with self._lock:
+            self._change += (callback,)
 
         def remove() -> None:
-            self._change = tuple(c for c in self._change if c is not callback)
+            with self._lock:
+                self._change = tuple(c for c in self._change if c is not callback)
 
         return remove
 

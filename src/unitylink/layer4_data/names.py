@@ -24,8 +24,12 @@ NODE_NAMES = frozenset(
     }
 )
 
+# What a generated module itself calls something: no class and no attribute of a spec can be called that.
+MODULE_NAMES = frozenset({"Link", "Node", "ReadValue", "Tree", "ValueGroup", "WriteValue"})
+ATTRIBUTE_NAMES = NODE_NAMES | MODULE_NAMES | {"str"}  # the types in annotations of generated classes
 
-def python_names(names: Iterable[str], reserved: Iterable[str] = NODE_NAMES) -> dict[str, str]:
+
+def python_names(names: Iterable[str], reserved: Iterable[str] = ATTRIBUTE_NAMES) -> dict[str, str]:
     """Map spec names to attribute names: unchanged where that works, else with "_" at the end.
 
     Leading underscores are dropped, for they mean private (and two of them are rewritten by Python).

@@ -36,6 +36,16 @@ def plan(items: Iterable[tuple[ReadValue, int, int]], *, fallback: bool = False)
             plans.append(PublishPlan(link, SOFTWARE, divisor, tuple(values)))
             continue
         configuration = link.configuration
+        slowest = (1 << 8 * configuration.rate_bytes) - 1
+        if divisor > slowest and configuration.publish_mode:
+            if not fallback:
+                raise DeviceMismatch(
+                    f"{values[0].path}: {link.url} cannot publish at the base rate / {divisor}; its rates "
+                    f"have {configuration.rate_bytes} byte(s), / {slowest} at most. Publish faster, poll it "
+                    "with PUBLISH(2, ..), or start_publishing(fallback=True)"
+                )
+            plans.append(PublishPlan(link, SOFTWARE, divisor, tuple(values)))
+            continue
         groups = configuration.groups if configuration.publish_mode else 0
         size = max(1, configuration.usable_group_size)
         parts = [tuple(values[i : i + size]) for i in range(0, len(values), size)]

@@ -51,7 +51,8 @@ class Board:
     `endpoint` is "fd" (a descriptor for a link in this process, which takes it over; `url` names a new one
     once that link has closed), "pty" or "pty:PATH" (a serial port in software), "tcp[:PORT]" or "udp[:PORT]"
     at the local address `bind`. One client at a time: another hears "?busy". A client that leaves frees the
-    board and what it set stays: publishing goes on into the void, as a real board's would. A client that
+    board and what it set stays: publishing goes on into the void, as a real board's would. Over UDP one that
+    vanished without a goodbye is only missed when its system says that its port is closed. A client that
     does not read fills the board's transmit FIFO, and the board waits for it. Without a plant, a board with
     a spec gets `RampPlant`.
 
@@ -85,19 +86,24 @@ class Board:
         _open.add(self)
 
     def _attach(self, plant: AnyPlant) -> None:
-        if isinstance(plant, WordPlant):
+        name = type(plant).__name__
+        if not isinstance(plant, WordPlant):
+            check_plant(plant, "plant")
+        try:
             plant.attach(self.spec, self.registers)
+        except UnityLinkError:
+            raise
+        except Exception as error:
+            raise UnityLinkError(f"{name}.attach(): {type(error).__name__}: {error}") from error
+        if isinstance(plant, WordPlant):
             self._native.set_word_plant(plant.period_s, plant.ramps, plant.echoes)
             return
-        check_plant(plant, "plant")
-        plant.attach(self.spec, self.registers)
         step = plant.step
-        name = type(plant).__name__
 
         def guarded(time_s: float) -> bool:
             try:
                 step(time_s)
-            except Exception as error:
+            except BaseException as error:  # sys.exit() in a step must not pass unseen either
                 self.error = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
                 self.error.__cause__ = error
                 _log.exception(

@@ -62,7 +62,7 @@ def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
         content = runpy.run_path(str(path), run_name=path.stem)
         if "make_plant" in content:
             plant = content["make_plant"](spec)
-        elif "Plant" in content:
+        elif content.get("Plant", Plant) is not Plant:  # the protocol, imported, is not a plant yet
             plant = content["Plant"]()
         else:
             raise UnityLinkError(

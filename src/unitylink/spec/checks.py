@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from .. import protocol
 from .diagnostics import Reporter
-from .model import Element
+from .model import Element, Instance
 from .resolve import Placed
 from .scope import Scope, Scopes
 from .syntax import Name
@@ -27,8 +27,10 @@ def check_model(placed: Sequence[Placed], reporter: Reporter) -> None:
     _check_publishes(placed, reporter)
 
 
-def check_unused(scopes: Scopes, reporter: Reporter) -> None:
+def check_unused(scopes: Scopes, roots: Sequence[Instance], reporter: Reporter) -> None:
     """Report what has no effect; meant for a spec without errors, where nothing is unused by accident."""
+    for root in roots:
+        _check_groups(root, reporter)
     expanded = {e.callee.text for scope in scopes.all for e in scope.expansions}
     for scope in scopes.all:
         name = scope.node.name
@@ -42,6 +44,16 @@ def check_unused(scopes: Scopes, reporter: Reporter) -> None:
         for address in scope.node.addresses:
             if address.text not in scope.used_addresses and address.text[0] != "_":
                 _report_unused(reporter, "UL072", "address", address)
+
+
+def _check_groups(instance: Instance, reporter: Reporter) -> None:
+    for group in instance.groups:
+        if not group.elements:
+            message = f"group `{group.path}` has no elements"
+            hint = "what its paths lead to is empty: remove it, or list elements"
+            reporter.report("UL074", group.span.start, group.span.end, message, hint)
+    for inner in instance.instances:
+        _check_groups(inner, reporter)
 
 
 def _check_parameters(scope: Scope, reporter: Reporter) -> None:

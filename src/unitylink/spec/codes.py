@@ -103,6 +103,7 @@ _UNUSED = _warnings(
     UL071="parameter never used",
     UL072="address never used",
     UL073="string parameter of a public constructor",
+    UL074="group without elements",
 )
 
 CODES: dict[str, Code] = dict(

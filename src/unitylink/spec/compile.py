@@ -60,8 +60,8 @@ def compile_text(text: str | bytes, file: str = "<text>") -> Result:
     check_model(resolver.placed, reporter)
     if reporter.failed:
         return Result(None, reporter.diagnostics())
-    check_unused(resolver.scopes, reporter)
     roots = tuple(resolver.roots)
+    check_unused(resolver.scopes, roots, reporter)
     name = program.name or source.stem
     spec = Spec(name, program.package, PurePath(file).name, fingerprint(roots), roots)
     return Result(spec, reporter.diagnostics())

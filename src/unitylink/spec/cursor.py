@@ -9,6 +9,8 @@ from .diagnostics import Reporter
 from .lexer import Tokens
 from .syntax import Name, Number
 
+_WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")  # no member's beginning
+
 
 class Panic(Exception):
     """What follows cannot be read; a diagnostic was given. Never leaves this file."""
@@ -70,8 +72,11 @@ class Cursor:
         text = self.texts[self.i]
         number = self.number("an address such as 0x80")
         if text[:2] not in ("0x", "0X") and not self.broken:
-            hint = f"write 0x{number.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
-            self.report("UL019", self.i - 1, "addresses are written in hexadecimal", hint)
+            if not self.touched():
+                hint = (
+                    f"write 0x{number.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
+                )
+                self.report("UL019", self.i - 1, "addresses are written in hexadecimal", hint)
             self.broken = True
         return number
 
@@ -90,6 +95,11 @@ class Cursor:
             return
         ended = self.kinds[self.i] in ("}", "end") or self.on_new_line()
         if ended or self.at_member() or self.at_head():
+            if self.kinds[self.i] == "}" and self.at_member(self.i + 1):
+                self.unexpected("`;`")
+                self.broken = True
+                self.i += 1  # it stands for the `;`: the body goes on
+                return
             if not self.faulty():
                 end = self.tokens.ends[self.i - 1]
                 self.reporter.report("UL011", end, end, "`;` is missing here", "add `;`")
@@ -98,34 +108,65 @@ class Cursor:
 
     # --- looking ahead, reporting, skipping -----------------------------------------------------------------
 
-    def at_head(self) -> bool:
-        """Is this the beginning of a constructor: `public`, or `name(names)` and then `:` or `{`?"""
+    def at_head(self, keyword: bool = False) -> bool:
+        """Is this the beginning of a constructor: `public`, or `name(names)` and then `:` or `{`?
+
+        With `keyword` one whose name is a keyword by mistake counts too.
+        """
         kinds, i = self.kinds, self.i
         if kinds[i] == "keyword" and self.texts[i] == "public":
             return True
-        if kinds[i] != "name" or kinds[i + 1] != "(":
+        if (kinds[i] != "name" and not (keyword and kinds[i] == "keyword")) or kinds[i + 1] != "(":
             return False
         i += 2
         while kinds[i] in ("name", ","):
             i += 1
         return kinds[i] == ")" and kinds[i + 1] in (":", "{")
 
-    def at_member(self, on_new_line: bool = False) -> bool:
-        """Is this the beginning of a member that cannot be the rest of another?"""
-        kinds, i = self.kinds, self.i
-        if on_new_line and not self.on_new_line():
-            return False
+    def at_member(self, i: int | None = None) -> bool:
+        """Is this, or token `i`, the beginning of a member that cannot be the rest of another?"""
+        kinds = self.kinds
+        if i is None:
+            i = self.i
         if kinds[i] == "@" and kinds[i + 1] == "name":
             fixed = kinds[i + 2] == "=" and kinds[i + 3] == "number" and kinds[i + 4] == ":"
             return fixed or kinds[i + 2] == ":"
         if kinds[i] == "keyword" and self.texts[i] == "TOSNET":
             return kinds[i + 1] == "("
-        return kinds[i] == "name" and kinds[i + 1] in (":", "=")
+        # `joint: @` is a head without parameters
+        return kinds[i] == "name" and (kinds[i + 1] == "=" or (kinds[i + 1] == ":" and kinds[i + 2] != "@"))
 
-    def on_new_line(self) -> bool:
-        if self.i == 0:
+    def at_nested(self) -> bool:
+        """Is this a whole constructor inside a body: do members follow its closing brace?"""
+        if not self.at_head() or self.at_public_member():
+            return False
+        i = self.i
+        while self.kinds[i] not in ("{", "end"):
+            i += 1
+        i += self.kinds[i] == "{"
+        while self.kinds[i] not in ("{", "}", "end"):
+            i += 1
+        return self.kinds[i] == "}" and (self.kinds[i + 1] == "}" or self.at_member(i + 1))
+
+    def at_public_member(self) -> bool:
+        """Is this `public` before what can only be a member?"""
+        kinds, i = self.kinds, self.i
+        if kinds[i] != "keyword":
+            return False
+        return kinds[i + 1] == "@" or (kinds[i + 1] == "name" and kinds[i + 2] in (":", "="))
+
+    def at_binding(self, i: int) -> bool:
+        """Do the addresses of an expansion begin with token `i`?"""
+        kinds = self.kinds
+        named = kinds[i + 1] == "name" and kinds[i + 2] == "="
+        return kinds[i] == "@" and (kinds[i + 1] == "(" or (named and kinds[i + 3] == "("))
+
+    def on_new_line(self, i: int | None = None) -> bool:
+        if i is None:
+            i = self.i
+        if i == 0:
             return True
-        between = self.reporter.source.text[self.tokens.ends[self.i - 1] : self.tokens.starts[self.i]]
+        between = self.reporter.source.text[self.tokens.ends[i - 1] : self.tokens.starts[i]]
         return "\n" in between or "\r" in between
 
     def faulty(self) -> bool:
@@ -147,30 +188,57 @@ class Cursor:
     def report(self, code: str, i: int, message: str, hint: str) -> None:
         self.reporter.report(code, self.tokens.starts[i], self.tokens.ends[i], message, hint)
 
-    def unexpected(self, what: str, hint: str = "") -> Panic:
-        """Report that `what` was expected where the current token stands; return the exception to raise."""
+    def unexpected(self, what: str, hint: str = "", *, begins: bool = False) -> Panic:
+        """Report that `what` was expected where the current token stands; return the exception to raise.
+
+        With `begins` that is the beginning of something: nothing before it is missing.
+        """
         if self.faulty():
             return Panic()
         i = self.i
         kind, text = self.kinds[i], self.texts[i]
         found = {"end": "the end of the file", "string": "a string"}.get(kind, f"`{text[:40]}`")
         start, end = self.tokens.starts[i], self.tokens.ends[i]
-        if i and (kind == "end" or self.on_new_line()):  # point behind the line where it is missing
-            start = end = self.tokens.ends[i - 1]
+        if i and (kind == "end" or (self.on_new_line() and not begins)):
+            start = end = self.tokens.ends[i - 1]  # behind the line where it is missing
+        if not hint and i and self.kinds[i - 1] == "," and kind in (")", ";", "{", "}"):
+            hint = "remove the `,`"
         self.reporter.report("UL010", start, end, f"expected {what} but found {found}", hint)
         return Panic()
 
     def skip_member(self) -> None:
         """Go behind the next `;`, or to a `}`, a head, or a line that starts like a member."""
-        while (kind := self.kinds[self.i]) not in ("end", "}"):
-            if kind == ";":
-                self.i += 1
+        depth = sum((k in "({") - (k == ")") for k in self.kinds[self.first : self.i])
+        first = self.i
+        while (kind := self.kinds[self.i]) != "end":
+            if kind in (";", "}") and not self._goes_on(depth > 0, self.i == first):
+                self.i += kind == ";"
                 return
             if self.on_new_line() and (self.at_head() or self.at_member()):
                 return
             if kind == "keyword" and self.texts[self.i] == "public":
                 return
+            depth += (kind in "({") - (kind in ")}")
             self.i += 1
+
+    def _goes_on(self, inside: bool, wrong: bool) -> bool:
+        """Does the member go on behind this `;` or `}` in its line? Then it is the mistake, and no end.
+
+        `inside` brackets all but the beginning of something else goes on; `wrong` says that this token was
+        not expected: then what cannot begin anything does.
+        """
+        i = self.i + 1
+        kind = self.kinds[i]
+        if kind in ("end", "}") or self.on_new_line(i) or self.at_member(i):
+            return False
+        if inside:
+            self.i += 1
+            head = self.at_head()
+            self.i -= 1
+            return not head
+        if kind == "name":
+            return wrong and self.kinds[self.i] == ";" and self.kinds[i + 1] == "("
+        return wrong and (kind in ("(", ")", ",", ";", "number", "string") or self.texts[i] in _WITHIN)
 
     def skip_to_body(self) -> bool:
         """After a broken head go to its members; return False if there are none."""

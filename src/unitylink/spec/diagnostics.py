@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from unicodedata import combining, east_asian_width
 
 from .codes import CODES
 from .model import Span
@@ -108,6 +109,13 @@ def summary(diagnostics: Sequence[Diagnostic]) -> str:
     return ", ".join(f"{n:,} {word}{'' if n == 1 else 's'}" for n, word in counts if n) or "no errors"
 
 
+def _columns(text: str) -> int:
+    """Return how many columns of a terminal `text` takes: wide characters two, combining ones none."""
+    if text.isascii():
+        return len(text)
+    return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+
+
 def _render_one(diagnostic: Diagnostic, color: bool) -> str:
     accent, blue, bold, off = ("", "", "", "")
     if color:
@@ -119,7 +127,9 @@ def _render_one(diagnostic: Diagnostic, color: bool) -> str:
         f"{margin}{blue}-->{off} {span.file}:{span.line}:{span.column}",
     ]
     if diagnostic.excerpt:
-        caret = " " * diagnostic.caret + "^" * diagnostic.width
+        before = diagnostic.excerpt[: diagnostic.caret]
+        under = diagnostic.excerpt[diagnostic.caret : diagnostic.caret + diagnostic.width]
+        caret = " " * _columns(before) + "^" * max(1, _columns(under))
         lines.append(f"{margin} {blue}|{off}")
         lines.append(f"{blue}{span.line} |{off} {diagnostic.excerpt}")
         lines.append(f"{margin} {blue}|{off} {accent}{caret}{off}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import TypeVar
 
 from .diagnostics import KEPT, Reporter
@@ -169,7 +170,13 @@ class Graph:
         if here.node.broken or here.node.incomplete or (here.node.name.text, name) in self._unknown:
             return
         self._unknown.add((here.node.name.text, name))
+        if here.excuses("UL027"):
+            return
         hint = f"every expansion of a constructor is `ALL({name})`" if name in self.scopes.first else ""
+        some = islice(here.members.values(), 50)
+        others = [f"`{m.name.text}`" for m in some if not isinstance(m, GroupNode)]
+        if others and not hint:
+            hint = "its members are " + ", ".join(others[:6]) + (", …" if len(others) > 6 else "")
         hint = self.reporter.did_you_mean(name, here.members, hint)
         message = f"`{here.node.name.text}` has no member `{name}`"
         self.reporter.report("UL027", step.name.start, step.name.end, message, hint)

@@ -26,7 +26,7 @@ KEYWORDS = frozenset(
         "signed",
     )
 )
-MAX_TOKENS = 300_000
+MAX_TOKENS = 240_000  # comments count too; more than 10,000 statements with every property
 _LOOKAHEAD = 5
 MAX_NAME = 100  # characters of a name: paths are made of names, so this bounds every path
 
@@ -41,7 +41,8 @@ _MASTER = re.compile(
     | (?P<bad_comment>/\*[\s\S]*)
     | (?P<bad_string>["'][^\r\n]*)
     | (?P<bad_number>[0-9][A-Za-z_0-9]*)
-    | (?P<bad>[^ \t\r\n\f\vA-Za-z_0-9@(){},;:=.+"'/^]+|[/^])
+    | (?P<bad>\*/|[“„‘][^"'\r\n]{0,250}?[“”’]|\#[^\r\n]*|--[^\r\n]*
+        |[^ \t\r\n\f\vA-Za-z_0-9@(){},;:=.+"'/^*\#-]+|[/^*-])
     """,
     re.VERBOSE,
 )
@@ -73,6 +74,7 @@ def tokenize(reporter: Reporter) -> Tokens:
     tokens = Tokens()
     kinds, texts, starts, ends = tokens.kinds, tokens.texts, tokens.starts, tokens.ends
     position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
+    open_bracket = -1  # where a bracket that UL-spec does not have was reported
     for match in _MASTER.finditer(text, position):
         kind = match.lastgroup
         if kind == "space":
@@ -90,7 +92,10 @@ def tokenize(reporter: Reporter) -> Tokens:
                 word = _shorten(reporter, word, start, end)
         elif kind == "comment":
             tokens.comments.append((start, end))
-            continue
+            if len(kinds) + len(tokens.comments) < MAX_TOKENS:
+                continue
+            _report_too_many(reporter, tokens, start, end)
+            break
         elif kind == "string":
             if "\\" in word:
                 _check_escapes(reporter, tokens, word, start)
@@ -98,7 +103,9 @@ def tokenize(reporter: Reporter) -> Tokens:
             assert kind is not None  # every alternative of the pattern is named
             if kind == "bad":
                 tokens.faults.append(start)
-                _report_bad(reporter, word, start, end)
+                if word[0] not in "]>" or not _closes(reporter, open_bracket, start):
+                    _report_bad(reporter, word, start, end)
+                open_bracket = start if word[0] in "[<" else -1 if word[0] in "]>" else open_bracket
                 if reporter.full:
                     tokens.truncated = True
                     break
@@ -112,17 +119,26 @@ def tokenize(reporter: Reporter) -> Tokens:
         texts.append(word)
         starts.append(start)
         ends.append(end)
-        if len(kinds) >= MAX_TOKENS:
-            reporter.report(
-                "UL003", start, end, f"more than {MAX_TOKENS:,} tokens", "divide the spec into several"
-            )
-            tokens.truncated = True
+        if len(kinds) + len(tokens.comments) >= MAX_TOKENS:
+            _report_too_many(reporter, tokens, start, end)
             break
     kinds.extend(["end"] * _LOOKAHEAD)
     texts.extend([""] * _LOOKAHEAD)
     starts.extend([len(text)] * _LOOKAHEAD)
     ends.extend([len(text)] * _LOOKAHEAD)
     return tokens
+
+
+def _report_too_many(reporter: Reporter, tokens: Tokens, start: int, end: int) -> None:
+    message = f"more than {MAX_TOKENS:,} words, marks and comments"
+    reporter.report("UL003", start, end, message, "divide the spec into several")
+    tokens.truncated = True
+
+
+def _closes(reporter: Reporter, open_bracket: int, start: int) -> bool:
+    """Is this the other half of a wrong pair of brackets in one line? Then it is no news."""
+    source = reporter.source
+    return open_bracket >= 0 and source.line_of(open_bracket) == source.line_of(start)
 
 
 def unescape(text: str) -> str:
@@ -169,18 +185,24 @@ def _shorten(reporter: Reporter, word: str, start: int, end: int) -> str:
 
 
 def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
-    shown = _show(word if len(word) <= 12 else word[:12] + "…")
     hint = ""
-    if word == "/":
+    if word[0] in "#/" or word[:2] == "--":
         hint = "comments are `// …` and `/* … */`"
+        word = word[: 1 if word[0] == "#" else 2]
+        end = start + len(word)
+    elif word == "*/":
+        hint = "no comment is open here: comments do not nest"
     elif word == "^":
         hint = "`^` stands directly before a name that would otherwise be a keyword"
+    elif word[0] in "“„‘”’":
+        hint = "strings stand in straight quotes, \"…\" or '…'"
     elif any(ord(c) > 127 for c in word):
         hint = "names are made of A-Z a-z 0-9 _; other characters may stand in strings and comments"
     elif word[0] in "[]<>":
         hint = "UL-spec has only round brackets and braces"
     elif word[0] == "-":
         hint = "UL-spec has no negative numbers and no minus"
+    shown = _show(word if len(word) <= 12 else word[:12] + "…")
     reporter.report("UL004", start, end, f"unexpected {shown}", hint)
 
 

@@ -53,8 +53,10 @@ class _Checker:
                 takes = _count(len(node.addresses), "address")
             if wrong:
                 callee.wrong_head.add(code)
+                if callee.excused["UL025" if code == "UL030" else "UL026"] > 0:
+                    continue  # a name is declared twice in this head: that is the mistake
                 message = f"`{name}` takes {takes}, but all {len(counts)} expansions give {count}"
-                hint = f"make `{_declaration(callee)}` agree with them"
+                hint = f"make `{declaration(callee)}` agree with them"
                 self.reporter.report(code, node.name.start, node.name.end, message, hint)
 
     def check(self, scope: Scope, member: UsableNode) -> bool:
@@ -136,7 +138,7 @@ class _Checker:
                 takes = _count(len(taken), "argument")
                 message = f"`{member.callee.text}` takes {takes} but is given {given_count}"
                 place = member.arguments[-1] if given_count > len(taken) else member.callee
-                hint = f"it is declared as `{_declaration(callee)}`"
+                hint = f"it is declared as `{declaration(callee)}`"
                 self.reporter.report("UL030", place.start, place.end, message, hint)
             good = False
         for given, name in zip(member.arguments, taken, strict=False):
@@ -151,7 +153,7 @@ class _Checker:
     def _check_bindings(self, scope: Scope, member: ExpansionNode, callee: Scope) -> bool:
         """Do the bindings give the callee's addresses? What a forwarded vector's length tells comes later."""
         names = callee.node.addresses
-        declared = _declaration(callee)
+        declared = declaration(callee)
         bindings = member.bindings
         place: Name | Binding = bindings[0] if bindings else member.name
         code = "UL031"
@@ -248,7 +250,7 @@ class _Checker:
         return False
 
 
-def _declaration(scope: Scope) -> str:
+def declaration(scope: Scope) -> str:
     """Return the head of a constructor as it would be written."""
     node = scope.node
     parameters = ",".join(name.text for name in node.parameters[:_NAMES])

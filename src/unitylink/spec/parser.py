@@ -2,8 +2,8 @@
 """Tokens to syntax tree: recursive descent that goes on after a mistake, so that one run finds all of them.
 
 Recovery: what cannot be read is skipped up to the next `;`, `}`, constructor head, or line that starts like
-a member. A member with a mistake stays in the tree as a `BrokenNode`. The language nests to a fixed depth, so
-no text can exhaust the stack.
+a member; a `;` or `}` behind which the member goes on is the mistake itself. A member with a mistake stays in
+the tree as a `BrokenNode`. The language nests to a fixed depth, so no text can exhaust the stack.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from .syntax import (
     TosNetNode,
 )
 
+MAX_CONSTRUCTORS = 10_000
 _LINK_PROPERTIES = ("CTRL", "COMM", "UART", "BASE")
 _ELEMENT_PROPERTIES = ("ID", "CRC", "PUBLISH")
 
@@ -49,15 +50,20 @@ class _Parser(Cursor):
             if kind == "keyword" and self.texts[self.i] == "link":
                 headers += 1
                 self._header(program, headers)
-            elif self.at_head() or kind == "name":
-                program.constructors.append(self._constructor())
+            elif len(program.constructors) >= MAX_CONSTRUCTORS:
+                message = f"more than {MAX_CONSTRUCTORS:,} constructors"
+                self.report("UL003", self.i, message, "divide the spec into several")
+                program.damaged = True
+                break
+            elif self.at_head(keyword=True) or kind == "name":
+                self._constructor(program)
             elif kind == "}":
                 self.report("UL013", self.i, "this brace closes nothing", "remove it")
                 self.i += 1
             else:
                 start = self.first = self.i
                 hint = "a `;` stands after members only: remove it" if kind == ";" else ""
-                self.unexpected("a constructor, `name(…) {…}`", hint)
+                self.unexpected("a constructor, `name(…) {…}`", hint, begins=True)
                 self.skip_to_head()
                 # A head so wrong that it was not seen takes its name along; do not report the name's uses.
                 program.damaged = program.damaged or self.i > start + 1
@@ -84,14 +90,19 @@ class _Parser(Cursor):
         program.package = ".".join(name.text for name in names[:-1])
         program.name = names[-1].text
 
-    def _constructor(self) -> ConstructorNode:
+    def _constructor(self, program: Program, outer: str = "") -> None:
+        """Read one constructor; `outer` is the one whose body it stands in by mistake."""
         self.first = self.i
         public = self.kinds[self.i] == "keyword" and self.texts[self.i] == "public"
         self.i += public
         node = ConstructorNode(public, Name("", self.tokens.starts[self.i], self.tokens.ends[self.i]))
+        program.constructors.append(node)
         brace: int | None = None
         try:
             node.name = self.name("the constructor's name")
+            if self.kinds[self.i] == "name" and not public:
+                hint = self.reporter.did_you_mean(node.name.text, ("public", "link"))
+                raise self.unexpected("`(` and the parameters", hint)
             self.expect("(", "`(` and the parameters")
             node.parameters = self.names("a parameter")
             if self.accept(":"):
@@ -109,10 +120,9 @@ class _Parser(Cursor):
         except Panic:
             node.broken = True
             if not self.skip_to_body():
-                return node
+                return
         node.broken = node.broken or self.touched()
-        self._body(node, brace)
-        return node
+        self._body(program, node, brace, bool(outer))
 
     def _addresses(self, node: ConstructorNode) -> None:
         self.expect("@", "`@` and the addresses")
@@ -125,12 +135,22 @@ class _Parser(Cursor):
             self.expect("@", "`@`")
             node.addresses.append(self.name("an address name"))
 
-    def _body(self, node: ConstructorNode, brace: int | None) -> None:
-        while self.kinds[self.i] != "}" and not self.reporter.full:
+    def _body(self, program: Program, node: ConstructorNode, brace: int | None, nested: bool) -> None:
+        while not self.reporter.full:
+            if self.kinds[self.i] == "}":
+                if nested or not self.at_member(self.i + 1):
+                    break
+                self._closed_early(program, node)
             at_end = self.kinds[self.i] == "end"
-            if at_end or self.at_head():
+            if not nested and self.at_nested():
+                hint = f"put it behind the closing brace of `{node.name.text}`"
+                self.unexpected("a member", hint, begins=True)
+                self._constructor(program, node.name.text)
+                continue
+            if at_end or (self.at_head() and not self.at_public_member()):
+                swallowed = at_end and self._swallowed_brace()
                 self.first = self.i
-                if brace is not None and not self.faulty():
+                if brace is not None and not (swallowed or self.faulty()):
                     where = "at the end of the file"
                     if not at_end:
                         line = self.reporter.source.line_of(self.tokens.starts[self.i])
@@ -146,6 +166,21 @@ class _Parser(Cursor):
                 node.incomplete = True
             self.i += self.i == before  # nothing can be made of this token
         self.i += 1
+
+    def _swallowed_brace(self) -> bool:
+        """Is the closing brace within a string that was not closed?"""
+        text = self.texts[self.i - 1]
+        return self.kinds[self.i - 1] == "string" and "}" in text and self.touched()
+
+    def _closed_early(self, program: Program, node: ConstructorNode) -> None:
+        """A member follows this brace: go on with the body. What is missing may also be a head."""
+        self.first = self.i
+        if not self.faulty():
+            what = self.texts[self.i + 1 + (self.kinds[self.i + 1] == "@")]
+            message = f"this brace closes `{node.name.text}`, but the member `{what}` follows"
+            self.report("UL013", self.i, message, "remove it, or give what follows the head of a constructor")
+        self.i += 1
+        node.broken = program.damaged = True
 
     # --- members --------------------------------------------------------------------------------------------
 
@@ -181,6 +216,9 @@ class _Parser(Cursor):
             return self._tosnet()
         if kind == "name" or (kind == "keyword" and following in (":", "=")):
             name = self.name("a member")
+            if self.kinds[self.i] == "(":
+                hint = self.reporter.did_you_mean(name.text, ("TOSNET",))
+                raise self.unexpected("`:` and a constructor, or `=` and the members of a group", hint)
             if self.accept("="):
                 return self._group(name)
             self.expect(":", "`:` and a constructor, or `=` and the members of a group")
@@ -188,11 +226,12 @@ class _Parser(Cursor):
                 shown = f"`@{name.text}: {self.texts[self.i]}`"
                 if not self.faulty():
                     self.report("UL010", self.i, "an element's name stands after `@`", f"write {shown}")
-                self.broken = True
-                return self._element(name, None)
+                raise Panic
             return self._expansion(name, False)
         hint = "remove it" if kind == ";" else ""
-        raise self.unexpected("a member, such as `@name: READ();`", hint)
+        if kind == "keyword" and self.texts[self.i] == "public":
+            hint = "constructors are public, not their members: remove it"
+        raise self.unexpected("a member, such as `@name: READ();`", hint, begins=True)
 
     def _addressed(self) -> ElementNode | ExpansionNode:
         name = self.name("the address name")
@@ -200,13 +239,9 @@ class _Parser(Cursor):
         self.expect(":", "`:`" if fixed else "`:`, or `=` and an address,")
         if self.kinds[self.i] == "keyword" and self.texts[self.i] in ("READ", "WRITE", "signed"):
             return self._element(name, fixed)
-        word = self.texts[self.i].upper()
-        if fixed is not None and word in ("READ", "WRITE"):
-            raise self.unexpected(
-                "READ or WRITE after an address", f"keywords are written in capitals: `{word}`"
-            )
         if fixed is not None:
             hint = f"to bind it to an expansion write `{name.text}: constructor(…) @ (0x{fixed.value:X})`"
+            hint = self.reporter.did_you_mean(self.texts[self.i], ("READ", "WRITE", "signed"), hint)
             raise self.unexpected("READ or WRITE after an address", hint)
         return self._expansion(name, True)
 
@@ -223,10 +258,22 @@ class _Parser(Cursor):
         if self.kinds[self.i] != "keyword" or access not in ("READ", "WRITE"):
             raise self.unexpected("READ or WRITE")
         self.i += 1
-        return ElementNode(name, fixed, signed, access, self._properties(_ELEMENT_PROPERTIES))
+        if self.kinds[self.i] == "keyword" and self.texts[self.i] == "signed":
+            raise self.unexpected("`(`", f"write `signed {access}`")
+        node = ElementNode(name, fixed, signed, access, self._properties(_ELEMENT_PROPERTIES))
+        if self.kinds[self.i] == "@" and self.kinds[self.i + 1] == "(":
+            raise self.unexpected(
+                "`;`", f"an element's address stands behind its name: `@{name.text} = 0x…: …`"
+            )
+        return node
 
     def _expansion(self, name: Name, forwards: bool) -> ExpansionNode:
         callee = self.name("a constructor")
+        if self.kinds[self.i] == "keyword":
+            hint = "words are unsigned without `signed`: remove it"
+            if callee.text != "unsigned":
+                hint = self.reporter.did_you_mean(callee.text, ("signed",), f"remove `{callee.text}`")
+            raise self.unexpected(f"`(` and the arguments of `{callee.text}`", hint)
         self.expect("(", f"`(` and the arguments of `{callee.text}`")
         arguments: list[Argument] = []
         if not self.accept(")"):
@@ -235,11 +282,15 @@ class _Parser(Cursor):
                 self.expect(",", "`,` or `)`")
                 arguments.append(self._argument(callee))
         bindings: list[Binding] = []
-        if self.kinds[self.i] == "@" and not (forwards or self.at_member(on_new_line=True)):
+        if self.kinds[self.i] == ";" and self.at_binding(self.i + 1):
+            self.unexpected("the addresses", "remove this `;`")
+            self.broken = True
+            self.i += 1
+        if self.kinds[self.i] == "@" and not (forwards or (self.on_new_line() and self.at_member())):
             bindings.append(self._binding())
             while self.accept(","):
                 bindings.append(self._binding())
-        elif self.kinds[self.i] == "@" and not self.at_member(on_new_line=True):
+        elif self.kinds[self.i] == "@" and not (self.on_new_line() and self.at_member()):
             hint = f"`@{name.text}` forwards addresses already; to bind others write `{name.text}: …`"
             raise self.unexpected("`;`", hint)
         return ExpansionNode(name, callee, arguments, bindings, forwards)
@@ -265,6 +316,10 @@ class _Parser(Cursor):
         paths = [self._path()]
         while self.accept(","):
             paths.append(self._path())
+        if self.kinds[self.i] == "(":
+            last = paths[-1][-1].name.text
+            hint = f"an expansion is written `{name.text}: {last}(…)`"
+            raise self.unexpected("`;`", self.reporter.did_you_mean(last, ("ALL",), hint))
         return GroupNode(name, paths)
 
     def _path(self) -> list[Step]:

@@ -9,10 +9,10 @@ from typing import Union
 from ..protocol import GROUP_SIZE_MAX
 from .diagnostics import Reporter
 from .graph import MAX_DEPTH, MAX_ITEMS, Graph
-from .members import check_members
+from .members import check_members, declaration
 from .model import Element, Group, Instance, LinkBinding, Member, Publish, Span
 from .scope import ADDRESS_MAX, Scope, Scopes
-from .syntax import Argument, ElementNode, ExpansionNode, GroupNode, Number, Program, Step, Text
+from .syntax import Argument, ElementNode, ExpansionNode, GroupNode, Name, Number, Program, Step, Text
 
 MAX_STRING = 250  # characters of an evaluated string
 
@@ -70,6 +70,8 @@ class Resolver:
         self._graph = Graph(self.scopes, reporter)
         self._root = ""
         self._spans: dict[int, Span] = {}
+        # (constructor, address taken as one word or "") -> wrong vectors and users; one user of a right one
+        self._lengths: dict[tuple[str, str], tuple[dict[int, tuple[_Vector, Name]], list[Name]]] = {}
         self._members: dict[str, dict[str, Member]] = {}  # path -> members by name, while a root is expanded
         self._by_constructor: dict[str, dict[str, list[Instance]]] = {}
         publics = [scope for scope in self.scopes.all if scope.node.public]
@@ -82,6 +84,7 @@ class Resolver:
             items += self._graph.sizes[scope.node.name.text].items
             if self._may_expand(scope, items):
                 self._expand_root(scope)
+        self._report_lengths()
 
     # --- roots ----------------------------------------------------------------------------------------------
 
@@ -193,21 +196,43 @@ class Resolver:
     def _take_apart(
         self, vector: _Vector, names: list[str], node: ExpansionNode
     ) -> dict[str, _Vector] | None:
-        if len(vector.numbers) == len(names):
+        fits = len(vector.numbers) == len(names)
+        if node.forwards:
+            self._note_length((node.callee.text, ""), vector, fits, node.name)
+        if fits:
             return {
                 n: _Vector([a], a.start, a.end, vector.statement)
                 for n, a in zip(names, vector.numbers, strict=True)
             }
-        given = len(vector.numbers)
-        message = (
-            f"`{node.callee.text}` takes {len(names)} addresses but `{node.name.text}` forwards these {given}"
-        )
-        self._report_vector(vector, message, node.name.start)
         return None
 
-    def _report_vector(self, vector: _Vector, message: str, used_at: int) -> None:
-        line = self.reporter.source.line_of(used_at)
-        self.reporter.report("UL031", vector.start, vector.end, message, f"they are used in line {line}")
+    def _note_length(self, key: tuple[str, str], vector: _Vector, fits: bool, user: Name) -> None:
+        wrong, right = self._lengths.setdefault(key, ({}, []))
+        if not fits:
+            wrong[vector.start] = vector, user
+        elif not right:
+            right.append(user)
+
+    def _report_lengths(self) -> None:
+        """Report each wrong vector; but where several all have one wrong length, their user is wrong."""
+        for (constructor, address), (wrong, right) in self._lengths.items():
+            scope = self.scopes.first[constructor]
+            names = scope.node.addresses
+            takes = f"`{address}` is one word" if address else f"`{constructor}` takes {len(names)} addresses"
+            counts = {len(vector.numbers) for vector, _ in wrong.values()}
+            if len(wrong) > 1 and len(counts) == 1 and not right:
+                at = next((name for name in names if name.text == address), scope.node.name)
+                message = f"{takes}, but all {len(wrong)} vectors it is given have {counts.pop()}"
+                hint = f"make `{declaration(scope)}` agree with them"
+                if address:
+                    hint = f"take them apart in a constructor of its own: `@{address}: …(…)`"
+                self.reporter.report("UL031", at.start, at.end, message, hint)
+                continue
+            for vector, user in wrong.values():
+                does = "but is bound to" if address else f"but `{user.text}` forwards"
+                message = f"{takes} {does} these {len(vector.numbers)}"
+                hint = f"they are used in line {self.reporter.source.line_of(user.start)}"
+                self.reporter.report("UL031", vector.start, vector.end, message, hint)
 
     def _tosnet(self, frame: _Frame) -> LinkBinding:
         """What a TOSNET does not give comes from the one around it; BASE does not: it is 0 unless given."""
@@ -227,9 +252,10 @@ class Resolver:
             number, statement = node.fixed, node.name.start
         else:
             vector = frame.vectors[node.name.text]
-            if len(vector.numbers) != 1:
-                message = f"`{node.name.text}` is one word but is bound to {len(vector.numbers)} addresses"
-                self._report_vector(vector, message, node.name.start)
+            fits = len(vector.numbers) == 1
+            key = (frame.scope.node.name.text, node.name.text)
+            self._note_length(key, vector, fits, node.name)
+            if not fits:
                 return None
             number, statement = vector.numbers[0], vector.statement
         address = frame.link.base + number.value

@@ -51,11 +51,19 @@ class Scope:
         default_factory=set
     )  # codes reported at the head, because all expansions differ
     complete: bool = True  # no member is broken or missing
+    excused: Counter[str] = field(
+        default_factory=Counter
+    )  # code -> unknown names that a name declared twice may have been meant for
 
     @property
     def expansions(self) -> Iterable[ExpansionNode]:
         """The expansions without a mistake."""
         return (member for member in self.usable.values() if isinstance(member, ExpansionNode))
+
+    def excuses(self, code: str) -> bool:
+        """May this unknown name be what a name declared twice was meant for? Then it is no second mistake."""
+        self.excused[code] -= 1
+        return self.excused[code] >= 0
 
     def link_property(self, key: str) -> Property | None:
         """Return the TOSNET property `key`, if it is given."""
@@ -84,11 +92,11 @@ class Scopes:
             self._once(self.first, scope, node.name, "UL020")
         seen: dict[str, Name] = {}
         for position, name in enumerate(node.parameters):
-            self._once(seen, name, name, "UL022")
+            scope.excused["UL025"] += not self._once(seen, name, name, "UL022")
             scope.parameters.setdefault(name.text, position)
         seen = {}
         for position, name in enumerate(node.addresses):
-            self._once(seen, name, name, "UL023")
+            scope.excused["UL026"] += not self._once(seen, name, name, "UL023")
             scope.addresses.setdefault(name.text, position)
         for member in node.members:
             if isinstance(member, TosNetNode):
@@ -97,6 +105,7 @@ class Scopes:
             if isinstance(member, BrokenNode) and member.name.text in scope.members:
                 continue
             if not self._once(scope.members, member, member.name, "UL021"):
+                scope.excused["UL027"] += 1
                 if isinstance(member, (ElementNode, ExpansionNode)):  # its address is spoken for all the same
                     scope.used_addresses.add(member.name.text)
                 continue
@@ -168,7 +177,7 @@ class Scopes:
             scope.used_addresses.add(name.text)
             return not scope.node.broken
         known = not scope.node.broken and "UL031" not in scope.wrong_head
-        if known and self.news(f"address of {scope.node.name.text}", name):
+        if known and self.news(f"address of {scope.node.name.text}", name) and not scope.excuses("UL026"):
             hint = self.reporter.did_you_mean(name.text, scope.addresses)
             hint = hint or f"declare it behind the parameters, or give the address: `@{name.text} = 0x…`"
             message = f"`{scope.node.name.text}` has no address `{name.text}`"
@@ -180,7 +189,7 @@ class Scopes:
             scope.used_parameters.add(name.text)
             return True
         known = not scope.node.broken and "UL030" not in scope.wrong_head
-        if known and self.news(f"parameter of {scope.node.name.text}", name):
+        if known and self.news(f"parameter of {scope.node.name.text}", name) and not scope.excuses("UL025"):
             hint = self.reporter.did_you_mean(name.text, scope.parameters)
             hint = hint or f"declare it: `{scope.node.name.text}({name.text})`, or put text into quotes"
             message = f"`{scope.node.name.text}` has no parameter `{name.text}`"

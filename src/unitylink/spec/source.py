@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from .model import Span
 
-MAX_BYTES = 2 * 1024 * 1024  # bounds time and memory of a compilation; three 10,000-statement specs
+MAX_BYTES = 1024 * 1024  # bounds time and memory of a compilation: 10,000 statements of 100 characters
 
 _LINE_END = re.compile(r"\r\n?|\n")
 _EXCERPT_BEFORE = 70  # characters of a long line kept before and after a caret

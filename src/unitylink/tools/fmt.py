@@ -11,6 +11,8 @@ from pathlib import Path
 
 import click
 
+from unitylink.errors import SpecError
+
 
 @click.command()
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
@@ -32,8 +34,16 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
     if check and stdout:
         raise click.UsageError("--check and --stdout exclude each other")
     differing = 0
+    failures: list[str] = []  # one wrong file does not keep the others from being laid out
     for spec in specs:
-        text, formatted = _formatted(spec)
+        try:
+            text, formatted = _formatted(spec)
+        except SpecError as error:
+            failures.append(str(error).rstrip())
+            continue
+        except OSError as error:
+            failures.append(f"error: {spec}: {error.strerror}")
+            continue
         if check:
             if formatted != text:
                 differing += 1
@@ -47,12 +57,13 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
             click.echo(f"{spec}: laid out anew")
         else:
             click.echo(f"{spec}: already in its canonical layout")
+    if failures:
+        raise SpecError("\n\n".join(failures))
     return int(differing > 0)
 
 
 def _formatted(spec: str) -> tuple[str, str]:
     """Return (text, formatted text) of a file; SpecError where the text is no spec."""
-    from unitylink.errors import SpecError
     from unitylink.spec import compile_text, format_text, render
     from unitylink.spec.source import MAX_BYTES
 

@@ -78,24 +78,36 @@ def show(samples: Iterable[Sample | None], items: Sequence[Item], publisher: Pub
     logger.addHandler(messages)
     drawn = 0.0
     try:
-        with Live(console=Console(), auto_refresh=False) as live:
+        console = Console()
+        with Live(console=console, auto_refresh=False) as live:
+
+            def redraw() -> None:
+                table = draw(items, tracks, publisher, link, messages.text, width=console.width)
+                live.update(table, refresh=True)
+
             for sample in samples:
                 if sample is not None:
                     time_s, values, numbers = sample
                     for value, number in zip(values, numbers, strict=True):
                         tracks[value.path].take(time_s, number)
                 if time.monotonic() - drawn >= _REDRAW_S:
-                    live.update(draw(items, tracks, publisher, link, messages.text), refresh=True)
+                    redraw()
                     drawn = time.monotonic()
-            live.update(draw(items, tracks, publisher, link, messages.text), refresh=True)
+            redraw()
     finally:
         logger.removeHandler(messages)
 
 
 def draw(
-    items: Sequence[Item], tracks: dict[str, Track], publisher: Publisher, link: str, message: str
+    items: Sequence[Item],
+    tracks: dict[str, Track],
+    publisher: Publisher,
+    link: str,
+    message: str,
+    *,
+    width: int = 120,
 ) -> Table:
-    """Return the table of this moment."""
+    """Return the table of this moment; a terminal too narrow for all of it still gets names and values."""
     table = Table(
         title=Text(link),
         box=box.SIMPLE_HEAD,
@@ -103,16 +115,21 @@ def draw(
         caption_justify="left",
         caption=Text(message) if message else None,
     )
-    table.add_column("name", style="bold")
-    table.add_column("value", justify="right", style="cyan", min_width=11)
+    names = max((len(item.name) for item in items), default=0)
     units = any(item.unit for item in items)
+    bars, extremes = width >= names + 55, width >= names + 90  # what the columns take
+    table.add_column("name", style="bold", no_wrap=True)
+    table.add_column("value", justify="right", style="cyan", min_width=11, no_wrap=True)
     if units:
         table.add_column("unit")
-    table.add_column("min", justify="right", style="dim")
-    table.add_column("max", justify="right", style="dim")
+    if extremes:
+        table.add_column("min", justify="right", style="dim")
+        table.add_column("max", justify="right", style="dim")
     table.add_column("rate", justify="right")
-    table.add_column("from", style="dim")
-    table.add_column("trend", min_width=_TREND, no_wrap=True, style="green")
+    if extremes:
+        table.add_column("from", style="dim")
+    if bars:
+        table.add_column("trend", min_width=_TREND, no_wrap=True, style="green")
     origin = {path: "gateware" if r.hardware else "polled" for r in publisher.reports() for path in r.paths}
     for item in items:
         track = tracks[item.name]
@@ -121,10 +138,9 @@ def draw(
             Text(item.name),
             str(track.values[-1]) if known else "-",
             *([Text(item.unit)] if units else []),
-            str(track.minimum) if known else "",
-            str(track.maximum) if known else "",
+            *([str(track.minimum), str(track.maximum)] if known else ["", ""])[: 2 * extremes],
             f"{track.rate_hz:.0f} Hz" if track.rate_hz else "",
-            origin.get(item.name, ""),
-            trend(track.values),
+            *([origin.get(item.name, "")] if extremes else []),
+            *([trend(track.values)] if bars else []),
         )
     return table

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any, TextIO, TypeVar
@@ -35,7 +36,7 @@ def print_json(data: object, *, indent: int | None = 2) -> None:
 
 
 def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, right: Sequence[int] = ()) -> None:
-    """Print rows under headers: ruled and coloured on a terminal, else plain aligned columns.
+    """Print rows under headers: ruled and coloured on a terminal that is wide enough, else plain columns.
 
     `right` are the columns set flush right. Plain columns are two or more spaces apart and never cut.
 
@@ -44,8 +45,10 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, right:
     j1.cpos    -12
     j2.cpos      4
     """
-    if not terminal():
-        for line in plain_table(headers, rows, right=right):
+    plain = plain_table(headers, rows, right=right)
+    ruled_width = max(map(len, plain)) + len(headers) + 1  # a ruled table would cut what does not fit
+    if not terminal() or ruled_width > shutil.get_terminal_size().columns:
+        for line in plain:
             click.echo(line)
         return
     from rich import box

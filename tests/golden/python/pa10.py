@@ -114,7 +114,8 @@ class Pa10(Node):
     """`w2` (W2)."""
 
     positions: ValueGroup
-    """7 words together: s1.cpos, s2.cpos, s3.cpos, e1.cpos, e2.cpos, w1.cpos, w2.cpos.
+    """7 words together: s1.cpos, s2.cpos, s3.cpos, e1.cpos, e2.cpos, w1.cpos,
+    w2.cpos.
     """
 
     set_points: ValueGroup

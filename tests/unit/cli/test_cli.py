@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import io
+import re
+import shlex
 import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
@@ -18,6 +20,9 @@ from hypothesis import strategies as st
 from unitylink import cli, errors
 from unitylink.tools.failure import Failure
 
+ROOT = Path(__file__).resolve().parents[3]
+PAGES = ("README.md", "docs/start.md", "docs/command-line.md")
+
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_every_command_has_help_with_examples(name: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -25,6 +30,27 @@ def test_every_command_has_help_with_examples(name: str, capsys: pytest.CaptureF
     out = capsys.readouterr().out
     assert "Example" in out and f"  unitylink {name}" in out
     assert max(map(len, out.splitlines())) <= 110
+
+
+def examples() -> list[str]:
+    context = click.Context(cli.cli)
+    commands = [cli.cli, *(cli.cli.get_command(context, name) for name in cli.COMMANDS)]
+    texts = [command.help or "" for command in commands if command is not None]
+    texts += [(ROOT / page).read_text("utf-8") for page in PAGES]
+    pattern = re.compile(r"^ *((?:\w.* \| )?unitylink (?!COMMAND).*)$", re.M)
+    return sorted({line for text in texts for line in pattern.findall(text)})
+
+
+@pytest.mark.parametrize("line", examples())
+def test_every_example_is_right_usage(line: str) -> None:
+    """Options and arguments of all that help and documents tell to type are taken; nothing is run."""
+    words = shlex.split(line, comments=True)
+    words = words[words.index("unitylink") + 1 :]
+    end = next((i for i, word in enumerate(words) if word in ("&&", "&", ">", "<", "|")), len(words))
+    name, *arguments = words[:end]
+    command = cli.cli.get_command(click.Context(cli.cli), name)
+    assert command is not None
+    command.make_context(name, arguments)
 
 
 def test_help_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:

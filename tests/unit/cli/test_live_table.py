@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
@@ -45,3 +46,14 @@ def test_the_table_shows_what_is_known() -> None:
     assert "tcp://[::1]:5" in shown and "-42" in shown and "a read failed" in shown
     row = next(line for line in shown.splitlines() if "b[1]" in line)
     assert row.split() == ["b[1]", "-"]
+
+
+@pytest.mark.parametrize("width", [30, 60, 80, 120])
+def test_names_and_values_stay_whole_on_a_narrow_terminal(width: int) -> None:
+    tracks = {"left.j1.cpos": Track()}
+    tracks["left.j1.cpos"].take(0.0, -1234567)
+    out = io.StringIO()
+    table = draw([Item("left.j1.cpos", 1)], tracks, Publisher(), "sim:a.ul", "", width=width)
+    Console(file=out, width=width).print(table)
+    assert "left.j1.cpos" in out.getvalue() and " -1234567 " in out.getvalue()
+    assert max(map(len, out.getvalue().splitlines())) <= width

@@ -47,3 +47,16 @@ def test_json_is_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == '{\n  "a": "µm"\n}\n'
     with pytest.raises(ValueError, match="JSON"):
         print_json(float("nan"))
+
+
+def test_a_table_wider_than_the_terminal_is_plain_and_whole(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("unitylink.tools.output.terminal", lambda: True)
+    rows = [("left.j1.cpos", "joint 1 position")]
+    monkeypatch.setenv("COLUMNS", "30")
+    print_table(("name", "id"), rows)
+    assert capsys.readouterr().out == "name          id\nleft.j1.cpos  joint 1 position\n"
+    monkeypatch.setenv("COLUMNS", "80")
+    print_table(("name", "id"), rows)
+    assert "───" in capsys.readouterr().out

@@ -225,7 +225,9 @@ def test_a_stale_or_foreign_file_is_refused(tmp_path: Path) -> None:
     source.write_text("public p() { @a = 0x0: READ(); } // a comment is no change")
     imported(path)
     source.write_text("public p() { @a = 0x1: READ(); }")
-    with pytest.raises(BindingError, match=r"robot.py is stale: .* run: unitylink generate robot.ul --out"):
+    with pytest.raises(
+        BindingError, match=r"robot.py is stale: .* run: unitylink generate \S*robot.ul --out"
+    ):
         imported(path)
     source.write_text("public p() { @a = ")
     with pytest.raises(BindingError, match="which has errors; run: unitylink check"):
@@ -235,3 +237,50 @@ def test_a_stale_or_foreign_file_is_refused(tmp_path: Path) -> None:
     path.write_text(text)
     with pytest.raises(BindingError, match=r"generated for binding version 99, this library has"):
         imported(path)
+
+
+def test_names_that_meet_in_the_module_stay_apart(fake: ModuleType, tmp_path: Path) -> None:
+    text = "public ab(^super) { TOSNET(CTRL=^super, BASE=0); @str = 0x10: READ(); part: warning(); }\n"
+    text += "public AB() { @x = 0x820: READ(); @y = 0x821: READ(); }\nwarning() { @w = 0x11: READ(); }"
+    spec = spec_of(text)
+    (file,) = write(spec, tmp_path)
+    module = imported(file)
+    first, second = module.Ab(fake.FakeLink()), module.AB(fake.FakeLink())
+    assert {v.path: v.address for v in first} == {"str": 0x10, "part.w": 0x11}
+    assert {v.path: v.address for v in second} == {"x": 0x820, "y": 0x821}
+    assert type(first.part).__name__ == "Warning2" and first.str_.path == "str"
+    assert facts(load_spec_objects(spec, fake.FakeLink(), root="ab")) == facts(first)
+    run = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "--config-file=", str(file)]
+    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_users_mistakes_are_type_errors(tmp_path: Path) -> None:
+    """Checked where a user is: outside of this checkout, with the library as it is installed."""
+    write(load(ROOT / "examples" / "scara" / "scara.ul"), tmp_path)
+    lines = {
+        "robot.j1.pos_sp.write(5)": "",
+        "robot.j1.cpos.read() + 1": "",
+        "robot.j1.cpos.write(5)": 'no attribute "write"',
+        "robot.j1.pos_sp.read()": 'no attribute "read"',
+        "robot.j1.pos_sp.write(1.5)": "incompatible type",
+        "robot.j9.pos_sp.write(1)": 'no attribute "j9"',
+        "robot.j1.cpos = 5": "Incompatible types",
+        "Scara()": "Missing positional argument",
+    }
+    head = ["import unitylink", "from scara import Scara", 'robot = Scara(unitylink.connect("sim:scara.ul"))']
+    (tmp_path / "user.py").write_text("\n".join([*head, *lines]) + "\n")
+    run = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "--config-file=", "user.py"]
+    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, check=False)
+    said = done.stdout.splitlines()
+    for number, (line, error) in enumerate(lines.items(), len(head) + 1):
+        here = [text for text in said if text.startswith(f"user.py:{number}: error")]
+        assert (len(here) == 1 and error in here[0]) if error else not here, (line, done.stdout)
+    assert f"Found {sum(map(bool, lines.values()))} errors in 1 file" in said[-1]
+
+
+def test_one_long_line_of_documentation_is_as_a_formatter_leaves_it() -> None:
+    assert docstring(4, "x" * 79) == f'"""{"x" * 79}"""'
+    two = docstring(4, "x" * 40 + " " + "y" * 40)
+    assert two == f'"""{"x" * 40}\n    {"y" * 40}\n    """'
+    assert docstring(4, "x " * 38 + "yy") == f'"""{"x " * 38}yy"""'

@@ -12,7 +12,8 @@ ROOT = Path(__file__).resolve().parents[3]
 FILES = [
     ROOT / name
     for name in subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        # safe.directory: in a container the checkout often belongs to somebody else
+        ["git", "-c", "safe.directory=*", "ls-files", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -23,6 +23,7 @@ class Configuration:
     base_hz: int = 1000
     groups: int = 4
     group_size: int = 9
+    rate_bytes: int = 2
 
     @property
     def data_bits(self) -> int:

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unitylink.errors import (
+    DeviceMismatch,
     LinkTimeout,
     NetworkError,
     OutcomeUnknown,
@@ -232,3 +233,22 @@ def test_double_buffer_commits_by_itself_only(fake: ModuleType) -> None:
     proxy = DoubleBufferProxy(fake.FakeLink(fake.DoubleBufferModel(4)), size=4)
     with pytest.raises(ValueRangeError, match=r"commit\(\) commits"):
         proxy.write(4, 1)
+
+
+def test_an_inner_batch_that_raises_takes_back_its_own_writes(fake: ModuleType) -> None:
+    model = fake.TosNetModel()
+    proxy = TosNetProxy(fake.FakeLink(model))
+    with proxy.batch():
+        proxy.write(0x84, 1)
+        with pytest.raises(KeyError), proxy.batch():
+            proxy.write(0x84, 9)
+            proxy.write(0x85, 9)
+            raise KeyError
+        proxy.write(0x86, 3)
+    assert model.history == [{0x84: 1, 0x86: 3}]
+
+
+def test_tosnet_needs_its_word_width(fake: ModuleType) -> None:
+    link = fake.FakeLink(configuration=fake.Configuration(data_bytes=2))
+    with pytest.raises(DeviceMismatch, match="words of 16 bits, a TosNet module of 32"):
+        TosNetProxy(link)

@@ -165,3 +165,26 @@ def test_fifo_double_buffer_and_memory_side_by_side() -> None:
             == [1, 2, 3, 4]
         )
         assert table.commits() == 3
+
+
+def test_a_write_that_the_network_left_pending_says_that_it_comes_later() -> None:
+    with network(cycle_s=5e-3) as (board, _, proxy):
+        proxy.write(0x84, 1)
+        board.set_online(False)
+        proxy._settled = True  # as if the network broke between our look and our commit
+        with pytest.raises(NetworkError, match="takes effect when it is back"):
+            proxy.write(0x84, 2)
+        board.set_online(True)
+        proxy.write(0x85, 3)
+        assert board.registers[0x84] == 2 and board.registers[0x85] == 3
+
+
+def test_a_word_of_a_burst_that_failed_does_not_come_with_the_next() -> None:
+    with network() as (board, _, proxy):
+        proxy.write(0x84, 1)
+        with pytest.raises(BusError):
+            proxy.write_many((0x85, 0x80), (7, 7))  # 0x80 is node 2's own: the burst ends there
+        proxy.declare_outputs([0x86])
+        del proxy._outputs[0x80]
+        proxy.write(0x86, 3)
+        assert [board.registers[a] for a in (0x84, 0x85, 0x86)] == [1, 0, 3]

@@ -54,6 +54,12 @@ def test_nothing_is_sent_where_one_value_is_wrong(fake: ModuleType) -> None:
     assert not link.log
 
 
+def test_writing_nothing_is_a_mistake(fake: ModuleType) -> None:
+    group = ValueGroup(writes(MemoryProxy(fake.FakeLink())), "targets")
+    with pytest.raises(ValueRangeError, match=r"targets: nothing to write; there are j1.pos_sp, j2.pos_sp"):
+        group.write()
+
+
 def test_last_step_as_keyword(fake: ModuleType) -> None:
     memory = MemoryProxy(fake.FakeLink())
     group = ValueGroup([WriteValue("j1.pos_sp", memory, 1), WriteValue("j1.spd_sp", memory, 2)])
@@ -119,3 +125,29 @@ def test_keys_are_unique(fake: ModuleType) -> None:
     memory = MemoryProxy(fake.FakeLink())
     with pytest.raises(ValueRangeError, match=r"two values are called j1.cpos"):
         ValueGroup([*reads(memory), *reads(memory)])
+
+
+def test_a_batch_collects_writes_to_its_link_and_others(fake: ModuleType) -> None:
+    """The writes to several links go out in threads, which must not wait for the batch of this one."""
+    models = [fake.TosNetModel(), fake.TosNetModel()]
+    first, second = (TosNetProxy(fake.FakeLink(model, url=f"link{n}")) for n, model in enumerate(models))
+    group = ValueGroup({"a": WriteValue("a", first, 0x84), "b": WriteValue("b", second, 0x84)})
+    with first.batch():
+        group.write([1, 2])
+        assert [model.history for model in models] == [[], [{0x84: 2}]]
+    assert models[0].history == [{0x84: 1}]
+
+
+def test_async_ends_all_links_before_it_raises(fake: ModuleType) -> None:
+    dead, alive = fake.FakeLink(url="dead"), fake.FakeLink(url="alive")
+    dead.fail = {1: LinkTimeout("no answer")}
+    group = ValueGroup(
+        {"a": WriteValue("a", MemoryProxy(dead), 1), "b": WriteValue("b", MemoryProxy(alive), 1)}
+    )
+
+    async def main() -> None:
+        with pytest.raises(LinkTimeout, match="group"):
+            await group.write_async([5, 6])
+        assert alive.bus.words == {1: 6}
+
+    asyncio.run(main())

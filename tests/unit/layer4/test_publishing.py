@@ -194,3 +194,12 @@ def test_recording(fake: ModuleType) -> None:
     assert times_s.tolist() == [0, 1, 2] and numbers.tolist() == [100, 101, 102]
     with pytest.raises(KeyError, match="nothing was published"):
         recording.series("v7")
+
+
+def test_a_rate_too_slow_for_the_gateware_is_named_or_polled(fake: ModuleType) -> None:
+    link = fake.FakeLink(configuration=fake.Configuration(rate_bytes=1))
+    (value,) = values(MemoryProxy(link), Publisher(), [(1, 256)])
+    with pytest.raises(DeviceMismatch, match=r"v0: .* base rate / 256; its rates have 1 byte"):
+        plan([(value, 1, 256)])
+    assert [item.mode for item in plan([(value, 1, 256)], fallback=True)] == [2]
+    assert [item.mode for item in plan([(value, 1, 255)])] == [1]

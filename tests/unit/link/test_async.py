@@ -35,6 +35,20 @@ def test_requests(link: Link, device: Any) -> None:
     asyncio.run(main())
 
 
+def test_a_cancelled_request_holds_up_nobody(link: Link, device: Any) -> None:
+    async def main() -> None:
+        device.intercept = lambda command, data: b"" if command == "R" and data[0] == 1 else None
+        stuck = asyncio.ensure_future(link.read_async(1, timeout_s=3600))
+        write = asyncio.ensure_future(link.write_async(3, 7))
+        await asyncio.sleep(0)
+        stuck.cancel()
+        write.cancel()
+        assert await asyncio.wait_for(link.read_async(2, timeout_s=1), 30) == device.memory[2]
+        assert "W" not in device.log  # it had not been sent
+
+    asyncio.run(main())
+
+
 def test_publishes(link: Link, device: Any) -> None:
     async def main() -> list[tuple[int, ...]]:
         got = []
@@ -86,6 +100,7 @@ def test_closing_ends_what_is_awaited(link: Link, device: Any) -> None:
         device.unplug()
         with pytest.raises(LinkClosed):
             await reader
-        await listener
+        with pytest.raises(LinkClosed):
+            await listener
 
     asyncio.run(main())

@@ -8,7 +8,7 @@ import socket
 from types import ModuleType
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import unitylink.layer1_stream as layer1
@@ -115,6 +115,7 @@ def test_chunks_do_not_matter(stream: bytes, data: st.DataObject) -> None:
     position=st.integers(0),
     bit=st.integers(0, 7),
 )
+@example(words=[0x8D4D6, 0x81F, 0x1052D74, 0x6E, 0x2CD08], position=48, bit=6)  # a digit becomes a head
 def test_one_wrong_bit_gives_no_wrong_value(words: list[int], position: int, bit: int) -> None:
     data = b"".join(word.to_bytes(4, "big") for word in words)
     text = bytearray(ClassicEncoder(checked=True).encode("X", data).replace(b"$X", b"$S_RM").lower())

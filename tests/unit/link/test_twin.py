@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import socket
 import threading
+from types import ModuleType
 
 import numpy as np
 import pytest
 
-from unitylink import DeviceMismatch, LinkBusy, LinkClosed, connect
+from unitylink import DeviceMismatch, LinkBusy, LinkClosed, ValueRangeError, connect
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -87,15 +90,68 @@ def test_a_board_that_goes_away(endpoint: str) -> None:
         assert link.read(1) == 0
 
 
-def test_narrow_words() -> None:
-    narrow = BoardConfiguration(data_bits=16)
+@pytest.mark.parametrize("data_bits", [8, 16, 24])
+def test_narrow_words_are_written_by_corrected_gateware_only(data_bits: int, fake: ModuleType) -> None:
+    narrow = BoardConfiguration(data_bits=data_bits)
+    highest = (1 << data_bits) - 1
     with Board(configuration=narrow) as board, connect(board.url) as link:
-        assert link.configuration.data_bits == 16
-        board.registers[3] = 0x1234
-        assert link.read(3) == 0x1234
+        assert link.configuration.data_bits == data_bits
+        link.write(3, highest)
+        assert board.registers[3] == link.read(3) == highest
+        link.write_many([4, 5], [1, highest - 1], checked=True)
+        assert link.read_many([4, 5]).tolist() == [1, highest - 1]
+        with pytest.raises(ValueRangeError, match=f"{data_bits}-bit words"):
+            link.write(3, highest + 1)
     with (
         Board(configuration=narrow) as board,
         connect(options(board.url, "gateware=2012")) as link,
-        pytest.raises(DeviceMismatch, match="2012 gateware with 16-bit words: it writes 0"),
+        pytest.raises(DeviceMismatch, match=f"2012 gateware with {data_bits}-bit words: it writes 0"),
     ):
         link.write(3, 1)
+    old = fake.FakeDevice(
+        configuration=f"01,{data_bits // 8:02x},20,02,03e8,02,10,02"
+    )  # answers "$" as in 2012
+    with connect(old.url()) as link:
+        for _ in range(2):
+            with pytest.raises(DeviceMismatch, match="2012 gateware"):
+                link.write(3, 1)
+    assert old.log.count("") == 1  # asked once
+    assert "W" not in old.log
+    old.close()
+
+
+@pytest.mark.parametrize(
+    "text", ["fifo=1", "fifo=1&window=1&crc=1", "fifo=16777216&window=65536", "fifo=1,64"]
+)
+def test_the_smallest_and_the_largest_credit(text: str) -> None:
+    with Board() as board, connect(options(board.url, text + "&timeout=5")) as link:
+        addresses = list(range(200))
+        link.write_many(addresses, addresses)
+        assert link.read_many(addresses).tolist() == addresses
+        assert link.read_each(addresses).tolist() == addresses
+        assert link.statistics().retries == 0
+
+
+@pytest.mark.parametrize("publish_mode", [1, 2])
+def test_connecting_to_a_board_that_another_program_left_publishing_in_mid_message(publish_mode: int) -> None:
+    busy = BoardConfiguration(base_hz=100_000, groups=4, publish_mode=publish_mode)
+    with Board(configuration=busy, endpoint="tcp") as board:
+        host, port = board.url.removeprefix("tcp://").split(":")
+        with socket.create_connection((host, int(port))) as other:
+            other.sendall(b"#WSA:030101\n#WSR:030001\n#WSA:0203010203\n#WSR:020002\n#WIC:000f\n#EPC\n")
+            assert other.recv(100)
+            other.sendall(b"#W:05DEAD")
+        link = None
+        while link is None:  # the board notices a moment later that the other one has left
+            with contextlib.suppress(LinkBusy):
+                link = connect(options(board.url, "fifo=1024&timeout=5"))
+        with link:
+            link.write(5, 7)
+            assert link.read(5) == 7
+            with link.subscribe([5], divisor=10) as subscription:
+                unclaimed = link.statistics().unclaimed_publishes
+                assert unclaimed > 0
+                for _ in range(3):
+                    assert subscription.wait(10)
+                    assert set(subscription.drain()[1].ravel().tolist()) == {7}
+                assert link.statistics().unclaimed_publishes == unclaimed

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import select
 import socket
+import sys
 import threading
 from pathlib import Path
 
@@ -78,6 +79,41 @@ def test_tcp_second_opener_hears_busy_and_the_next_is_let_in() -> None:
         with dial(board) as third:
             third.sendall(b"#R:10\n")
             assert line(third) == b"#S_R:00000000\n"
+
+
+def test_tcp_client_that_sends_no_more_still_gets_its_answers() -> None:
+    """As from `printf '#R:12\\n' | nc -N`; with a line that takes its time, too."""
+    for configuration in (BoardConfiguration(), BoardConfiguration(baud_hz=3_000_000)):
+        with Board(configuration=configuration, endpoint="tcp") as board:
+            client = dial(board)
+            client.sendall(b"#R:12\n" * 500)
+            client.shutdown(socket.SHUT_WR)
+            answers = b""
+            while data := client.recv(65536):
+                answers += data
+            assert answers == b"#S_R:00000000\n" * 500, "and then the board lets it go"
+            client.close()
+
+
+def test_callers_in_a_loop_do_not_keep_the_board_from_its_work() -> None:
+    with Board(endpoint="tcp") as board, Link(board.url) as link:
+        done = threading.Event()
+
+        def hammer() -> None:
+            while not done.is_set():
+                board.registers[5] = board.registers[6]
+                assert board.url
+
+        threads = [threading.Thread(target=hammer) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        try:
+            assert [link.read(7) for _ in range(50)] == [0] * 50
+        finally:
+            done.set()
+            for thread in threads:
+                thread.join()
+        assert link.statistics().timeouts == 0
 
 
 def test_udp_second_opener_hears_busy_until_the_first_says_goodbye() -> None:
@@ -259,20 +295,45 @@ def test_a_plant_that_fails_is_reported_and_the_board_goes_on(caplog: pytest.Log
     assert "Counting" in caplog.text
 
 
+def test_plants_that_cannot_be_attached_or_leave_the_program_are_reported() -> None:
+    class Lost(Counting):
+        def attach(self, spec: Spec | None, registers: Registers) -> None:
+            raise KeyError("j1")
+
+    class Leaving(Counting):
+        def step(self, time_s: float) -> None:
+            self.enough.set()
+            sys.exit(3)
+
+    with pytest.raises(UnityLinkError, match=r"Lost.attach\(\): KeyError: 'j1'"):
+        Board(plant=Lost())
+    plant = Leaving()
+    with Board(plant=plant) as board:
+        assert plant.enough.wait(10)
+        while board.error is None:
+            os.sched_yield()
+        assert "SystemExit: 3" in str(board.error)
+
+
 def test_a_plant_may_end_its_own_board() -> None:
     class Ending(Counting):
         def step(self, time_s: float) -> None:
-            made.wait()
-            board.close()
-            self.enough.set()
+            if made.is_set():
+                board.close()
+                self.enough.set()
 
     made = threading.Event()
     plant = Ending()
-    board = Board(plant=plant)
+    board = Board(plant=plant, endpoint="tcp")
+    client = dial(board)
+    client.sendall(b"#R:02\n")
+    assert line(client) == b"#S_R:00000000\n"
     made.set()
     assert plant.enough.wait(10)
+    assert client.recv(1) == b"", "its client sees it go"
     board.close()
     assert board.closed
+    client.close()
 
 
 def test_registers_refuse_what_does_not_fit() -> None:

@@ -173,6 +173,7 @@ def test_a_plant_of_ones_own_from_a_file(tmp_path: Path, spec: Spec) -> None:
     ("text", "words"),
     [
         ("", "neither a class Plant nor"),
+        ("from unitylink.simulate import Plant", "neither a class Plant nor"),
         ("1/0", "ZeroDivisionError"),
         ("def (", "SyntaxError"),
         ("raise SystemExit(3)", "SystemExit"),

@@ -68,6 +68,7 @@ PLACES = {
     "UL071_parameter_never_used": (4, 7),
     "UL072_address_never_used": (4, 17),
     "UL073_string_parameter_of_public": (1, 10),
+    "UL074_group_without_elements": (3, 4),
 }
 
 

@@ -24,7 +24,7 @@ MARK = "<!-- what follows is written by `python tests/unit/spec/test_docs.py` --
 DESCRIPTIONS = {
     "UL000": "More than 1,000 diagnostics: the rest is not listed. (A warning if all of them are.)",
     "UL001": "The file is not there, is a folder, or may not be read; the message has the system's reason.",
-    "UL003": "More than 2 MiB, or more than 300,000 tokens: divide the spec into several.",
+    "UL003": "More than 1 MiB, 240,000 words, marks and comments, or 10,000 constructors: divide the spec.",
     "UL065": "More than 255 elements of one device with the same `PUBLISH(1,n)`: it carries 255 words.",
     "UL067": "More than 256 different n in `PUBLISH(1,n)` of one device: the group number is one byte.",
     "UL068": "More than 255 elements in one group `name = path, path`: a message carries at most 255 words.",

@@ -261,6 +261,23 @@ def test_wrong_length_of_a_forwarded_vector(text: str, at: str) -> None:
     assert [(d.code, d.span.start) for d in diagnostics] == [("UL031", text.index(at))]
 
 
+@pytest.mark.parametrize(
+    ("leg", "code", "at"),
+    [
+        ("leg(): @ (a,b,c) { @a: READ(); @b: READ(); @c: READ(); }", "UL031", "leg(): @ (a"),
+        ("leg(): @a { @a: READ(); }", "UL031", "a { @a"),
+    ],
+)
+def test_all_forwarded_vectors_of_one_wrong_length_are_one_mistake(leg: str, code: str, at: str) -> None:
+    text = (
+        "public a() { p: pair() @l=(0x1,0x2), @r=(0x3,0x4); q: pair() @l=(0x5,0x6), @r=(0x7,0x8); }"
+        "pair(): @l, @r { @l: leg(); @r: leg(); } " + leg
+    )
+    diagnostics = compile_text(text).diagnostics
+    assert [(d.code, d.span.start) for d in diagnostics] == [(code, text.index(at))]
+    assert "all 4 vectors" in diagnostics[0].message
+
+
 def test_base_is_added_and_inner_tosnet_takes_over() -> None:
     text = """
     public a(ctrl,comm) {
@@ -363,6 +380,10 @@ BASE = (
         ("public", "link other; public", True),
         ("ID=n", "ID='x'+n", True),
         ("0x80", "0x81", False),
+        ("0x80", "0X080", True),
+        ("a(c)", "^a ( c )", True),
+        ("g = j.x", "h = j.x", False),
+        ("@x: READ", "@x: WRITE", False),
         ("BASE=0", "BASE=2048", False),
         ("@x: READ", "@x: signed READ", False),
         ("ID=n", "ID=n, CRC", False),

@@ -28,6 +28,15 @@ def test_exponential_expansion() -> None:
     assert codes(f"public {levels} a60() {{ }}") == {"UL038"}  # without any element
 
 
+def test_more_constructors_than_are_read() -> None:
+    assert codes("public a() { }" + "".join(f"c{i}() {{ }}" for i in range(20_000))) == {"UL003"}
+
+
+def test_more_tokens_or_comments_than_are_read() -> None:
+    assert codes("public a() {" + "/**/" * 250_000) == {"UL003"}
+    assert codes("public a() {" + "@x=0x1:READ();" * 30_000) == {"UL003", "UL021"} | {"UL000"}
+
+
 def test_exponential_groups() -> None:
     groups = "".join(f"g{i + 1} = g{i}, g{i};" for i in range(60))
     assert codes(f"public a() {{ @x = 0x1: READ(); g0 = x; {groups} }}") == {"UL038"}
@@ -37,6 +46,11 @@ def test_exponential_strings() -> None:
     levels = "".join(f"a{i}(n): @v {{ @v: a{i + 1}(n+n); }}\n" for i in range(60))
     text = f'public r() {{ a: a0("x") @v=0x1; }} {levels} a60(n): @v {{ @v: READ(ID=n); }}'
     assert codes(text) == {"UL040"}
+
+
+def test_unknown_names_in_many_groups() -> None:
+    text = "public a() {" + "".join(f"g{i} = q{i};" for i in range(30_000)) + "}"
+    assert codes(text) == {"UL027", "UL000"}
 
 
 def test_long_chains() -> None:

@@ -87,6 +87,45 @@ ONE = {
         "UL031",
         8,
     ),
+    "semicolon in arguments": (SCARA.replace('"joint 1")', '"joint 1";)'), "UL010", 3),
+    "semicolon for a comma": (SCARA.replace("0x80,", "0x80;"), "UL010", 3),
+    "semicolon for a colon": (SCARA.replace("j1:", "j1;"), "UL010", 3),
+    "semicolon between properties": (SCARA.replace('cpos", ', 'cpos"; '), "UL010", 9),
+    "semicolon in PUBLISH": (SCARA.replace("PUBLISH(1,", "PUBLISH(1;", 1), "UL010", 9),
+    "semicolon in TOSNET": (SCARA.replace("ctrl, ", "ctrl; "), "UL010", 2),
+    "semicolon before addresses": (SCARA.replace('1") @', '1"); @'), "UL010", 3),
+    "semicolon after READ": (SCARA.replace("@spd: READ", "@spd: READ;"), "UL010", 10),
+    "semicolon after signed": (SCARA.replace("signed READ", "signed; READ"), "UL010", 9),
+    "brace in arguments": (SCARA.replace('"joint 1")', '"joint 1"})'), "UL010", 3),
+    "brace for a bracket": (SCARA.replace("0x94)", "0x94}"), "UL010", 3),
+    "brace in an address list": (SCARA.replace("0x88,", "0x88},"), "UL010", 3),
+    "brace for a semicolon": (SCARA.replace("0x94);", "0x94)}"), "UL010", 3),
+    "brace between properties": (SCARA.replace('cpos", ', 'cpos"}, '), "UL010", 9),
+    "brace too early": (SCARA.replace("0x94);", "0x94);}"), "UL013", 3),
+    "braces for brackets": (SCARA.replace('("joint 1")', '{"joint 1"}'), "UL010", 3),
+    "head lost": (SCARA.replace("joint(name): @ (spd,cpos,pos_sp,spd_sp) {", ""), "UL013", 7),
+    "constructor within another": (
+        SCARA.replace("   j1:", "   inner() {\n      @x = 0x1: READ();\n   }\n   j1:").replace(
+            "   j4", "   i: inner();\n   j4"
+        ),
+        "UL010",
+        3,
+    ),
+    "public member": (SCARA.replace("j1:", "public j1:"), "UL010", 3),
+    "READ without @": (SCARA.replace('j1: joint("joint 1") @', "j1: WRITE() @"), "UL010", 3),
+    "foreign brackets": (SCARA.replace("(0x80,0x88,0x8C,0x94)", "[0x80,0x88,0x8C,0x94]"), "UL004", 3),
+    "foreign hexadecimal": (SCARA.replace("0x80", "$80"), "UL004", 3),
+    "foreign comment": (SCARA.replace("BASE=0);", "BASE=0);  # node 1; node 2: (left)"), "UL004", 2),
+    "nested comment": (SCARA.replace("j1:", "/* /* */ */ j1:"), "UL004", 3),
+    "address named twice": (SCARA.replace("(spd,cpos", "(spd,spd"), "UL023", 8),
+    "address named once too often": (SCARA.replace("(spd,cpos", "(spd,spd,cpos"), "UL023", 8),
+    "member named twice": (
+        SCARA.replace("j2:", "j1:").replace("}\njoint", "   g = j2.spd;\n}\njoint"),
+        "UL021",
+        4,
+    ),
+    "string not closed takes the last brace": (SCARA.replace('spd_SP");\n}', "spd_SP);}"), "UL006", 12),
+    "curly quotes": (SCARA.replace('"joint 2"', "“joint 2”"), "UL004", 4),
     "garbage between": (SCARA.replace("}\njoint", "}\nfoo bar 0x3;\njoint"), "UL010", 8),
 }
 
@@ -137,5 +176,20 @@ def test_near_misses() -> None:
     )
     assert hint("public a() { @x = 0x1: READ(Id='x'); }") == "did you mean `ID`?"
     assert hint("public a(c) { TOSNET(BAES=1); }") == "did you mean `BASE`?"
-    assert hint("public a() { @x = 0x1: READ(); g = qqqq; }") == ""
+    assert hint("public a() { @x = 0x1: READ(); g = qqqq; }") == "its members are `x`"
     assert "capitals" in hint("public a() { @x: read(ID='x'); }")
+    assert hint("public a() { @x = 0x1: RAED(); }") == "did you mean `READ`?"
+    assert hint("public a() { @x: Signed READ(); }") == "did you mean `signed`?"
+    assert hint("public a() { @x: unsigned READ(); }") == "words are unsigned without `signed`: remove it"
+    assert hint("public a() { @x = 0x1: READ signed(); }") == "write `signed READ`"
+    assert hint("Public a() { @x = 0x1: READ(); }") == "did you mean `public`?"
+    assert hint("public a(c) { tosnet(CTRL=c); }") == "did you mean `TOSNET`?"
+    assert hint("public a() { g = all(j); }") == "did you mean `ALL`?"
+    assert hint("public a() { j = joint(); }") == "an expansion is written `j: joint(…)`"
+    assert hint("public a() { @x = 0x1: READ(CRC,); }") == "remove the `,`"
+    assert "comments are" in hint("public a() { # comment\n }")
+
+
+def test_what_cannot_begin_anything_is_pointed_at() -> None:
+    diagnostics = compile_text("public a() {\n   @x = 0x1: READ();\n   link b;\n}\n").diagnostics
+    assert [(d.span.line, d.span.column) for d in diagnostics] == [(3, 4)]

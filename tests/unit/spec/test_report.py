@@ -20,7 +20,7 @@ error[UL010]: expected READ or WRITE after an address but found `RAED`
   |
 2 |    @speed = 0x1: RAED();
   |                  ^^^^
-  = help: to bind it to an expansion write `speed: constructor(…) @ (0x1)`
+  = help: did you mean `READ`?
 
 error[UL025]: `a` has no parameter `n`
  --> robot.ul:3:25
@@ -74,6 +74,12 @@ def test_control_characters_of_a_file_do_not_reach_the_terminal() -> None:
     assert "\x1b" not in report
     assert "\x07" not in report
     assert "\u202e" not in report
+
+
+def test_caret_stands_under_wide_and_combining_characters() -> None:
+    text = 'public a() { @x = 0x1: READ(ID="\u6f22\u5b57e\u0301"+z); }'
+    lines = render(compile_text(text).diagnostics).splitlines()
+    assert lines[3].index("z") + 2 - 1 == lines[4].index("^")  # two characters of two columns, one of none
 
 
 def test_codes_are_complete() -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import builtins
 import keyword
 import re
 from collections.abc import Hashable, Iterator
@@ -10,13 +11,11 @@ from dataclasses import dataclass
 
 from unitylink import protocol
 from unitylink.layer4_data.binding import BINDING_VERSION
-from unitylink.layer4_data.names import NODE_NAMES, python_names
+from unitylink.layer4_data.names import ATTRIBUTE_NAMES, MODULE_NAMES, python_names
 from unitylink.spec.model import Element, Group, Instance, LinkBinding, Spec
 
 from .text import WIDTH, call, docstring, quoted
 
-# What the module itself calls something, and what a class of a spec can therefore not be called.
-MODULE_NAMES = frozenset({"Link", "Node", "ReadValue", "Tree", "ValueGroup", "WriteValue"})
 PLACES_SHOWN = 6  # expansions named in a docstring; the address table has them all
 
 
@@ -73,6 +72,7 @@ class _Planner:
         self.spec = spec
         self.taken: set[str] = set(MODULE_NAMES)
         self.root_class = {root.name: self._claim(_camel(root.name)) for root in spec.roots}
+        self.table_names = {root.name: self._claim_tables(self.root_class[root.name]) for root in spec.roots}
         self.shape_class: dict[Hashable, str] = {}
         self.expansions: dict[str, list[tuple[Instance, LinkBinding]]] = {}  # class -> (where, link above)
         for root in spec.roots:
@@ -82,11 +82,15 @@ class _Planner:
         """Take a module-level name: unchanged where it is free, else numbered."""
         name = f"{name}_" if keyword.iskeyword(name) else name
         free, number = name, 1
-        while free in self.taken:
+        while free in self.taken or hasattr(builtins, free):  # a spec may have a constructor `warning`
             number += 1
             free = f"{name}{number}"
         self.taken.add(free)
         return free
+
+    def _claim_tables(self, name: str) -> tuple[str, str]:
+        prefix = f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', name).upper()}"
+        return self._claim(f"{prefix}_ADDRESSES"), self._claim(f"{prefix}_NAMES")
 
     def _collect(self, instance: Instance) -> None:
         for part in instance.instances:
@@ -125,12 +129,8 @@ class _Planner:
             classes=classes,
         )
 
-    def _table_names(self, root: Instance) -> tuple[str, str]:
-        prefix = f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', self.root_class[root.name]).upper()}"
-        return f"{prefix}_ADDRESSES", f"{prefix}_NAMES"
-
     def _tables(self, root: Instance) -> tuple[Table, Table]:
-        addresses, names = self._table_names(root)
+        addresses, names = self.table_names[root.name]
         digits = max([3, *(len(f"{element.address:X}") for element in root.walk())])
         where = tuple((quoted(e.path), f"0x{e.address:0{digits}X}") for e in root.walk())
         shown = tuple((quoted(i.path), quoted(i.display)) for i in _named(root) if i.display != i.path)
@@ -138,8 +138,8 @@ class _Planner:
 
     def _root(self, root: Instance) -> Class:
         name = self.root_class[root.name]
-        addresses, names = self._table_names(root)
-        attributes = python_names(root.parameters, {"self", "link", "tree", *self.taken})
+        addresses, names = self.table_names[root.name]
+        attributes = python_names(root.parameters, {"self", "link", "tree", "super", *self.taken})
         parameters = [attributes[p] for p in root.parameters]
         words = sum(1 for _ in root.walk())
         links = " and ".join(f"`{p}`" for p in parameters)
@@ -190,7 +190,7 @@ class _Planner:
     def _members(self, places: list[tuple[Instance, LinkBinding]]) -> tuple[Member, ...]:
         """Plan the members of a class: parts and values in source order, then the groups of them."""
         instance = places[0][0]
-        attributes = python_names([m.name for m in instance.members], NODE_NAMES | self.taken)
+        attributes = python_names([m.name for m in instance.members], ATTRIBUTE_NAMES | self.taken)
         members = []
         for index, member in enumerate(instance.members):
             attribute = attributes[member.name]

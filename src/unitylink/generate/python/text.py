@@ -44,7 +44,9 @@ def docstring(indent: int, *paragraphs: str) -> str:
         if paragraph.startswith(">>>"):
             lines.append(paragraph)
             continue
-        room = WIDTH - indent
+        # A line of its own for the quotes is for more than one line of text: a formatter would take it away.
+        only = len(clean) == 1 and indent + len(paragraph) + 3 <= WIDTH
+        room = WIDTH - indent - (3 if only else 0)
         lines += textwrap.wrap(
             paragraph,
             room,
@@ -52,6 +54,8 @@ def docstring(indent: int, *paragraphs: str) -> str:
             break_long_words=False,
             break_on_hyphens=False,
         )
+    if len(lines) == 1:  # one long word
+        return f'{lines[0]}"""'
     return "\n".join(
         (" " * indent + line if line and number else line) for number, line in enumerate(lines)
     ) + ("\n" + " " * indent + '"""')

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Subscriptions after and beside each other, what callbacks may do, and how all hear of the end."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from typing import Any
+
+import pytest
+
+from unitylink import Link, LinkBusy, LinkClosed
+from unitylink.simulate import Board, BoardConfiguration
+
+
+def publish(device: Any, subscription: Any, count: int) -> None:
+    for _ in range(count):
+        device.publish(subscription.group)
+    while subscription.available < count:
+        assert subscription.wait(10)
+
+
+def test_a_closed_subscription_has_nothing_of_the_next_one_in_its_group(link: Link, device: Any) -> None:
+    first = link.subscribe([1, 2, 3], divisor=10)
+    publish(device, first, 2)
+    first.close()
+    assert first.drain()[1].shape == (2, 3)  # what came before it was closed
+    second = link.subscribe([4], divisor=10)
+    assert second.group == first.group
+    publish(device, second, 3)
+    assert first.available == first.lost == 0
+    assert first.drain()[1].shape == (0, 3)
+    with pytest.raises(LinkClosed, match="the subscription is closed"):
+        first.wait(3600)
+    with pytest.raises(LinkClosed, match="the subscription is closed"):
+        first.on_publish(lambda time_s, words: None)
+    first.close()
+    assert second.drain()[1].tolist() == [[device.memory[4]]] * 3
+    assert device.rates[second.group] == 10
+
+
+def test_a_callback_may_read_write_and_subscribe(link: Link, device: Any) -> None:
+    done = threading.Event()
+    got: list[object] = []
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        link.write(5, 77)
+        got.append(link.read(5))
+        with link.subscribe([9], divisor=3) as other:
+            got.append(other.group)
+        done.set()
+
+    subscription = link.subscribe([1], divisor=10)
+    subscription.on_publish(callback)
+    device.publish(subscription.group)
+    assert done.wait(10)
+    assert got == [77, 1]
+
+
+@pytest.mark.parametrize("what", ["subscription", "link"])
+def test_a_callback_that_closes_is_not_called_again(link: Link, device: Any, what: str) -> None:
+    got: list[tuple[int, ...]] = []
+    closed = threading.Event()
+    subscription = link.subscribe([1], divisor=10)
+    publish(device, subscription, 20)
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        got.append(words)
+        subscription.close()
+        if what == "link":
+            link.close()
+        closed.set()
+
+    subscription.on_publish(callback)
+    assert closed.wait(10)
+    link.close()
+    assert len(got) == 1
+
+
+def test_sys_exit_in_a_callback_silences_nobody(
+    link: Link, device: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    got: list[int] = []
+    enough = threading.Event()
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        got.append(len(got))
+        if len(got) == 3:
+            enough.set()
+        raise SystemExit(1)
+
+    subscription = link.subscribe([1], divisor=10)
+    subscription.on_publish(callback)
+    for _ in range(3):
+        device.publish(subscription.group)
+    assert enough.wait(10)
+    link.close()
+    assert "failed; the publishes go on" in caplog.text
+
+
+def test_subscribing_and_closing_again_and_again(link: Link, device: Any) -> None:
+    kept = link.subscribe([7], divisor=10)
+    for round_ in range(300):
+        with link.subscribe([round_ % 256], divisor=10) as subscription:
+            assert subscription.group == 1
+            publish(device, subscription, 1)
+            assert subscription.drain()[1].tolist() == [[device.memory[round_ % 256]]]
+    publish(device, kept, 1)
+    assert kept.drain()[1].tolist() == [[device.memory[7]]]
+
+
+def test_all_who_wait_hear_that_the_port_is_gone(
+    link: Link, device: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    subscription = link.subscribe([1], divisor=10)
+    subscription.on_publish(lambda time_s, words: None)
+    thread = link._callbacks._thread
+    device.unplug()
+    with pytest.raises(LinkClosed, match="the other side closed the connection"):
+        while True:
+            subscription.wait(3600)
+
+    async def listen() -> None:
+        async for _ in subscription:
+            pass
+
+    with pytest.raises(LinkClosed, match="the other side closed the connection"):
+        asyncio.run(listen())
+    assert thread is not None
+    thread.join(10)
+    assert "no more callbacks: the link is closed (the other side closed the connection)" in caplog.text
+
+
+def test_all_who_wait_hear_that_the_board_went_to_somebody_else(link: Link, device: Any) -> None:
+    subscription = link.subscribe([1], divisor=10)
+    device.send(b"?busy\n")
+    with pytest.raises(LinkBusy):
+        while True:
+            subscription.wait(3600)
+
+
+def test_closing_is_not_an_error_to_who_iterates(link: Link, device: Any) -> None:
+    async def main() -> None:
+        subscription = link.subscribe([1], divisor=10)
+
+        async def listen() -> None:
+            async for _ in subscription:
+                raise AssertionError("nothing was published")
+
+        listener = asyncio.ensure_future(listen())
+        await asyncio.sleep(0)
+        link.close()
+        await asyncio.wait_for(listener, 10)
+        with pytest.raises(LinkClosed, match="closed by this program"):
+            subscription.wait(3600)
+
+    asyncio.run(main())
+
+
+@pytest.mark.parametrize("data_bits", [8, 32])
+def test_events(data_bits: int) -> None:
+    from unitylink import connect
+
+    edges = BoardConfiguration(data_bits=data_bits, edge_event_groups=(0, 1))
+    with Board(configuration=edges) as board, connect(board.url) as link:
+        timed = link.subscribe([1], divisor=65535)
+        subscription = link.subscribe([2], on_event=True)
+        board.registers[2] = 9
+        board.event(subscription.group)
+        assert subscription.wait(10)
+        assert subscription.drain()[1].tolist() == [[9]]
+        timed.close()
+        board.event(subscription.group)  # the other one's end did not take its event away
+        assert subscription.wait(10)
+        subscription.close()
+        again = link.subscribe([2], divisor=65535)
+        again.drain()
+        board.event(again.group)  # nobody asked for this event any more
+        assert link.read(2) == 9
+        assert again.available == 0
