@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Replays recorded exchanges of the 2012 gateware against the twin, step by step, on the device clock."""
+"""Replays recorded exchanges of the 2012 gateware against the twin, or gateware, on the device clock."""
 
 from __future__ import annotations
 
@@ -10,14 +10,23 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from .conformance_bench import CLOCKS_MOST, RULES, STEPS, RecordingError, bench, run_step, same
+from .conformance_bench import (
+    CLOCKS_MOST,
+    RULES,
+    STEPS,
+    Player,
+    RecordingError,
+    bench,
+    play_on_twin,
+    same,
+)
 
 _STATUSES = ("required", "defect", "optional")
 
 
 @dataclass(frozen=True)
 class Exchange:
-    """One exchange and how the twin did: `expected` is right, `recorded` what the 2012 gateware sent."""
+    """One exchange and how the device did: `expected` is right, `recorded` what the 2012 gateware sent."""
 
     run: int
     name: str
@@ -55,8 +64,8 @@ class Report:
         return self.failed == 0 and self.count("defect", False) == 0
 
 
-def replay(path: str | Path) -> Report:
-    """Replay every run of the recordings in `path` from reset and return how the twin did.
+def replay(path: str | Path, player: Player = play_on_twin) -> Report:
+    """Replay every run of the recordings in `path` from reset and return how the device of `player` did.
 
     Raises RecordingError when the file cannot be read or is not a set of recordings.
     """
@@ -64,7 +73,7 @@ def replay(path: str | Path) -> Report:
     right = json.loads((files("unitylink.tools") / "conformance_right.json").read_text(encoding="utf-8"))
     exchanges: list[Exchange] = []
     for position, run in enumerate(document):
-        exchanges += _replay_run(run, f"runs[{position}]", right)
+        exchanges += _replay_run(run, f"runs[{position}]", right, player)
     if not any(exchange.status == "required" for exchange in exchanges):
         raise RecordingError(f"{path}: no required exchange in it; a replay would prove nothing")
     return Report(str(path), tuple(exchanges))
@@ -83,26 +92,24 @@ def _load(path: Path) -> list[Any]:
     return runs
 
 
-def _replay_run(run: Any, place: str, right: dict[str, dict[str, str]]) -> list[Exchange]:
-    from unitylink._native import Device
-
+def _replay_run(run: Any, place: str, right: dict[str, dict[str, str]], player: Player) -> list[Exchange]:
     if (
         not isinstance(run, dict)
         or type(run.get("run")) is not int
         or not isinstance(run.get("exchanges"), list)
     ):
         raise RecordingError(f'{place}: a run has a number "run" and a list "exchanges"')
-    device = Device(bench(run.get("config", {}), place))
-    results = []
     for position, exchange in enumerate(run["exchanges"]):
+        _check(exchange, f"{place}.exchanges[{position}]")
+    configuration = bench(run.get("config", {}), place)
+    answers = player(configuration, [exchange["steps"] for exchange in run["exchanges"]])
+    results = []
+    for position, (exchange, answer) in enumerate(zip(run["exchanges"], answers, strict=True)):
         where = f"{place}.exchanges[{position}]"
-        _check(exchange, where)
         request = [
             repr(argument) if kind == "send" else f"{kind} {argument}" for kind, argument in exchange["steps"]
         ]
-        got = b"".join(run_step(device, kind, argument) for kind, argument in exchange["steps"]).decode(
-            "latin-1"
-        )
+        got = answer.decode("latin-1")
         recorded, status = exchange["response"], exchange["status"]
         expected, reason = recorded, ""
         if status == "defect":

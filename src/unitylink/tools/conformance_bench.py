@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import UnityLinkError
@@ -30,6 +31,11 @@ _DEFAULTS = {
 RULES = ("exact", "rate", "any_count")
 STEPS = ("send", "wait", "quiet", "events", "rx_error")
 CLOCKS_MOST = 10_000_000  # of one step: a recording that waits longer is a mistake
+
+
+# Takes the generics of a run and the steps of its exchanges, does them in order from reset, and returns the
+# bytes sent during each exchange.
+Player = Callable[["BoardConfiguration", Sequence[Sequence[tuple[str, Any]]]], list[bytes]]
 
 
 class RecordingError(UnityLinkError):
@@ -70,6 +76,16 @@ def bench(generics: dict[str, Any], place: str = "config") -> BoardConfiguration
         bus_error_ranges=top_bytes(0xE0, 0xEF),
         silent_ranges=top_bytes(0xF0, 0xFF),
     )
+
+
+def play_on_twin(
+    configuration: BoardConfiguration, exchanges: Sequence[Sequence[tuple[str, Any]]]
+) -> list[bytes]:
+    """Play the exchanges of one run to a twin."""
+    from unitylink._native import Device
+
+    device = Device(configuration)
+    return [b"".join(run_step(device, kind, argument) for kind, argument in steps) for steps in exchanges]
 
 
 def run_step(device: Device, kind: str, argument: Any) -> bytes:

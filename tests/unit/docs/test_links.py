@@ -46,5 +46,5 @@ def test_every_document_is_reachable_from_the_readme() -> None:
             if file.suffix == ".md" and file.exists() and file not in reached:
                 reached.add(file)
                 waiting.append(file)
-    unreached = [str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md") if p not in reached]
+    unreached = [str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md") if p not in reached]
     assert not unreached, f"no link leads from the README to {unreached}"

@@ -67,7 +67,8 @@ def test_cpp_constants_compile(tmp_path: Path) -> None:
 def test_vhdl_constants_compile_and_agree(tmp_path: Path) -> None:
     bench = tmp_path / "bench.vhd"
     bench.write_text(
-        "library ieee;\nuse ieee.std_logic_1164.all;\nuse work.protocol_pkg.all;\nentity bench is end entity;\narchitecture sim of bench is\nbegin\n"
+        "library ieee;\nuse ieee.std_logic_1164.all;\nuse work.protocol_pkg.all;\n"
+        "entity bench is end entity;\narchitecture sim of bench is\nbegin\n"
         f'  assert crc8_polynomial_c = x"{protocol.CRC8_POLYNOMIAL:02X}" severity failure;\n'
         f"  assert limits_group_size_max_c = {protocol.GROUP_SIZE_MAX} severity failure;\n"
         f'  assert reply_publish_c = "{protocol.REPLY_PUBLISH}" severity failure;\n'

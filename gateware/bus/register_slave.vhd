@@ -1,0 +1,119 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Registers on the Wishbone bus: what stands at which address is decided by the logic around it.
+--
+--   wishbone --> write_words(a)   the word last written to address a; written(a) is high in its first clock
+--   wishbone <-- read_words(a)    what a read of address a gives (connect it to write_words(a) to read back)
+--
+-- Generics  writable has a character an address, address 0 first: "0110" is four words of which 1 and 2 may be written.
+--           snapshot true: a read gives the words as they were in the clock before cyc rose. A read-many or a publish
+--           then has one moment for all its words, over every slave that does so.
+-- Latency   ack or err one clock after strobe: 2 clocks an access.
+-- Errors    err for an address that does not exist, a write of one that is not writable, and a write with a byte left out
+--           by sel (a register is written whole or not at all). Nothing changes then.
+-- Reset     write_words are zero; written is not raised for that.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.register_pkg.all;
+  use work.width_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity register_slave is
+  generic (
+    writable   : std_ulogic_vector       := "0110";
+    data_width : positive range 8 to 32 := 32;
+    snapshot   : boolean                := false
+  );
+  port (
+    clock        : in  std_ulogic;
+    reset        : in  std_ulogic; -- synchronous
+    wishbone_m2s : in  wishbone_m2s_t;
+    wishbone_s2m : out wishbone_s2m_t;
+
+    read_words  : in  word_vector_t(0 to writable'length - 1);
+    write_words : out word_vector_t(0 to writable'length - 1);
+    written     : out std_ulogic_vector(0 to writable'length - 1)
+  );
+end entity;
+
+architecture rtl of register_slave is
+
+  constant words      : positive                                := writable'length;
+  constant may_write  : std_ulogic_vector(0 to words - 1)       := writable;
+  constant index_bits : positive                                := bits_for(words);
+  constant all_bytes  : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
+
+  signal seen     : word_vector_t(0 to words - 1); -- what reads see: live, or as it was when cyc rose
+  signal word     : std_ulogic_vector(data_width - 1 downto 0);
+  signal asked    : std_ulogic;
+  signal ack, err : std_ulogic;
+
+begin
+
+  asked <= wishbone_m2s.cyc and wishbone_m2s.stb and not ack and not err;
+
+  live : if not snapshot generate
+    seen <= read_words;
+  end generate;
+
+  frozen : if snapshot generate
+    process (clock) is
+    begin
+      if rising_edge(clock) then
+        if wishbone_m2s.cyc = '0' then
+          seen <= read_words;
+        end if;
+      end if;
+    end process;
+  end generate;
+
+  process (clock) is
+    variable index : natural range 0 to words - 1;
+    variable known : boolean;
+  begin
+    if rising_edge(clock) then
+      ack     <= '0';
+      err     <= '0';
+      written <= (written'range => '0');
+
+      index := 0;
+      known := unsigned(wishbone_m2s.adr) < words;
+      if known then
+        index := to_integer(unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)));
+      end if;
+
+      if asked = '1' then
+        word <= seen(index)(data_width - 1 downto 0);
+        if not known then
+          err <= '1';
+        elsif wishbone_m2s.we = '0' then
+          ack <= '1';
+        elsif may_write(index) = '1' and wishbone_m2s.sel(all_bytes'range) = all_bytes then
+          ack                                        <= '1';
+          write_words(index)(data_width - 1 downto 0) <= wishbone_m2s.dat(data_width - 1 downto 0);
+          written(index)                             <= '1';
+        else
+          err <= '1';
+        end if;
+      end if;
+
+      if reset = '1' then
+        ack         <= '0';
+        err         <= '0';
+        written     <= (written'range => '0');
+        write_words <= (write_words'range => (others => '0'));
+      end if;
+    end if;
+  end process;
+
+  process (all) is
+  begin
+    wishbone_s2m                              <= wishbone_s2m_idle;
+    wishbone_s2m.dat(data_width - 1 downto 0) <= word;
+    wishbone_s2m.ack                          <= ack and wishbone_m2s.cyc and wishbone_m2s.stb;
+    wishbone_s2m.err                          <= err and wishbone_m2s.cyc and wishbone_m2s.stb;
+  end process;
+
+end architecture;

@@ -1,0 +1,68 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Any rate from any clock: the constants of a phase accumulator.
+--
+-- A register of phase_bits + 1 bits adds phase_increment every clock to its low phase_bits bits. Its top bit is then
+-- high for one clock at `rate_hz` on average, never more than one clock early or late, and at most 0.05 % wrong:
+--
+--   signal phase : unsigned(phase_bits(clock_hz, rate_hz) downto 0);
+--   phase <= ('0' & phase(phase'high - 1 downto 0)) + phase_increment(clock_hz, rate_hz);
+--   tick  <= phase(phase'high);
+--
+-- Integers only, so that every synthesis tool can do it while it elaborates.
+
+package rate_pkg is
+
+  -- Bits after the binary point of a rate: 1024 steps or more, half a step of rounding, 0.05 %.
+  constant rate_precision_bits : positive := 10;
+
+  -- Bits a phase needs; clock_hz below 2**30, and at most 2**20 clocks to a tick.
+  function phase_bits (clock_hz : positive; rate_hz : positive) return positive;
+
+  -- What is added every clock: rate_hz / clock_hz of a turn, rounded.
+  function phase_increment (clock_hz : positive; rate_hz : positive) return positive;
+
+end package;
+
+package body rate_pkg is
+
+  function phase_bits (clock_hz : positive; rate_hz : positive) return positive is
+    variable clocks : positive := 1;
+    variable bits   : positive := rate_precision_bits;
+  begin
+    assert clock_hz < 2 ** 30
+      report "rate_pkg: clock_hz must be below 2**30, got " & integer'image(clock_hz)
+      severity failure;
+    assert rate_hz <= clock_hz
+      report "rate_pkg: a rate of " & integer'image(rate_hz) & " Hz is above its clock of " & integer'image(clock_hz)
+      severity failure;
+    assert clock_hz / rate_hz < 2 ** 20
+      report "rate_pkg: " & integer'image(rate_hz) & " Hz is too slow for a clock of " & integer'image(clock_hz)
+      severity failure;
+    while clocks < (clock_hz + rate_hz - 1) / rate_hz loop
+      clocks := clocks * 2;
+      bits   := bits + 1;
+    end loop;
+    return bits;
+  end function;
+
+  function phase_increment (clock_hz : positive; rate_hz : positive) return positive is
+    variable remainder : natural := rate_hz;
+    variable quotient  : natural := 0;
+  begin
+    -- Long division, a bit at a time: rate_hz * 2**bits would not fit an integer.
+    for bit_index in 1 to phase_bits(clock_hz, rate_hz) loop
+      quotient := quotient * 2 + (remainder / clock_hz) * 2;
+      remainder := (remainder mod clock_hz) * 2;
+      if remainder >= clock_hz then
+        quotient  := quotient + 1;
+        remainder := remainder - clock_hz;
+      end if;
+    end loop;
+    if remainder >= clock_hz - remainder then
+      quotient := quotient + 1;
+    end if;
+    return quotient;
+  end function;
+
+end package body;

@@ -1,0 +1,56 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Pins from outside made fit for a clock: two flip-flops against metastability, then a level counts only when it has
+-- held for `stable_clocks` clocks.
+--
+-- Latency   2 + stable_clocks clocks.
+-- Reset     Takes the pins as they are, so that it makes no edge.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+entity input_filter is
+  generic (
+    width         : positive := 1;
+    stable_clocks : positive := 1 -- 1: no filter
+  );
+  port (
+    clock  : in  std_ulogic;
+    reset  : in  std_ulogic;
+    pins   : in  std_ulogic_vector(width - 1 downto 0); -- asynchronous
+    levels : out std_ulogic_vector(width - 1 downto 0)
+  );
+end entity;
+
+architecture rtl of input_filter is
+
+  type counts_t is array (0 to width - 1) of natural range 0 to stable_clocks - 1;
+
+  signal first, second : std_ulogic_vector(width - 1 downto 0); -- first may be metastable
+  signal counts        : counts_t;                              -- clocks a pin has differed from its level
+
+begin
+
+  process (clock) is
+  begin
+    if rising_edge(clock) then
+      first  <= pins;
+      second <= first;
+      for pin in 0 to width - 1 loop
+        if second(pin) = levels(pin) then
+          counts(pin) <= 0;
+        elsif counts(pin) = stable_clocks - 1 then
+          levels(pin) <= second(pin);
+          counts(pin) <= 0;
+        else
+          counts(pin) <= counts(pin) + 1;
+        end if;
+        if reset = '1' then
+          levels(pin) <= second(pin);
+          counts(pin) <= 0;
+        end if;
+      end loop;
+    end if;
+  end process;
+
+end architecture;

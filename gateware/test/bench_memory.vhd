@@ -1,0 +1,73 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The memory of the recordings: word a starts as 0x40DE0000 | (a * 257 & 0xFFFF), cut to the data width. Addresses whose
+-- top byte is E0 to EF answer with err, F0 to FF not at all. Registered acknowledge, as wishbone_memory.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.wishbone_pkg.all;
+
+entity bench_memory is
+  generic (
+    address_width : positive;
+    data_width    : positive;
+    recorded      : boolean := true  -- else all words are 0 and every address answers
+  );
+  port (
+    clock        : in  std_ulogic;
+    wishbone_m2s : in  wishbone_m2s_t;
+    wishbone_s2m : out wishbone_s2m_t
+  );
+end entity;
+
+architecture bench of bench_memory is
+
+  constant address_bytes : positive := (address_width + 7) / 8;
+
+  type memory_t is array (0 to 2 ** minimum(address_width, 16) - 1) of std_ulogic_vector(data_width - 1 downto 0);
+
+  signal answer : wishbone_s2m_t := wishbone_s2m_idle;
+
+begin
+
+  serve : process (clock)
+    variable memory : memory_t;
+    variable filled : boolean := false;
+    variable index  : natural;
+    variable top    : natural;
+  begin
+    if not filled then
+      filled := true;
+      for a in memory'range loop
+        memory(a) := (others => '0');
+        if recorded then
+          memory(a) := std_ulogic_vector(resize(
+            unsigned'(x"40DE" & to_unsigned((a * 257) mod 65536, 16)), data_width));
+        end if;
+      end loop;
+    end if;
+    if rising_edge(clock) then
+      answer <= wishbone_s2m_idle;
+      if wishbone_m2s.cyc = '1' and wishbone_m2s.stb = '1' and answer.ack = '0' and answer.err = '0' then
+        top   := to_integer(unsigned(wishbone_m2s.adr(8 * address_bytes - 1 downto 8 * address_bytes - 8)));
+        index := to_integer(unsigned(wishbone_m2s.adr(minimum(address_width, 16) - 1 downto 0)));
+        if recorded and top >= 16#F0# then
+          null;
+        elsif recorded and top >= 16#E0# then
+          answer.err <= '1';
+        else
+          answer.ack <= '1';
+          answer.dat(data_width - 1 downto 0) <= memory(index);
+          if wishbone_m2s.we = '1' then
+            memory(index) := wishbone_m2s.dat(data_width - 1 downto 0);
+          end if;
+        end if;
+      end if;
+    end if;
+  end process;
+
+  wishbone_s2m <= answer;
+
+end architecture;

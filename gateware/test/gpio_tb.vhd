@@ -1,0 +1,201 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- gpio: outputs set, cleared, read back; inputs synchronised; an event for watched pins only.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bench_pkg.all;
+  use work.wishbone_bench_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity gpio_tb is
+  generic (
+    pins          : positive range 1 to 32 := 8;
+    stable_clocks : positive := 2;
+    seed          : positive := 1
+  );
+end entity;
+
+architecture test of gpio_tb is
+
+  constant clock_period : time := 20 ns;
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal m2s   : wishbone_m2s_t := wishbone_m2s_idle;
+  signal s2m   : wishbone_s2m_t;
+  signal done  : boolean := false;
+
+  subtype pins_t is std_ulogic_vector(pins - 1 downto 0);
+
+  signal changed   : std_ulogic;
+  signal pin_in    : pins_t := (others => '0');
+  signal pin_out   : pins_t;
+  signal pin_drive : pins_t;
+  signal events    : natural := 0;
+
+begin
+
+  clock <= not clock after clock_period / 2 when not done;
+
+  dut : entity work.gpio
+    generic map (pins => pins, stable_clocks => stable_clocks)
+    port map (
+      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, changed => changed,
+      pin_in => pin_in, pin_out => pin_out, pin_drive => pin_drive);
+
+  monitor : entity work.wishbone_monitor
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
+
+  count_events : process (clock) is
+  begin
+    if rising_edge(clock) and changed = '1' then
+      events <= events + 1;
+    end if;
+  end process;
+
+  master : process is
+
+    variable random  : random_t;
+    variable word    : std_ulogic_vector(31 downto 0);
+    variable refused : boolean;
+    variable clocks  : positive;
+
+    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
+    end procedure;
+
+    procedure read (address : natural) is
+    begin
+      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
+    end procedure;
+
+    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      write(address, data);
+      check(not refused, "write of " & integer'image(address) & " was refused");
+    end procedure;
+
+    procedure write_ok (address : natural; data : natural) is
+    begin
+      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
+    begin
+      read(address);
+      check(not refused, "read of " & integer'image(address) & " was refused");
+      check_equal(word, expected, "word " & integer'image(address));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : natural) is
+    begin
+      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
+    end procedure;
+
+    procedure pause (count : natural) is
+    begin
+      for step in 1 to count loop
+        wait until rising_edge(clock);
+      end loop;
+    end procedure;
+
+    variable outputs, direction, watch, levels, new_levels : pins_t := (others => '0');
+    variable expected : natural := 0;
+    variable data     : std_ulogic_vector(31 downto 0);
+
+    function extended (bits : pins_t) return std_ulogic_vector is
+      variable result : std_ulogic_vector(31 downto 0) := (others => '0');
+    begin
+      result(pins_t'range) := bits;
+      return result;
+    end function;
+
+  begin
+    random.seed(seed);
+    pause(6);
+    reset <= '0';
+    pause(2);
+
+    check_equal(pin_drive, pins_t'(others => '0'), "pin_drive after a reset");
+    for index in 1 to 400 loop
+      data := random.vector(32);
+      case random.integer_between(0, 6) is
+        when 0 =>
+          write_ok(1, data);
+          outputs := data(pins_t'range);
+        when 1 =>
+          write_ok(2, data);
+          direction := data(pins_t'range);
+        when 2 =>
+          write_ok(3, data);
+          outputs := outputs or data(pins_t'range);
+        when 3 =>
+          write_ok(4, data);
+          outputs := outputs and not data(pins_t'range);
+        when 4 =>
+          write_ok(5, data);
+          watch := data(pins_t'range);
+        when 5 =>
+          -- Let go in the middle of a clock, as pins do.
+          new_levels := random.vector(pins);
+          pause(4);
+          wait for clock_period / 3;
+          pin_in <= new_levels;
+          pause(stable_clocks + 6);
+          if ((new_levels xor levels) and watch) /= pins_t'(others => '0') then
+            expected := expected + 1;
+          end if;
+          levels := new_levels;
+          check_equal(events, expected, "events");
+        when others =>
+          -- A spike that is over before stable_clocks is neither a level nor an event.
+          if stable_clocks > 1 then
+            wait until rising_edge(clock);
+            pin_in <= not levels;
+            wait until rising_edge(clock);
+            pin_in <= levels;
+            pause(stable_clocks + 6);
+            check_equal(events, expected, "events after a spike");
+          end if;
+      end case;
+      pause(3);
+      check_equal(pin_out, outputs, "pin_out");
+      check_equal(pin_drive, direction, "pin_drive");
+      read_expect(0, extended(levels));
+      read_expect(random.integer_between(3, 4), extended(outputs));
+      read_expect(1, extended(outputs));
+      read_expect(2, extended(direction));
+      read_expect(5, extended(watch));
+    end loop;
+    check(expected > 10, "the bench made too few events");
+
+    write(0, x"00000000");
+    check(refused, "a write of the inputs was taken");
+    read(6);
+    check(refused, "a read of +6 was answered");
+    reset <= '1';
+    pause(1);
+    reset <= '0';
+    pause(1);
+    check_equal(pin_drive, pins_t'(others => '0'), "pin_drive after a reset");
+    check_equal(pin_out, pins_t'(others => '0'), "pin_out after a reset");
+
+    pause(2);
+    report_passed("gpio_tb");
+    done <= true;
+    wait;
+  end process;
+
+  watchdog : process is
+  begin
+    wait until done for clock_period * 100000;
+    assert done
+      report "gpio_tb: not done in time"
+      severity failure;
+    wait;
+  end process;
+
+end architecture;

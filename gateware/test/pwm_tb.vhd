@@ -1,0 +1,255 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- pwm: each pulse and period measured at the pins, changes only between periods, servo pulses in microseconds and
+-- within limits.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bench_pkg.all;
+  use work.wishbone_bench_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity pwm_tb is
+  generic (
+    clock_hz : positive := 2_500_000;
+    seed     : positive := 1
+  );
+end entity;
+
+architecture test of pwm_tb is
+
+  constant clock_period : time := 20 ns;
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal m2s   : wishbone_m2s_t := wishbone_m2s_idle;
+  signal s2m   : wishbone_s2m_t;
+  signal done  : boolean := false;
+
+  constant channels     : positive := 3;
+  constant counter_bits : positive := 16;
+
+  signal pins : std_ulogic_vector(channels - 1 downto 0);
+
+  -- Of every channel: clocks of the last whole pulse, from the rise before to the last one, and how many pulses.
+  type numbers_t is array (0 to channels - 1) of natural;
+  signal high_clocks, period_clocks, pulses : numbers_t := (others => 0);
+
+begin
+
+  clock <= not clock after clock_period / 2 when not done;
+
+  dut : entity work.pwm
+    generic map (clock_hz => clock_hz, channels => channels, counter_bits => counter_bits)
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, pins => pins);
+
+  monitor : entity work.wishbone_monitor
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
+
+  meters : for channel in 0 to channels - 1 generate
+    process (clock) is
+      variable before      : std_ulogic := '0';
+      variable high, whole : natural := 0;
+    begin
+      if rising_edge(clock) then
+        whole := whole + 1;
+        if pins(channel) = '1' then
+          high := high + 1;
+        end if;
+        if pins(channel) = '1' and before = '0' then
+          period_clocks(channel) <= whole;
+          whole := 0;
+        elsif pins(channel) = '0' and before = '1' then
+          high_clocks(channel) <= high;
+          pulses(channel)      <= pulses(channel) + 1;
+          high := 0;
+        end if;
+        before := pins(channel);
+      end if;
+    end process;
+  end generate;
+
+  master : process is
+
+    variable random  : random_t;
+    variable word    : std_ulogic_vector(31 downto 0);
+    variable refused : boolean;
+    variable clocks  : positive;
+
+    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
+    end procedure;
+
+    procedure read (address : natural) is
+    begin
+      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
+    end procedure;
+
+    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      write(address, data);
+      check(not refused, "write of " & integer'image(address) & " was refused");
+    end procedure;
+
+    procedure write_ok (address : natural; data : natural) is
+    begin
+      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
+    begin
+      read(address);
+      check(not refused, "read of " & integer'image(address) & " was refused");
+      check_equal(word, expected, "word " & integer'image(address));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : natural) is
+    begin
+      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
+    end procedure;
+
+    procedure pause (count : natural) is
+    begin
+      for step in 1 to count loop
+        wait until rising_edge(clock);
+      end loop;
+    end procedure;
+
+    constant off   : natural := 0;
+    constant on_pwm : natural := 1;
+    constant servo : natural := 3;
+
+    variable period : natural;
+    variable widths, before : numbers_t;
+
+    procedure expect_channel (channel : natural; high : natural; whole : natural; slack : natural) is
+    begin
+      check(abs (high_clocks(channel) - high) <= slack,
+            "channel " & integer'image(channel) & ": a pulse of " & integer'image(high_clocks(channel)) & " clocks, not "
+            & integer'image(high));
+      check(abs (period_clocks(channel) - whole) <= slack,
+            "channel " & integer'image(channel) & ": a period of " & integer'image(period_clocks(channel)) & " clocks, not "
+            & integer'image(whole));
+    end procedure;
+
+    -- High clocks of one channel over some clocks.
+    procedure count_high (channel : natural; over : positive; expected : natural; what : string) is
+      variable high : natural := 0;
+    begin
+      for index in 1 to over loop
+        wait until rising_edge(clock);
+        if pins(channel) = '1' then
+          high := high + 1;
+        end if;
+      end loop;
+      check_equal(high, expected, what);
+    end procedure;
+
+    -- A servo pulse in clocks.
+    function clocks_of (microseconds : natural) return natural is
+    begin
+      return integer(real(microseconds) * real(clock_hz) / 1.0e6);
+    end function;
+
+  begin
+    random.seed(seed);
+    pause(6);
+    reset <= '0';
+    pause(2);
+
+    count_high(0, 100, 0, "high before it is enabled");
+
+    -- Off while the period is zero, whatever the widths.
+    write_ok(2, 10);
+    write_ok(0, on_pwm);
+    count_high(0, 100, 0, "high with no period");
+
+    for index in 1 to 12 loop
+      period := random.integer_between(4, 300);
+      write_ok(0, off);
+      write_ok(1, period);
+      for channel in 0 to channels - 1 loop
+        widths(channel) := random.integer_between(1, period - 1);
+        write_ok(2 + channel, widths(channel));
+      end loop;
+      write_ok(0, on_pwm);
+      pause(3 * period + 10);
+      for channel in 0 to channels - 1 loop
+        expect_channel(channel, widths(channel), period, 0);
+        read_expect(2 + channel, widths(channel));
+      end loop;
+      -- A new width at any time: each pulse is a whole old one or a whole new one.
+      before    := widths;
+      widths(1) := random.integer_between(1, period - 1);
+      pause(random.integer_between(0, period));
+      write_ok(3, widths(1));
+      for clock_index in 1 to 3 * period loop
+        pause(1);
+        check(high_clocks(1) = before(1) or high_clocks(1) = widths(1), "a pulse of neither width");
+        check_equal(period_clocks(1), period, "period while the width changes");
+      end loop;
+      expect_channel(1, widths(1), period, 0);
+    end loop;
+
+    -- Always and never.
+    write_ok(1, 50);
+    write_ok(2, 50);
+    write_ok(3, 0);
+    write_ok(4, 25);
+    pause(700);
+    count_high(0, 200, 200, "high clocks at a width of the whole period");
+    count_high(1, 200, 0, "high clocks at a width of zero");
+    count_high(2, 200, 100, "high clocks at half");
+
+    -- Out of the counter's range: the longest there is, and a read says so.
+    write_ok(2, x"FFFFFFFF");
+    read_expect(2, 2 ** counter_bits - 1);
+    write_ok(1, x"00010000");
+    read_expect(1, 2 ** counter_bits - 1);
+
+    -- Servo: microseconds at 50 Hz, within the limits; zero is no pulse.
+    write_ok(2, 1500);
+    write_ok(3, 10);
+    write_ok(4, 60000);
+    write_ok(0, servo);
+    read_expect(0, servo);
+    pause(clocks_of(20_000) * 5 / 2);
+    expect_channel(0, clocks_of(1500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
+    expect_channel(1, clocks_of(500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
+    expect_channel(2, clocks_of(2500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
+    write_ok(2, 0);
+    pause(clocks_of(20_000));
+    before := pulses;
+    pause(clocks_of(20_000));
+    check_equal(pulses(0), before(0), "pulses of a limp servo");
+    check(pulses(1) > before(1), "the others go on");
+
+    write_ok(0, off);
+    pause(3);
+    count_high(1, 100, 0, "high after it was disabled");
+    read(2 + channels);
+    check(refused, "a read beyond the channels was answered");
+    reset <= '1';
+    pause(1);
+    reset <= '0';
+    pause(1);
+    read_expect(2, 0);
+
+    pause(2);
+    report_passed("pwm_tb");
+    done <= true;
+    wait;
+  end process;
+
+  watchdog : process is
+  begin
+    wait until done for clock_period * 500000;
+    assert done
+      report "pwm_tb: not done in time"
+      severity failure;
+    wait;
+  end process;
+
+end architecture;

@@ -1,0 +1,244 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- quadrature_encoder turned by a random walk: every step counted, presets that lose none, index, impossible steps,
+-- snapshots.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bench_pkg.all;
+  use work.wishbone_bench_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity quadrature_encoder_tb is
+  generic (
+    data_width    : positive range 8 to 32 := 32;
+    stable_clocks : positive := 2;
+    seed          : positive := 1
+  );
+end entity;
+
+architecture test of quadrature_encoder_tb is
+
+  constant clock_period : time := 20 ns;
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal m2s   : wishbone_m2s_t := wishbone_m2s_idle;
+  signal s2m   : wishbone_s2m_t;
+  signal done  : boolean := false;
+
+  signal a, b, index : std_ulogic := '0';
+
+begin
+
+  clock <= not clock after clock_period / 2 when not done;
+
+  dut : entity work.quadrature_encoder
+    generic map (data_width => data_width, stable_clocks => stable_clocks)
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, a => a, b => b, index => index);
+
+  monitor : entity work.wishbone_monitor
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
+
+  master : process is
+
+    variable random  : random_t;
+    variable word    : std_ulogic_vector(31 downto 0);
+    variable refused : boolean;
+    variable clocks  : positive;
+    variable in_block : boolean := false; -- cyc stays high between accesses
+
+    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", in_block, word, refused, clocks);
+    end procedure;
+
+    procedure read (address : natural) is
+    begin
+      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", in_block, word, refused, clocks);
+    end procedure;
+
+    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      write(address, data);
+      check(not refused, "write of " & integer'image(address) & " was refused");
+    end procedure;
+
+    procedure write_ok (address : natural; data : natural) is
+    begin
+      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
+    begin
+      read(address);
+      check(not refused, "read of " & integer'image(address) & " was refused");
+      check_equal(word, expected, "word " & integer'image(address));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : natural) is
+    begin
+      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
+    end procedure;
+
+    procedure pause (count : natural) is
+    begin
+      for step in 1 to count loop
+        wait until rising_edge(clock);
+      end loop;
+    end procedure;
+
+    variable quarter  : natural range 0 to 3 := 0; -- of a period
+    variable position : integer := 0;
+    variable indexed  : integer := 0;
+    variable turns    : natural := 0;
+    variable wrong    : natural := 0;
+
+    function as_word (value : integer) return std_ulogic_vector is
+    begin
+      return std_ulogic_vector(resize(unsigned(to_signed(value, 32)(data_width - 1 downto 0)), 32));
+    end function;
+
+    procedure step (by : integer) is
+    begin
+      quarter := (quarter + by) mod 4;
+      a <= '1' when quarter = 1 or quarter = 2 else '0';
+      b <= '1' when quarter >= 2 else '0';
+    end procedure;
+
+    procedure settle is
+    begin
+      pause(stable_clocks + 6);
+    end procedure;
+
+    procedure expect_all is
+    begin
+      settle;
+      read_expect(0, as_word(position));
+      read_expect(1, as_word(indexed));
+      read_expect(2, as_word(turns));
+      read_expect(3, as_word(wrong));
+    end procedure;
+
+  begin
+    random.seed(seed);
+    pause(6);
+    reset <= '0';
+    pause(2);
+
+    expect_all;
+
+    -- A random walk, as fast as the filter allows, edges anywhere in a clock.
+    for walk in 1 to 60 loop
+      for count in 1 to random.integer_between(1, 30) loop
+        if random.chance(50 + 40 * (walk mod 2)) then
+          step(1);
+          position := position + 1;
+        else
+          step(-1);
+          position := position - 1;
+        end if;
+        wait for clock_period * (stable_clocks * 1000 + random.integer_between(1010, 3000)) / 1000;
+      end loop;
+      case random.integer_between(0, 5) is
+        when 0 =>
+          settle;
+          index <= '1';
+          settle;
+          index <= '0';
+          indexed := position;
+          turns   := turns + 1;
+        when 1 =>
+          settle;
+          position := random.integer_between(-2 ** (data_width - 2), 2 ** (data_width - 2) - 1);
+          write_ok(0, as_word(position));
+        when 2 =>
+          settle;
+          step(2);
+          wrong := wrong + 1;
+        when 3 =>
+          wrong := random.integer_between(0, 5);
+          write_ok(3, as_word(wrong));
+        when 4 =>
+          -- A spike shorter than the filter is no step.
+          settle;
+          if stable_clocks > 1 then
+            wait until rising_edge(clock);
+            a <= not a;
+            wait until rising_edge(clock);
+            a <= not a;
+          end if;
+        when others =>
+          null;
+      end case;
+      expect_all;
+    end loop;
+
+    -- A preset that meets a step, at every distance: the step counts before or after it, never not at all.
+    for distance in 0 to stable_clocks + 8 loop
+      settle;
+      write_ok(0, as_word(0));
+      settle;
+      step(1);
+      pause(distance);
+      write_ok(0, as_word(100));
+      settle;
+      read(0);
+      check(word = as_word(100) or word = as_word(101), "a preset that met a step gave x" & to_hstring(word));
+      check((distance > 0 or word = as_word(101)) and (distance < stable_clocks + 6 or word = as_word(100)),
+            "which of both came first");
+    end loop;
+
+    -- Wraps at the word.
+    write_ok(0, as_word(2 ** (data_width - 2) + (2 ** (data_width - 2) - 1)));
+    settle;
+    step(1);
+    settle;
+    read_expect(0, std_ulogic_vector(shift_left(to_unsigned(1, 32), data_width - 1)));
+
+    -- In a block: the position when cyc rose.
+    write_ok(0, as_word(7));
+    settle;
+    in_block := true;
+    read_expect(3, as_word(wrong));
+    step(1);
+    settle;
+    read_expect(0, as_word(7));
+    in_block := false;
+    read_expect(0, as_word(7));
+    pause(2);
+    read_expect(0, as_word(8));
+
+    write(1, x"00000000");
+    check(refused, "a write of the index position was taken");
+    read(4);
+    check(refused, "a read of +4 was answered");
+
+    -- A reset with the signals high is no step.
+    reset <= '1';
+    pause(6);
+    reset <= '0';
+    settle;
+    position := 0;
+    indexed  := 0;
+    turns    := 0;
+    wrong    := 0;
+    expect_all;
+
+    pause(2);
+    report_passed("quadrature_encoder_tb");
+    done <= true;
+    wait;
+  end process;
+
+  watchdog : process is
+  begin
+    wait until done for clock_period * 100000;
+    assert done
+      report "quadrature_encoder_tb: not done in time"
+      severity failure;
+    wait;
+  end process;
+
+end architecture;

@@ -1,0 +1,234 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- register_slave against an array of words: random reads, writes, refusals, pauses; snapshots of a block.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bench_pkg.all;
+  use work.register_pkg.all;
+  use work.wishbone_bench_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity register_slave_tb is
+  generic (
+    data_width : positive range 8 to 32 := 32;
+    snapshot   : boolean := true;
+    seed       : positive := 1
+  );
+end entity;
+
+architecture test of register_slave_tb is
+
+  constant clock_period : time := 20 ns;
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal m2s   : wishbone_m2s_t := wishbone_m2s_idle;
+  signal s2m   : wishbone_s2m_t;
+  signal done  : boolean := false;
+
+  constant words    : positive := 7;
+  constant writable : std_ulogic_vector(0 to words - 1) := "0110101";
+
+  signal read_words  : word_vector_t(0 to words - 1);
+  signal write_words : word_vector_t(0 to words - 1);
+  signal written     : std_ulogic_vector(0 to words - 1);
+  signal status      : word_vector_t(0 to words - 1) := (others => (others => '0')); -- what logic offers to be read
+  signal strobes     : natural := 0;
+
+begin
+
+  clock <= not clock after clock_period / 2 when not done;
+
+  dut : entity work.register_slave
+    generic map (writable => writable, data_width => data_width, snapshot => snapshot)
+    port map (
+      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m,
+      read_words => read_words, write_words => write_words, written => written);
+
+  mirror : for address in 0 to words - 1 generate
+    read_words(address) <= write_words(address) when writable(address) = '1' else status(address);
+  end generate;
+
+  monitor : entity work.wishbone_monitor
+    port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
+
+  count_strobes : process (clock) is
+  begin
+    if rising_edge(clock) then
+      for address in 0 to words - 1 loop
+        if written(address) = '1' then
+          strobes <= strobes + 1;
+        end if;
+      end loop;
+    end if;
+  end process;
+
+  master : process is
+
+    variable random  : random_t;
+    variable word    : std_ulogic_vector(31 downto 0);
+    variable refused : boolean;
+    variable clocks  : positive;
+    variable in_block : boolean := false; -- cyc stays high between accesses
+
+    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", in_block, word, refused, clocks);
+    end procedure;
+
+    procedure read (address : natural) is
+    begin
+      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", in_block, word, refused, clocks);
+    end procedure;
+
+    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
+    begin
+      write(address, data);
+      check(not refused, "write of " & integer'image(address) & " was refused");
+    end procedure;
+
+    procedure write_ok (address : natural; data : natural) is
+    begin
+      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
+    begin
+      read(address);
+      check(not refused, "read of " & integer'image(address) & " was refused");
+      check_equal(word, expected, "word " & integer'image(address));
+    end procedure;
+
+    procedure read_expect (address : natural; expected : natural) is
+    begin
+      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
+    end procedure;
+
+    procedure pause (count : natural) is
+    begin
+      for step in 1 to count loop
+        wait until rising_edge(clock);
+      end loop;
+    end procedure;
+
+    variable model  : word_vector_t(0 to words - 1) := (others => (others => '0'));
+    variable writes : natural := 0;
+    variable data   : word_t;
+    variable address : natural;
+
+    function is_writable (address : natural) return boolean is
+    begin
+      if address >= words then
+        return false;
+      end if;
+      return writable(address) = '1';
+    end function;
+
+    function masked (value : word_t) return word_t is
+    begin
+      return std_ulogic_vector(resize(unsigned(value(data_width - 1 downto 0)), 32));
+    end function;
+
+  begin
+    random.seed(seed);
+    pause(6);
+    reset <= '0';
+    pause(2);
+
+    for index in 1 to 600 loop
+      address := random.integer_between(0, words + 1);
+      if random.chance(10) then
+        address := 2 ** random.integer_between(3, 30); -- far outside, where low bits look inside
+      end if;
+      data := random.vector(32);
+      case random.integer_between(0, 2) is
+        when 0 =>
+          write(address, data);
+          if is_writable(address) then
+            check(not refused, "a write was refused");
+            model(address) := masked(data);
+            writes         := writes + 1;
+          else
+            check(refused, "a write of " & integer'image(address) & " was taken");
+          end if;
+          check_equal(clocks, 2, "clocks of a write");
+          pause(1); -- the next access is another block: it sees the new word even in a snapshot
+        when 1 =>
+          if address < words then
+            read_expect(address, model(address));
+          else
+            read(address);
+            check(refused, "a read of " & integer'image(address) & " was answered");
+          end if;
+          check_equal(clocks, 2, "clocks of a read");
+        when others =>
+          address := random.integer_between(0, words - 1);
+          if writable(address) = '0' then
+            status(address) <= data;
+            model(address)  := masked(data);
+          end if;
+          pause(2);
+      end case;
+      if random.chance(30) then
+        pause(random.integer_between(1, 5));
+      end if;
+    end loop;
+    pause(1);
+    check_equal(strobes, writes, "written strobes");
+
+    -- A write with a byte left out changes nothing.
+    bus_access(clock, m2s, s2m, '1', to_unsigned(1, 32), not model(1), "1110", false, word, refused, clocks);
+    check(refused, "a write of part of a word was taken");
+    read_expect(1, model(1));
+
+    -- A block sees the words of its first clock, or without snapshots the words of now.
+    status(0) <= masked(x"12345678");
+    pause(3);
+    in_block := true;
+    read_expect(0, masked(x"12345678"));
+    status(0) <= masked(x"9ABCDEF0");
+    status(3) <= masked(x"0F1E2D3C");
+    pause(3);
+    if snapshot then
+      read_expect(0, masked(x"12345678"));
+      read_expect(3, model(3));
+    else
+      read_expect(0, masked(x"9ABCDEF0"));
+      read_expect(3, masked(x"0F1E2D3C"));
+    end if;
+    in_block := false;
+    read(0);
+    pause(2);
+    read_expect(0, masked(x"9ABCDEF0"));
+    read_expect(3, masked(x"0F1E2D3C"));
+
+    -- An access that is given up in the clock of its answer is not answered later.
+    m2s <= (cyc => '1', stb => '1', we => '0', adr => x"00000001", dat => x"00000000", sel => "1111");
+    pause(1);
+    m2s <= wishbone_m2s_idle;
+    pause(3);
+
+    reset <= '1';
+    pause(1);
+    reset <= '0';
+    pause(1);
+    read_expect(1, 0);
+
+    pause(2);
+    report_passed("register_slave_tb");
+    done <= true;
+    wait;
+  end process;
+
+  watchdog : process is
+  begin
+    wait until done for clock_period * 100000;
+    assert done
+      report "register_slave_tb: not done in time"
+      severity failure;
+    wait;
+  end process;
+
+end architecture;

@@ -1,0 +1,254 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Plays a file of steps to the core and writes down what it answers, with clocks. What is right is judged by whoever wrote
+-- the steps (tests/gateware): recordings, or the twin.
+--
+-- Steps, one a line:  s HEX  send these bytes back to back
+--                     w N    wait N clocks
+--                     q N    wait until no byte has moved either way for N clocks
+--                     e N    set the event inputs to this mask
+--                     r N    pulse the physical error bits for one clock
+-- Answers:            b CLOCK BYTE  a byte has left
+--                     o CLOCK       the first byte of an `s` has entered
+--                     i CLOCK       its last byte has
+--                     t CLOCK       a bus strobe has begun
+--                     s             a step is over
+--                     end           all steps are
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use std.textio.all;
+use work.bench_pkg.all;
+use work.wishbone_pkg.all;
+
+entity replay_tb is
+  generic (
+    steps_file    : string;
+    answers_file  : string;
+    address_width : positive := 8;
+    data_width    : positive := 32;
+    base_hz       : positive := 1000;
+    groups        : positive := 2;
+    group_size    : positive := 16;
+    rate_bytes    : positive := 2;
+    read_many     : natural  := 32;
+    publish_mode  : natural  := 2;
+    with_rlc      : natural  := 1;       -- 0: no RLC
+    checksum      : string   := "crc8";
+    polynomial    : natural  := 7;
+    edge_events   : natural  := 0;
+    recorded      : natural  := 1;       -- memory as in the recordings
+    fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
+    stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
+    seed          : positive := 1
+  );
+end entity;
+
+architecture bench of replay_tb is
+
+  constant step_clocks_most : natural := 4_000_000;  -- watchdog of one step
+
+  signal clock    : std_ulogic := '0';
+  signal reset    : std_ulogic := '1';
+  signal ended    : boolean := false;
+  signal now_clock     : natural := 0;
+  signal last_activity : natural := 0;
+
+  signal rx_valid : std_ulogic := '0';
+  signal rx_ready : std_ulogic;
+  signal rx_data  : std_ulogic_vector(7 downto 0) := x"00";
+  signal core_rx_valid : std_ulogic;
+  signal core_rx_ready : std_ulogic;
+  signal core_rx_data  : std_ulogic_vector(7 downto 0);
+  signal core_tx_valid : std_ulogic;
+  signal core_tx_ready : std_ulogic;
+  signal core_tx_data  : std_ulogic_vector(7 downto 0);
+  signal rx_error : std_ulogic_vector(2 downto 0) := "000";
+  signal tx_valid : std_ulogic;
+  signal tx_ready : std_ulogic := '1';
+  signal tx_data  : std_ulogic_vector(7 downto 0);
+  signal events   : std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+  signal wishbone_m2s : wishbone_m2s_t;
+  signal wishbone_s2m : wishbone_s2m_t;
+
+  file answers : text open write_mode is answers_file;
+
+begin
+
+  clock     <= not clock after 1 ns when not ended;
+  now_clock <= now_clock + 1 when rising_edge(clock);
+
+  core : entity work.core
+    generic map (
+      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
+      group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
+      configuration_command => with_rlc = 1, checksum => checksum, polynomial => polynomial,
+      edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)))
+    port map (
+      clock => clock, reset => reset,
+      rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => rx_error,
+      tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data, events => events,
+      wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+
+  line_sides : if fifo_words > 0 generate
+    rx_fifo : entity work.fifo
+      generic map (width => 8, depth => fifo_words)
+      port map (
+        clock => clock, reset => reset,
+        write_valid => rx_valid, write_ready => rx_ready, write_data => rx_data,
+        read_valid => core_rx_valid, read_ready => core_rx_ready, read_data => core_rx_data);
+    tx_fifo : entity work.fifo
+      generic map (width => 8, depth => fifo_words)
+      port map (
+        clock => clock, reset => reset,
+        write_valid => core_tx_valid, write_ready => core_tx_ready, write_data => core_tx_data,
+        read_valid => tx_valid, read_ready => tx_ready, read_data => tx_data);
+  else generate
+    core_rx_valid <= rx_valid;
+    rx_ready      <= core_rx_ready;
+    core_rx_data  <= rx_data;
+    tx_valid      <= core_tx_valid;
+    core_tx_ready <= tx_ready;
+    tx_data       <= core_tx_data;
+  end generate;
+
+  memory : entity work.bench_memory
+    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1)
+    port map (clock => clock, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+
+  listen : process (clock)
+    variable random : random_t;
+    variable seeded : boolean := false;
+    variable strobe : std_ulogic := '0';
+    variable answer : line;
+  begin
+    if rising_edge(clock) then
+      if not seeded then
+        random.seed(seed + 1000);
+        seeded := true;
+      end if;
+      if reset = '0' and tx_valid = '1' and tx_ready = '1' then
+        write(answer, string'("b ") & integer'image(now_clock) & " " & integer'image(to_integer(unsigned(tx_data))));
+        writeline(answers, answer);
+      end if;
+      if wishbone_m2s.stb = '1' and strobe = '0' then
+        write(answer, string'("t ") & integer'image(now_clock));
+        writeline(answers, answer);
+      end if;
+      strobe := wishbone_m2s.stb;
+      if (tx_valid = '1' and tx_ready = '1') or (rx_valid = '1' and rx_ready = '1') then
+        last_activity <= now_clock;
+      end if;
+      tx_ready <= '1';
+      if random.chance(stall_percent) then
+        tx_ready <= '0';
+      end if;
+    end if;
+  end process;
+
+  play : process
+    file steps      : text open read_mode is steps_file;
+    variable random : random_t;
+    variable step   : line;
+    variable answer : line;
+    variable kind   : character;
+    variable gap    : character;
+    variable number : natural;
+    variable start  : natural;
+    variable first  : boolean;
+    variable good   : boolean;
+
+    function digit(c : character) return natural is
+    begin
+      case c is
+        when '0' to '9' => return character'pos(c) - character'pos('0');
+        when 'a' to 'f' => return character'pos(c) - character'pos('a') + 10;
+        when others =>
+          report "replay_tb: a digit of a step is " & c severity failure;
+          return 0;
+      end case;
+    end function;
+
+    procedure send(byte : natural) is
+    begin
+      while random.chance(stall_percent) loop
+        wait until rising_edge(clock);
+      end loop;
+      rx_valid <= '1';
+      rx_data  <= std_ulogic_vector(to_unsigned(byte, 8));
+      loop
+        wait until rising_edge(clock);
+        exit when rx_ready = '1';
+        assert now_clock - start < step_clocks_most
+          report "replay_tb: the core takes no more bytes" severity failure;
+      end loop;
+      rx_valid <= '0';
+    end procedure;
+
+    variable high : character;
+    variable low  : character;
+  begin
+    random.seed(seed);
+    for count in 1 to 4 loop
+      wait until rising_edge(clock);
+    end loop;
+    reset <= '0';
+    wait until rising_edge(clock);
+    while not endfile(steps) loop
+      readline(steps, step);
+      read(step, kind);
+      read(step, gap);
+      start := now_clock;
+      if kind = 's' then
+        first := true;
+        while step'length >= 2 loop
+          read(step, high);
+          read(step, low);
+          send(16 * digit(high) + digit(low));
+          if first then
+            first := false;
+            write(answer, string'("o ") & integer'image(now_clock));
+            writeline(answers, answer);
+          end if;
+        end loop;
+        write(answer, string'("i ") & integer'image(now_clock));
+        writeline(answers, answer);
+      else
+        read(step, number, good);
+        assert good report "replay_tb: a step has no number" severity failure;
+        case kind is
+          when 'w' =>
+            for count in 1 to number loop
+              wait until rising_edge(clock);
+            end loop;
+          when 'q' =>
+            while now_clock < maximum(start, last_activity) + number loop
+              wait until rising_edge(clock);
+              assert now_clock - start < step_clocks_most
+                report "replay_tb: the core does not fall quiet" severity failure;
+            end loop;
+          when 'e' =>
+            wait until rising_edge(clock);
+            events <= std_ulogic_vector(to_unsigned(number, groups));
+          when 'r' =>
+            rx_error <= std_ulogic_vector(to_unsigned(number, 3));
+            wait until rising_edge(clock);
+            rx_error <= "000";
+          when others =>
+            report "replay_tb: a step is " & kind severity failure;
+        end case;
+      end if;
+      wait for 1 ps;  -- a byte that leaves in the last clock of a step belongs to it
+      write(answer, string'("s"));
+      writeline(answers, answer);
+    end loop;
+    write(answer, string'("end"));
+    writeline(answers, answer);
+    report_passed("replay_tb");
+    ended <= true;
+    wait;
+  end process;
+
+end architecture;

@@ -1,0 +1,144 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- core: a reset at every clock while a message comes in, is executed and answered. Each time the core is quiet afterwards
+-- and then answers a read rightly, with no subscription and no publishing left.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.bench_pkg.all;
+use work.wishbone_pkg.all;
+
+entity reset_tb is
+  generic (
+    message : string := "23523a31320a"  -- bytes in hex
+  );
+end entity;
+
+architecture bench of reset_tb is
+
+  constant size : positive := message'length / 2;
+
+  signal clock        : std_ulogic := '0';
+  signal reset        : std_ulogic := '1';
+  signal ended        : boolean := false;
+  signal rx_valid     : std_ulogic := '0';
+  signal rx_ready     : std_ulogic;
+  signal rx_data      : std_ulogic_vector(7 downto 0) := x"00";
+  signal tx_valid     : std_ulogic;
+  signal tx_data      : std_ulogic_vector(7 downto 0);
+  signal wishbone_m2s : wishbone_m2s_t;
+  signal wishbone_s2m : wishbone_s2m_t;
+  signal heard        : string(1 to 300);
+  signal length       : natural := 0;
+  signal clear        : boolean := false;
+
+  function byte(text : string; place : positive) return std_ulogic_vector is
+    variable value : natural := 0;
+    variable c     : character;
+  begin
+    for digit in 2 * place - 1 to 2 * place loop
+      c := text(text'low + digit - 1);
+      if c >= 'a' then
+        value := 16 * value + character'pos(c) - character'pos('a') + 10;
+      else
+        value := 16 * value + character'pos(c) - character'pos('0');
+      end if;
+    end loop;
+    return std_ulogic_vector(to_unsigned(value, 8));
+  end function;
+
+begin
+
+  clock <= not clock after 1 ns when not ended;
+
+  dut : entity work.core
+    generic map (base_hz => 100000)
+    port map (
+      clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
+      tx_valid => tx_valid, tx_ready => '1', tx_data => tx_data,
+      wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+
+  memory : entity work.bench_memory
+    generic map (address_width => 8, data_width => 32)
+    port map (clock => clock, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+
+  listen : process (clock)
+  begin
+    if rising_edge(clock) then
+      if clear then
+        length <= 0;
+      elsif tx_valid = '1' and reset = '0' then
+        heard(length + 1) <= character'val(to_integer(unsigned(tx_data)));
+        length <= length + 1;
+      end if;
+    end if;
+  end process;
+
+  play : process
+
+    procedure tick(clocks : natural) is
+    begin
+      for c in 1 to clocks loop
+        wait until rising_edge(clock);
+      end loop;
+    end procedure;
+
+    procedure ask(text : string; reply : string) is
+    begin
+      clear <= true;
+      tick(1);
+      clear <= false;
+      for place in text'range loop
+        rx_valid <= '1';
+        rx_data  <= std_ulogic_vector(to_unsigned(character'pos(text(place)), 8));
+        wait until rising_edge(clock) and rx_ready = '1';
+      end loop;
+      rx_valid <= '0';
+      tick(45);
+      assert heard(1 to length) = reply
+        report "after a reset: " & heard(1 to length) & " instead of " & reply severity failure;
+    end procedure;
+
+  begin
+    tick(3);
+    for moment in 1 to size + 160 loop
+      reset <= '0';
+      tick(1);
+      for c in 1 to moment loop
+        if c <= size then
+          rx_valid <= '1';
+          rx_data  <= byte(message, c);
+        else
+          rx_valid <= '0';
+        end if;
+        wait until rising_edge(clock);
+      end loop;
+      rx_valid <= '0';
+      reset <= '1';
+      clear <= true;
+      tick(1);
+      reset <= '0';
+      clear <= false;
+      tick(5);
+      check_equal(length, 0, "bytes after a reset at clock " & integer'image(moment));
+      check_equal(wishbone_m2s.cyc, '0', "bus cycle after a reset");
+      ask("#R:34" & LF, "#S_R:40de3434" & LF);
+      ask("#RSI:00" & LF, "#S_RSI:000000" & LF);
+      reset <= '1';
+      tick(1);
+    end loop;
+    report_passed("reset_tb");
+    ended <= true;
+    wait;
+  end process;
+
+  watchdog : process
+  begin
+    wait for 1 ms;
+    assert ended report "reset_tb: took too long" severity failure;
+    wait;
+  end process;
+
+end architecture;

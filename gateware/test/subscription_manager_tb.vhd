@@ -1,0 +1,276 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- subscription_manager: strobes to the clock, rates, order among groups, coalescing, level and edge events, addresses of
+-- every place of every group, mask bytes.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.bench_pkg.all;
+use work.subscription_pkg.all;
+
+entity subscription_manager_tb is
+  generic (
+    groups        : positive := 4;
+    group_size    : positive := 5;
+    address_width : positive := 11;
+    period        : positive := 300
+  );
+end entity;
+
+architecture bench of subscription_manager_tb is
+
+  constant strobe_to_publish : natural := groups + 5;  -- clocks; the same always
+
+  signal clock     : std_ulogic := '0';
+  signal reset     : std_ulogic := '1';
+  signal ended     : boolean := false;
+  signal now_clock : natural := 0;
+  signal events    : std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+  signal request   : subscription_request_t := subscription_request_idle;
+  signal response  : subscription_response_t;
+
+begin
+
+  clock     <= not clock after 1 ns when not ended;
+  now_clock <= now_clock + 1 when rising_edge(clock);
+
+  dut : entity work.subscription_manager
+    generic map (
+      address_width => address_width, clock_hz => 1000 * period, base_hz => 1000, groups => groups,
+      group_size => group_size, rate_bytes => 2, edge_events => (1 => '1', others => '0'))
+    port map (clock => clock, reset => reset, events => events, request => request, response => response);
+
+  play : process
+
+    procedure tick(clocks : natural := 1) is
+    begin
+      for c in 1 to clocks loop
+        wait until rising_edge(clock);
+      end loop;
+      wait for 1 ps;
+    end procedure;
+
+    procedure look(group_number : natural; index : natural := 0) is
+    begin
+      request.group_number <= to_unsigned(group_number, 8);
+      request.index        <= to_unsigned(index, 8);
+    end procedure;
+
+    function address_of(group_number : natural; index : natural) return natural is
+    begin
+      return (group_number * 257 + index * 7 + 1) mod 2 ** minimum(address_width, 20);
+    end function;
+
+    -- In a large device most groups are small here, so that the bench stays quick.
+    function size_of(group_number : natural) return positive is
+    begin
+      if group_number mod 16 = 0 or group_number = groups - 1 or groups <= 16 then
+        return group_size;
+      end if;
+      return 1;
+    end function;
+
+    procedure fill(group_number : natural; count : positive) is
+    begin
+      for index in 0 to count - 1 loop
+        look(group_number, index);
+        request.value         <= std_ulogic_vector(to_unsigned(address_of(group_number, index), 32));
+        request.write_address <= '1';
+        if index = count - 1 then
+          request.write_count <= '1';
+        end if;
+        tick;
+        request.write_address <= '0';
+        request.write_count   <= '0';
+      end loop;
+    end procedure;
+
+    procedure rate(group_number : natural; value : natural) is
+    begin
+      look(group_number);
+      request.value      <= std_ulogic_vector(to_unsigned(value, 32));
+      request.write_rate <= '1';
+      wait until rising_edge(clock) and response.done = '1';
+      request.write_rate <= '0';
+      tick(3);
+      check_equal(response.looked, '1', "looked");
+      check_equal(to_integer(unsigned(response.rate)), value, "rate read back");
+    end procedure;
+
+    procedure mask(index : natural; value : natural) is
+    begin
+      look(0, index);
+      request.value      <= std_ulogic_vector(to_unsigned(value, 32));
+      request.write_mask <= '1';
+      tick;
+      request.write_mask <= '0';
+      wait for 1 ps;
+    end procedure;
+
+    procedure enable is
+    begin
+      request.enable <= '1';
+      tick;
+      request.enable <= '0';
+    end procedure;
+
+    procedure disable is
+    begin
+      request.disable <= '1';
+      tick;
+      request.disable <= '0';
+    end procedure;
+
+    -- Takes the publish that is due.
+    procedure taken(group_number : natural) is
+    begin
+      for waited in 1 to 4 * period loop
+        exit when response.publish = '1';
+        tick;
+      end loop;
+      check_equal(response.publish, '1', "publish of group " & integer'image(group_number));
+      check_equal(to_integer(response.publish_group), group_number, "group to publish");
+      request.publish_take <= '1';
+      tick;
+      request.publish_take <= '0';
+      tick(2);
+    end procedure;
+
+    procedure none(clocks : positive) is
+    begin
+      for c in 1 to clocks loop
+        tick;
+        check_equal(response.publish, '0', "publish without a cause");
+      end loop;
+    end procedure;
+
+    variable start : natural;
+    constant last  : natural := groups - 1;
+  begin
+    tick(2);
+    reset <= '0';
+    tick;
+    -- Every address of every group, at its place; a group not filled has none.
+    look(last);
+    tick(2);
+    check_equal(to_integer(response.count), 0, "count of an empty group");
+    check_equal(to_integer(unsigned(response.rate)), 0, "rate of a group never set");
+    for group_number in 0 to last loop
+      fill(group_number, size_of(group_number));
+    end loop;
+    for group_number in 0 to last loop
+      for index in 0 to size_of(group_number) - 1 loop
+        if index mod 16 = 0 or index = size_of(group_number) - 1 then
+          look(group_number, index);
+          tick(2);
+          check_equal(to_integer(response.count), size_of(group_number), "count");
+          check_equal(to_integer(unsigned(response.address)), address_of(group_number, index), "address");
+        end if;
+      end loop;
+    end loop;
+    -- Rate 1 in all groups: due together, served downwards and around, one period after the other to the clock.
+    for group_number in 0 to last loop
+      rate(group_number, 1);
+    end loop;
+    none(20);
+    enable;
+    start := now_clock;
+    for round in 0 to 2 loop
+      wait until rising_edge(clock) and response.publish = '1';
+      wait for 1 ps;
+      check_equal(now_clock - start, round * period + strobe_to_publish, "clocks to the publish");
+      for group_number in minimum(last, period / 8) downto 0 loop
+        if last <= period / 8 then
+          taken(group_number);
+        else
+          taken(last - (minimum(last, period / 8) - group_number));
+        end if;
+      end loop;
+      exit when last > period / 8;  -- more groups than can be served in a period
+    end loop;
+    disable;
+    tick(3);
+    if last <= period / 8 then
+      none(2 * period);
+      -- Rate 3: after two periods, then every third; causes that come meanwhile join the one that waits.
+      for group_number in 0 to last loop
+        rate(group_number, 0);
+      end loop;
+      rate(0, 3);
+      enable;
+      start := now_clock;
+      for round in 0 to 2 loop
+        wait until rising_edge(clock) and response.publish = '1';
+        wait for 1 ps;
+        check_equal(now_clock - start, (3 * round + 2) * period + strobe_to_publish, "clocks at rate 3");
+        taken(0);
+      end loop;
+      tick(7 * period);
+      taken(0);
+      none(period / 2);
+      rate(0, 0);
+      -- Events: group 0 by level, group 1 by edge, others not enabled.
+      mask(0, 3);
+      check_equal(response.mask, std_ulogic_vector'(x"03"), "mask");
+      events(1) <= '1';
+      taken(1);
+      none(2 * period);
+      events(1) <= '0';
+      tick(4);
+      events(1) <= '1';
+      tick(2);
+      events(1) <= '0';
+      tick(2);
+      events(1) <= '1';
+      tick(5);
+      taken(1);
+      none(period);
+      events(0) <= '1';
+      taken(0);
+      taken(0);
+      taken(0);
+      events(0) <= '0';
+      taken(0);
+      none(period);
+      events(2) <= '1';
+      none(period);
+      -- An event while publishing is off is not lost.
+      disable;
+      events(0) <= '1';
+      tick;
+      events(0) <= '0';
+      none(50);
+      enable;
+      taken(0);
+      none(period);
+      -- Of a rate and an event of the same group the rate is served first, the event after it.
+      rate(0, 1);
+      tick(period);
+      taken(0);
+      events(0) <= '1';
+      tick;
+      events(0) <= '0';
+      tick(period);
+      taken(0);
+      taken(0);
+      rate(0, 0);
+      mask(0, 0);
+      check_equal(response.mask, std_ulogic_vector'(x"00"), "mask cleared");
+      events(0) <= '1';
+      none(period);
+    end if;
+    report_passed("subscription_manager_tb");
+    ended <= true;
+    wait;
+  end process;
+
+  watchdog : process
+  begin
+    wait for 10 ms;
+    assert ended report "subscription_manager_tb: took too long" severity failure;
+    wait;
+  end process;
+
+end architecture;

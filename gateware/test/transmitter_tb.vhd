@@ -1,0 +1,183 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- speller and transmitter: tokens to characters, every text, every checksum, under random stalls; a byte a clock without.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.application_pkg.all;
+use work.bench_pkg.all;
+use work.datalink_pkg.all;
+
+entity transmitter_tb is
+  generic (
+    checksum : string  := "crc8";
+    stalls   : natural := 40  -- percent
+  );
+end entity;
+
+architecture bench of transmitter_tb is
+
+  signal clock       : std_ulogic := '0';
+  signal reset       : std_ulogic := '1';
+  signal ended       : boolean := false;
+  signal token_valid : std_ulogic := '0';
+  signal token_ready : std_ulogic;
+  signal token_data  : token_t := (others => '0');
+  signal word_valid  : std_ulogic;
+  signal word_ready  : std_ulogic;
+  signal word_data   : word_t;
+  signal tx_valid    : std_ulogic;
+  signal tx_ready    : std_ulogic := '1';
+  signal tx_data     : std_ulogic_vector(7 downto 0);
+
+  signal heard  : string(1 to 200);
+  signal length : natural := 0;
+  signal clear  : boolean := false;
+  signal first, last, now_clock : natural := 0;
+
+begin
+
+  clock     <= not clock after 1 ns when not ended;
+  now_clock <= now_clock + 1 when rising_edge(clock);
+
+  spell : entity work.speller
+    port map (
+      clock => clock, reset => reset,
+      token_valid => token_valid, token_ready => token_ready, token_data => token_data,
+      word_valid => word_valid, word_ready => word_ready, word_data => word_data);
+
+  transmit : entity work.transmitter
+    generic map (checksum => checksum)
+    port map (
+      clock => clock, reset => reset,
+      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
+
+  listen : process (clock)
+    variable random : random_t;
+  begin
+    if rising_edge(clock) then
+      if clear then
+        length <= 0;
+      elsif tx_valid = '1' and tx_ready = '1' then
+        if length = 0 then
+          first <= now_clock;
+        end if;
+        last <= now_clock;
+        heard(length + 1) <= character'val(to_integer(unsigned(tx_data)));
+        length <= length + 1;
+      end if;
+      tx_ready <= '1';
+      if random.chance(stalls) then
+        tx_ready <= '0';
+      end if;
+    end if;
+  end process;
+
+  play : process
+
+    procedure give(token : token_t) is
+    begin
+      token_valid <= '1';
+      token_data  <= token;
+      wait until rising_edge(clock) and token_ready = '1';
+      token_valid <= '0';
+    end procedure;
+
+    procedure head(c : character) is
+    begin
+      give(token_head & std_ulogic_vector(to_unsigned(character'pos(c), 8)));
+    end procedure;
+
+    procedure bytes(data : std_ulogic_vector) is
+      constant flat : std_ulogic_vector(data'length - 1 downto 0) := data;
+    begin
+      for byte in data'length / 8 - 1 downto 0 loop
+        give(token_byte & flat(8 * byte + 7 downto 8 * byte));
+      end loop;
+    end procedure;
+
+    procedure expect(text : string) is
+    begin
+      give(token_tail & x"00");
+      for c in 1 to 40 loop
+        wait until rising_edge(clock);
+      end loop;
+      assert heard(1 to length) = text & LF
+        report "transmitter_tb: " & heard(1 to length) & " instead of " & text severity failure;
+      if stalls = 0 then
+        check_equal(last - first + 1, length, "clocks of " & text);
+      end if;
+      clear <= true;
+      wait until rising_edge(clock);
+      clear <= false;
+      wait until rising_edge(clock);
+    end procedure;
+
+    function sum(crc8 : string; xor8 : string) return string is
+    begin
+      if checksum = "crc8" then
+        return "*" & crc8;
+      elsif checksum = "xor" then
+        return "*" & xor8;
+      end if;
+      return "";
+    end function;
+
+  begin
+    wait until rising_edge(clock);
+    wait until rising_edge(clock);
+    reset <= '0';
+    wait until rising_edge(clock);
+    head('#');
+    give(token(text_read));
+    bytes(x"40DE1212");
+    expect("#S_R:40de1212");
+    head('$');
+    give(token(text_read));
+    bytes(x"40DE1212");
+    expect("$S_R:40de1212" & sum("2d", "c0"));
+    head('&');
+    give(token(text_publish));
+    bytes(x"000240de101040de1111");
+    expect("&PUB:000240de101040de1111" & sum("ba", "45"));
+    head('%');
+    give(token(text_publish));
+    bytes(x"00");
+    expect("%PUB:00");
+    -- What ends in an error has no checksum, and the next message has its own.
+    head('$');
+    give(token(text_read_many));
+    bytes(x"A9");
+    give(token(text_bus_timeout));
+    expect("$S_RM:a9?E_BAT");
+    head('$');
+    give(token(text_write));
+    expect("$S_W" & sum("f4", "5b"));
+    head('?');
+    bytes(x"F4");
+    expect("?f4");
+    head('#');
+    give(token(text_comma));
+    bytes(x"2C0123456789ABCDEF");
+    expect("#,2c0123456789abcdef");
+    for text in text_t loop
+      head('#');
+      give(token(text));
+      expect("#" & spelling(text));
+    end loop;
+    report_passed("transmitter_tb");
+    ended <= true;
+    wait;
+  end process;
+
+  watchdog : process
+  begin
+    wait for 1 ms;
+    assert ended report "transmitter_tb: took too long" severity failure;
+    wait;
+  end process;
+
+end architecture;

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The interconnect and the slaves for user logic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_wishbone_interconnect(ghdl: Any, seed: int) -> None:
+    ghdl.run("wishbone_interconnect_tb", seed=seed)
+
+
+def test_a_broken_address_map_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("wishbone_interconnect_tb", "slaves 0 and 1 overlap", broken_map=1)
+    ghdl.refuse("wishbone_interconnect_tb", "slave 3 passes the last address", broken_map=2)
+
+
+@pytest.mark.parametrize("data_width", [8, 12, 32])
+@pytest.mark.parametrize("snapshot", [False, True])
+def test_register_slave(ghdl: Any, data_width: int, snapshot: bool) -> None:
+    ghdl.run("register_slave_tb", data_width=data_width, snapshot=snapshot)
+
+
+@pytest.mark.parametrize("data_width", [8, 16, 32])
+@pytest.mark.parametrize("words", [2, 5, 16])
+def test_double_buffer_slave(ghdl: Any, data_width: int, words: int) -> None:
+    ghdl.run("double_buffer_slave_tb", data_width=data_width, words=words, seed=words)
+
+
+def test_double_buffer_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("double_buffer_slave", tmp_path, words=16)
+
+
+@pytest.mark.parametrize("entity", ["wishbone_interconnect", "register_slave"])
+def test_synthesis(ghdl: Any, entity: str) -> None:
+    assert f"entity {entity} is" in ghdl.synthesise(entity)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The core in GHDL answers the recordings of the 2012 gateware, and its defects rightly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from unitylink.tools.conformance import Report, difference, replay
+
+FILE = Path(__file__).parents[1] / "conformance" / "classic-transcripts.json"
+
+
+def wrong(report: Report, status: str) -> str:
+    return "\n\n".join(
+        "\n".join([f"run {e.run}, {e.name}", *difference(e)])
+        for e in report.exchanges
+        if e.status == status and not e.passed
+    )
+
+
+def test_recordings(rtl: Any) -> None:
+    report = replay(FILE, rtl)
+    failures = wrong(report, "required") + wrong(report, "defect")
+    assert not failures, failures
+    assert report.passed == 366
+    assert report.count("defect", True) == 57
+    assert {f"{e.run}/{e.name}" for e in report.exchanges if e.status == "optional" and not e.passed} == {
+        "49/lite_crc",
+        "49/lite_bad",
+        "49/lite_rm",
+    }

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The benches of the core's entities, each over the generics that matter to it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+BENCHES: list[tuple[str, dict[str, Any]]] = [
+    ("fifo_tb", {"depth": 2}),
+    ("fifo_tb", {"depth": 16, "seed": 5}),
+    ("decoder_tb", {}),
+    ("receiver_tb", {"checksum": "crc8"}),
+    ("receiver_tb", {"checksum": "xor"}),
+    ("receiver_tb", {"checksum": "none"}),
+    ("transmitter_tb", {"checksum": "crc8"}),
+    ("transmitter_tb", {"checksum": "crc8", "stalls": 0}),
+    ("transmitter_tb", {"checksum": "xor"}),
+    ("transmitter_tb", {"checksum": "none"}),
+    ("request_buffer_tb", {"complete": True}),
+    ("request_buffer_tb", {"complete": False}),
+    ("application_tb", {"publish_mode": 2}),
+    ("application_tb", {"publish_mode": 2, "stalls": 60}),
+    ("application_tb", {"publish_mode": 1}),
+    ("application_tb", {"publish_mode": 0}),
+    ("wishbone_master_tb", {}),
+    ("wishbone_memory_tb", {"words": 24, "data_width": 32}),
+    ("wishbone_memory_tb", {"words": 256, "data_width": 16}),
+    ("subscription_manager_tb", {"groups": 4, "group_size": 5}),
+    ("subscription_manager_tb", {"groups": 16, "group_size": 32, "address_width": 32}),
+    ("subscription_manager_tb", {"groups": 256, "group_size": 255}),
+]
+
+
+@pytest.mark.parametrize(
+    ("bench", "generics"), BENCHES, ids=lambda v: v if isinstance(v, str) else "-".join(map(str, v.values()))
+)
+def test_bench(ghdl: Any, bench: str, generics: dict[str, Any]) -> None:
+    ghdl.run(bench, **generics)
+
+
+def test_generics_that_may_not_be(ghdl: Any) -> None:
+    ghdl.refuse("fifo_tb", "depth must be a power of two", depth=3)
+    ghdl.refuse("receiver_tb", "checksum must be crc8, xor or none", checksum="crc16")
+    ghdl.refuse("subscription_manager_tb", "lower base_hz", groups=16, period=12)

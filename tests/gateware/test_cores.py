@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The first peripherals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+@pytest.mark.parametrize("stable_clocks", [1, 2, 5])
+def test_input_filter(ghdl: Any, stable_clocks: int) -> None:
+    ghdl.run("input_filter_tb", stable_clocks=stable_clocks)
+
+
+@pytest.mark.parametrize(("pins", "stable_clocks"), [(1, 2), (8, 1), (32, 3)])
+def test_gpio(ghdl: Any, pins: int, stable_clocks: int) -> None:
+    ghdl.run("gpio_tb", pins=pins, stable_clocks=stable_clocks)
+
+
+@pytest.mark.parametrize("clock_hz", [1_000_000, 2_500_000, 3_333_333])
+def test_pwm(ghdl: Any, clock_hz: int) -> None:
+    ghdl.run("pwm_tb", clock_hz=clock_hz)
+
+
+@pytest.mark.parametrize(("data_width", "stable_clocks"), [(32, 1), (32, 2), (16, 5)])
+def test_quadrature_encoder(ghdl: Any, data_width: int, stable_clocks: int) -> None:
+    ghdl.run("quadrature_encoder_tb", data_width=data_width, stable_clocks=stable_clocks)
+
+
+@pytest.mark.parametrize(("data_width", "depth", "seed"), [(32, 8, 1), (32, 2, 2), (16, 32, 3), (8, 4, 4)])
+def test_fifo_slave(ghdl: Any, data_width: int, depth: int, seed: int) -> None:
+    ghdl.run("fifo_slave_tb", data_width=data_width, depth=depth, seed=seed)
+
+
+def test_a_depth_the_word_cannot_count_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("fifo_slave_tb", "does not fit a word of 8 bits", data_width=8, depth=256)
+
+
+@pytest.mark.parametrize(("entity", "generics"), [("gpio", {"stable_clocks": 1}), ("quadrature_encoder", {})])
+def test_netlist(ghdl: Any, tmp_path: Path, entity: str, generics: dict[str, int]) -> None:
+    ghdl.run_netlist(entity, tmp_path, **generics)
+
+
+@pytest.mark.parametrize("entity", ["input_filter", "pwm", "fifo_slave"])
+def test_synthesis(ghdl: Any, entity: str) -> None:
+    assert f"entity {entity} is" in ghdl.synthesise(entity)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every entity has a bench and a page, and every page says what the entity's generics are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FILES = [file for file in sorted((ROOT / "gateware").rglob("*.vhd")) if "test" not in file.parts]
+ENTITIES = {
+    match.group(1): file
+    for file in FILES
+    for match in re.finditer(r"^entity (\w+) is", file.read_text(encoding="utf-8"), re.MULTILINE)
+}
+BENCHES = "\n".join(
+    file.read_text(encoding="utf-8") for file in (ROOT / "gateware" / "test").glob("*_tb.vhd")
+)
+PAGES = "\n".join(file.read_text(encoding="utf-8") for file in (ROOT / "docs" / "gateware").glob("*.md"))
+
+
+@pytest.mark.parametrize("entity", ENTITIES)
+def test_entity_has_a_bench_and_a_page(entity: str) -> None:
+    assert f"entity work.{entity}\n" in BENCHES, f"no bench in gateware/test instantiates {entity}"
+    assert re.search(rf"\b{entity}\b", PAGES), f"no page in docs/gateware names {entity}"
+
+
+@pytest.mark.parametrize(
+    "page", sorted(set(ENTITIES) & {file.stem for file in (ROOT / "docs" / "gateware").glob("*.md")})
+)
+def test_page_names_every_generic(page: str) -> None:
+    text = (ROOT / "docs" / "gateware" / f"{page}.md").read_text(encoding="utf-8")
+    source = ENTITIES[page].read_text(encoding="utf-8")
+    block = re.search(rf"entity {page} is\s+generic \((.*?)\n  \);", source, re.DOTALL)
+    names = re.findall(r"^    (\w+)\s*:", block.group(1), re.MULTILINE) if block else []
+    missing = [name for name in names if not re.search(rf"\b{name}\b", text)]
+    assert not missing, f"docs/gateware/{page}.md does not name the generics {missing}"
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_files_are_short_and_licensed(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("-- SPDX-License-Identifier: BSD-3-Clause")
+    assert len(text.splitlines()) <= 450
+    assert all(len(line) <= 130 for line in text.splitlines())

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What GHDL synthesises of the core does the same as the source, byte for byte and clock for clock."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from unitylink.tools.conformance_bench import bench
+
+GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
+REPLAY = ["common/fifo.vhd", "test/bench_pkg.vhd", "test/bench_memory.vhd", "test/replay_tb.vhd"]
+
+
+def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
+    ghdl._call("-m", "--std=08", "-Wno-hide", "core")
+    netlist = ghdl._call("--synth", "--std=08", "core")
+    assert "warning:" not in netlist
+    folder = tmp_path / "netlist"
+    folder.mkdir()
+    # GHDL tells of the memories it found on its other stream, which stands last.
+    (folder / "core.vhd").write_text(
+        netlist[: netlist.rindex("end rtl;") + len("end rtl;\n")], encoding="utf-8"
+    )
+    packages = sorted(GATEWARE.rglob("*_pkg.vhd"))
+    sources = {*packages, *(GATEWARE / name for name in REPLAY), folder / "core.vhd"}
+    synthesised = type(rtl)(type(ghdl)(folder, sorted(sources)), folder)
+
+    configuration = bench({})  # the netlist has the default generics
+    messages = [
+        "#RLC\n$RLC*9B\n#R:12\n$R:12*58\n$R:12*59\n#W:20DEADBEEF\n#R:20\n#RM:03101112\n",
+        "#R:E3\n#RM:0311E312\n#R:zz\n#R:1\n%\n#X\n#WSA:0103\n#R:F5\n#R:00\n",
+        "#WSA:0103202122\n#WSR:010001\n#RSI:01\n#WSA:000112\n#WIC:0001\n#RIC\n#EPC\n",
+    ]
+    exchanges: list[list[tuple[str, Any]]] = [[("send", text), ("quiet", 300)] for text in messages]
+    exchanges.append([("events", 1), ("wait", 300), ("events", 0), ("rx_error", 5), ("quiet", 300)])
+    expected, times = rtl(configuration, exchanges, stall_percent=20), list(rtl.times)
+    assert b"&PUB:01" in expected[2]
+    assert b"&PUB:00" in expected[3]
+    assert synthesised(configuration, exchanges, stall_percent=20) == expected
+    assert synthesised.times == times

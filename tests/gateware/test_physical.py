@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The UART: every parity, clocks to a bit from the fewest allowed to many, whole and broken bauds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PARITIES = ["none", "even", "odd"]
+
+
+@pytest.mark.parametrize("parity", PARITIES)
+@pytest.mark.parametrize(
+    ("clock_hz", "baud_hz"),
+    [(8_000_000, 1_000_000), (50_000_000, 6_000_000), (50_000_000, 3_000_000), (1_000_000, 9_600)],
+    ids=["8 clocks a bit", "8.3", "16.7", "104.2"],
+)
+def test_uart_rx(ghdl: Any, parity: str, clock_hz: int, baud_hz: int) -> None:
+    size = 12 if baud_hz == 9_600 else 60
+    ghdl.run("uart_rx_tb", parity=parity, clock_hz=clock_hz, baud_hz=baud_hz, bytes=size)
+
+
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_uart_rx_with_other_data(ghdl: Any, seed: int) -> None:
+    ghdl.run("uart_rx_tb", parity="even", clock_hz=8_300_000, baud_hz=1_000_000, seed=seed)
+
+
+@pytest.mark.parametrize("parity", PARITIES)
+@pytest.mark.parametrize("stop_bits", [1, 2])
+@pytest.mark.parametrize(("clock_hz", "baud_hz"), [(12_300_000, 3_000_000), (50_000_000, 3_000_000)])
+def test_uart_tx(ghdl: Any, parity: str, stop_bits: int, clock_hz: int, baud_hz: int) -> None:
+    ghdl.run("uart_tx_tb", parity=parity, stop_bits=stop_bits, clock_hz=clock_hz, baud_hz=baud_hz)
+
+
+@pytest.mark.parametrize("parity", PARITIES)
+@pytest.mark.parametrize("baud_hz", [1_000_000, 3_000_000])
+def test_uart_both_ways_and_errors_in_their_place(ghdl: Any, parity: str, baud_hz: int) -> None:
+    ghdl.run("uart_tb", parity=parity, baud_hz=baud_hz, bytes=100 if baud_hz == 1_000_000 else 300)
+
+
+def test_rates(ghdl: Any) -> None:
+    ghdl.run("rate_pkg_tb")
+
+
+def test_a_clock_too_slow_for_the_baud_rate_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("uart_rx_tb", "uart_rx: a bit needs 8 clocks or more", clock_hz=7_000_000, baud_hz=1_000_000)
+    ghdl.refuse("uart_tx_tb", "uart_tx: a bit needs 4 clocks or more", clock_hz=3_000_000, baud_hz=1_000_000)
+
+
+@pytest.mark.parametrize("entity", ["uart_rx", "uart_tx"])
+def test_netlist(ghdl: Any, tmp_path: Path, entity: str) -> None:
+    ghdl.run_netlist(entity, tmp_path, bytes=20)
+
+
+def test_synthesis(ghdl: Any) -> None:
+    assert "entity uart is" in ghdl.synthesise("uart")
