@@ -64,9 +64,9 @@ architecture rtl of subscription_manager is
   signal filled  : flags_t := (others => '0');  -- has addresses
   signal active  : flags_t := (others => '0');  -- has a rate other than 0; its memory word counts
   signal due     : flags_t := (others => '0');
-  signal event   : flags_t := (others => '0');
+  signal tripped : flags_t := (others => '0');
   signal enabled : flags_t := (others => '0');  -- its event input triggers
-  signal before  : flags_t := (others => '0');  -- its event input one clock ago
+  signal past    : flags_t := (others => '0');  -- its event input one clock ago
   signal wanting : flags_t;
 
   signal address : std_ulogic_vector(address_width - 1 downto 0);
@@ -76,13 +76,13 @@ architecture rtl of subscription_manager is
   signal divider    : natural range 0 to period - 1 := 0;
   signal strobe     : std_ulogic := '0';  -- seen, and the groups not yet looked at
 
-  type task_t is (
+  type phase_t is (
     waiting,   -- for a strobe or a new rate
     looking,   -- at one group after the other
     changing   -- a rate: the old word is in `word`
   );
 
-  signal task         : task_t := waiting;
+  signal phase        : phase_t := waiting;
   signal scan         : group_t := 0;
   signal word         : unsigned(2 * rate_bits - 1 downto 0);
   signal word_next    : unsigned(2 * rate_bits - 1 downto 0);
@@ -127,14 +127,14 @@ begin
     report "subscription_manager: at least groups + 5 clocks must lie between two strobes; lower base_hz" severity failure;
 
   group_number <= to_integer(request.group_number) when request.group_number < groups else 0;
-  read_group   <= scan when task = looking else group_number;
-  wanting      <= filled and (due or event);
+  read_group   <= scan when phase = looking else group_number;
+  wanting      <= filled and (due or tripped);
 
   -- What becomes of the word that was read: counted one strobe further, or with its new rate.
   count_on : process (all)
   begin
     word_next <= word_rate & (word_strobes + 1);
-    if task = changing then
+    if phase = changing then
       word_next <= unsigned(request.value(rate_bits - 1 downto 0)) & to_unsigned(0, rate_bits);
       if active(word_group) = '1' and word_strobes < unsigned(request.value(rate_bits - 1 downto 0)) then
         word_next <= unsigned(request.value(rate_bits - 1 downto 0)) & word_strobes;
@@ -156,7 +156,7 @@ begin
         counts(group_number) <= request.index + 1;
       end if;
       count <= counts(group_number);
-      if word_scanned = '1' or task = changing then
+      if word_scanned = '1' or phase = changing then
         rates(word_group) <= word_next;
       end if;
       word <= rates(read_group);
@@ -166,7 +166,7 @@ begin
   divide : process (clock)
   begin
     if rising_edge(clock) then
-      if task = looking and scan = groups - 1 then
+      if phase = looking and scan = groups - 1 then
         strobe <= '0';
       end if;
       if publishing = '0' then
@@ -198,29 +198,29 @@ begin
       looked       <= '0';
       word_group   <= read_group;
 
-      case task is
+      case phase is
         when waiting =>
           scan   <= 0;
           looked <= '1';
           if strobe = '1' and word_scanned = '0' then
-            task <= looking;
+            phase <= looking;
           elsif request.write_rate = '1' and done = '0' and word_scanned = '0' then
-            task <= changing;
+            phase <= changing;
           end if;
         when looking =>
           word_scanned <= active(scan) and filled(scan);
           if scan = groups - 1 then
-            task <= waiting;
+            phase <= waiting;
           else
             scan <= scan + 1;
           end if;
         when changing =>
           done <= '1';
-          task <= waiting;
+          phase <= waiting;
       end case;
 
       if reset = '1' then
-        task <= waiting;
+        phase <= waiting;
         word_scanned <= '0';
         done         <= '0';
       end if;
@@ -234,13 +234,13 @@ begin
         if due(choice) = '1' then
           due(choice) <= '0';
         else
-          event(choice) <= '0';
+          tripped(choice) <= '0';
         end if;
       end if;
       if word_scanned = '1' and word_strobes + 1 >= word_rate then
         due(word_group) <= '1';
       end if;
-      if task = changing then
+      if phase = changing then
         active(word_group) <= or request.value(rate_bits - 1 downto 0);
         if unsigned(request.value(rate_bits - 1 downto 0)) = 0 then
           due(word_group) <= '0';
@@ -249,10 +249,10 @@ begin
       if request.write_count = '1' then
         filled(group_number) <= '1';
       end if;
-      before <= events;
+      past <= events;
       for g in 0 to groups - 1 loop
-        if enabled(g) = '1' and events(g) = '1' and (before(g) = '0' or edge_events(g) = '0') then
-          event(g) <= '1';
+        if enabled(g) = '1' and events(g) = '1' and (past(g) = '0' or edge_events(g) = '0') then
+          tripped(g) <= '1';
         end if;
         if request.write_mask = '1' and request.index = g / 8 then
           enabled(g) <= request.value(g mod 8);
@@ -262,9 +262,9 @@ begin
         filled  <= (others => '0');
         active  <= (others => '0');
         due     <= (others => '0');
-        event   <= (others => '0');
+        tripped <= (others => '0');
         enabled <= (others => '0');
-        before  <= (others => '0');
+        past    <= (others => '0');
       end if;
     end if;
   end process;
@@ -277,7 +277,7 @@ begin
       -- While the groups are looked at the choice waits, so that all that become due together are seen together.
       if request.publish_take = '1' then
         last_served <= choice;
-      elsif publishing = '1' and strobe = '0' and task = waiting and looked = '1' then
+      elsif publishing = '1' and strobe = '0' and phase = waiting and looked = '1' then
         publish <= or wanting;
       end if;
       if reset = '1' then
