@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from .board import Board, BoardStatistics
-from .configuration import (
+from unitylink.board_configuration import (
     BoardConfiguration,
     DoubleBufferConfiguration,
     FifoConfiguration,
     TosnetConfiguration,
     TosnetNode,
 )
+
+from .board import Board, BoardStatistics
 from .plant import DEFAULT_PLANT, PLANTS, Plant, load_plant
 from .plants import Echo, LoopbackPlant, Ramp, RampPlant, ScaraPlant, WordPlant
 from .registers import Registers

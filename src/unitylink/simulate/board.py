@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from unitylink import _native
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, ValueRangeError
 from unitylink.spec.model import Spec
 
-from .configuration import BoardConfiguration
 from .plant import AnyPlant, check_plant
 from .plants.ramp import RampPlant
 from .plants.words import WordPlant

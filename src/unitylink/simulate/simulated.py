@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from urllib.parse import parse_qsl, urlencode
 
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.spec import load
 
 from .board import Board
-from .configuration import BoardConfiguration
 from .plant import DEFAULT_PLANT, load_plant
 
 _BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}

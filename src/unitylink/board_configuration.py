@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a virtual board is made of: the generics of the gateware and what stands around it."""
+"""What gateware a spec asks for: its generics and what stands around it, on a virtual board and in VHDL."""
 
 from __future__ import annotations
 
