@@ -15,6 +15,7 @@
     ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
     ├── UrlError                   a link URL that cannot be understood (ValueError)
     ├── SpecError                  a UL-spec with errors; carries .diagnostics
+    ├── ToolError                  a program that compiles gateware is missing or refuses its input
     └── BindingError               a generated file that does not belong to this library, spec or link
 
 Whose fault it is can be read from the branch: `LinkError` is the world outside, the others are the caller's.
@@ -123,6 +124,10 @@ class SpecError(UnityLinkError):
     def __init__(self, report: str, diagnostics: Sequence[object] = ()) -> None:
         super().__init__(report)
         self.diagnostics = tuple(diagnostics)
+
+
+class ToolError(UnityLinkError):
+    """A program that compiles gateware (ghdl, verilator …) is missing, or refused its input."""
 
 
 class BindingError(UnityLinkError):

@@ -28,6 +28,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
     "layer4_data": {"layer3_hardware", "layer2_message", "spec", *SHARED},
     "simulate": {"board_configuration", "spec", "_native", *SHARED},
+    "gateware": SHARED,
     "connection": {"layer2_message", "simulate", "spec", *SHARED},
 }
 UNRESTRICTED = {"tools", "cli", "__main__", "__init__"}

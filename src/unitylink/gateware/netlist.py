@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Verilog netlist of an entity: GHDL's, mended."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from .ghdl import Generic, Ghdl
+from .repairs import repaired
+from .sources import gateware_sources
+
+
+def netlist(top: str, *, sources: Sequence[Path] = (), generics: Mapping[str, Generic] | None = None) -> str:
+    """Return the netlist of the entity `top`, as Verilog for Verilator and yosys.
+
+    `top` is of the gateware, or of `sources`, which are analysed with it; `generics` override its own. A top
+    level has ports of named types only: no unconstrained arrays, none of width 0. Raises ToolError.
+
+        netlist("core", generics={"address_width": 16, "publish_mode": 0})
+    """
+    with tempfile.TemporaryDirectory(prefix="unitylink-netlist-") as folder:
+        ghdl = Ghdl(Path(folder), [*gateware_sources(), *(path.resolve() for path in sources)])
+        return repaired(ghdl.synthesise(top, "verilog", generics), ghdl.synthesise(top, "vhdl", generics))

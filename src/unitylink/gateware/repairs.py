@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What GHDL 2.0 prints wrongly in Verilog, without a word, and how it is put right.
+
+The same netlist printed as VHDL is right and has the same net names, so what is missing is taken from there.
+What a GHDL prints right is left alone.
+"""
+
+from __future__ import annotations
+
+import re
+
+from unitylink.errors import ToolError
+
+_VERILOG_WORDS = """
+always assign automatic buf deassign defparam design disable edge endcase endfunction endmodule endtask
+force forever fork highz0 highz1 initial input integer join large localparam macromodule medium module
+negedge output posedge primitive pull0 pull1 real realtime reg scalared signed small specify strong0
+strong1 supply0 supply1 table task time tri tri0 tri1 triand trior trireg unsigned vectored wand wire
+wor bit break byte class const constraint continue do endclass enum export extern final import int
+interface logic longint new package priority program protected pure rand ref return shortint static
+string struct super this typedef union unique var virtual void
+"""  # but those that VHDL keeps for itself too
+
+_MODULE = re.compile(r"module\s+(\S+)")
+_CASE = re.compile(r"\s*case \(")
+_ARM = re.compile(r"\s*(?:\d+'[bh][0-9a-fxz]+|(default)): (\S+) <= ", re.IGNORECASE)
+_ARCHITECTURE = re.compile(r"^architecture\s+\S+\s+of\s+(\S+)\s+is", re.IGNORECASE | re.MULTILINE)
+_SELECT = re.compile(
+    r"^\s*with\s+\S+\s+select\s+(\S+)\s*<=\s*(.*?);", re.IGNORECASE | re.DOTALL | re.MULTILINE
+)
+_OTHERS = re.compile(r"(?:^|,)\s*([^,]*?)\s+when\s+others\s*$", re.IGNORECASE | re.DOTALL)
+_DECLARED = re.compile(
+    r"^\s*(?:signal\s+(\w+)\s*:|(\w+)\s*:\s*(?:in|out|inout)\s)", re.IGNORECASE | re.MULTILINE
+)
+
+
+def repaired(verilog: str, vhdl: str) -> str:
+    """Return the netlist `verilog` with what GHDL left out taken from its twin `vhdl`; raise ToolError."""
+    refuse_verilog_words(vhdl)
+    return with_sized_constants(with_default_arms(verilog, vhdl))
+
+
+def with_default_arms(verilog: str, vhdl: str) -> str:
+    """Give every `case` its default arm, which GHDL 2.0 leaves out (ghdl#2041, right from 3.0 on).
+
+    Without it a tool makes a latch of the case, or believes that what is missing never happens.
+    """
+    defaults = _default_arms(vhdl)
+    out: list[str] = []
+    module = target = ""
+    complete = False
+    for line in verilog.split("\n"):
+        if found := _MODULE.match(line):
+            module = found.group(1).lower()
+        elif _CASE.match(line):
+            target, complete = "", False
+        elif found := _ARM.match(line):
+            target = found.group(2)
+            complete = complete or found.group(1) is not None
+        elif line.strip() == "endcase" and not complete:
+            value = defaults.get((module, target.lower()))
+            if value is None:
+                raise ToolError(
+                    f"GHDL left the default arm of a case out: net {target!r} of {module}, and what it was "
+                    "is not known; GHDL 3 or newer prints it"
+                )
+            out.append(f"      default: {target} <= {value};")
+        out.append(line)
+    return "\n".join(out)
+
+
+def with_sized_constants(verilog: str) -> str:
+    """Print constants wider than 32 bits as numbers: GHDL 2.0 prints strings, which Verilog reads as ASCII.
+
+    A constant of no bits, which Verilog has not, becomes one bit that nobody reads.
+    """
+    sized = re.sub(
+        r'"([01xz]{2,})"', lambda m: f"{len(m.group(1))}'b{m.group(1).lower()}", verilog, flags=re.I
+    )
+    return re.sub(r"= 0'b\w*;", "= 1'b0;", sized)
+
+
+def refuse_verilog_words(vhdl: str) -> None:
+    """Raise ToolError for a signal or port that has a name of Verilog's: GHDL 2.0 prints it as it is."""
+    names = {a or b for a, b in _DECLARED.findall(vhdl)}
+    if clash := sorted(name for name in names if name.lower() in _VERILOG_WORDS.split()):
+        raise ToolError(
+            f"{', '.join(clash)}: a word of Verilog, through which the design goes; "
+            "choose another name for the signal"
+        )
+
+
+def _default_arms(vhdl: str) -> dict[tuple[str, str], str]:
+    """Return (module, net) -> the Verilog of its `when others`."""
+    arms = {}
+    starts = list(_ARCHITECTURE.finditer(vhdl))
+    for start, end in zip(starts, [*(m.start() for m in starts[1:]), len(vhdl)], strict=True):
+        body, module = vhdl[start.end() : end], start.group(1).lower()
+        for net, choices in _SELECT.findall(body):
+            if others := _OTHERS.search(choices):
+                arms[module, net.lower()] = _verilog(others.group(1).strip(), body)
+    return arms
+
+
+def _verilog(value: str, architecture: str) -> str:
+    """Translate the value of an arm: a bit, a string of bits, an aggregate of one bit, or a net."""
+    if found := re.fullmatch(r"'(.)'", value):
+        return f"1'b{_bits(found.group(1))}"
+    if found := re.fullmatch(r'"([\w-]+)"', value):
+        return f"{len(found.group(1))}'b{_bits(found.group(1))}"
+    if found := re.fullmatch(r"\((\d+) downto 0 => '(.)'\)", value, re.IGNORECASE):
+        return f"{{{int(found.group(1)) + 1}{{1'b{_bits(found.group(2))}}}}}"
+    if re.fullmatch(r"\w+", value):
+        # In the VHDL only, the top level's own ports are wrapped: declared so, without a space.
+        return value.removeprefix("wrap_") if f"signal {value}: " in architecture else value
+    raise ToolError(f"GHDL left a default arm out whose value {value!r} is not understood; GHDL 3 prints it")
+
+
+def _bits(text: str) -> str:
+    return re.sub(r"[^01z]", "x", text.lower())

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the VHDL of the gateware is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+_CHECKOUT = Path(__file__).resolve().parents[3] / "gateware"
+
+
+def gateware_folder() -> Path:
+    """Return the folder that holds core.vhd; raise ToolError when this installation came without it."""
+    if not (_CHECKOUT / "core.vhd").is_file():
+        raise ToolError(
+            f"the VHDL of the gateware is not at {_CHECKOUT}: this needs a checkout of Unity-Link, "
+            "installed with `pip install --editable`"
+        )
+    return _CHECKOUT
+
+
+def gateware_sources() -> tuple[Path, ...]:
+    """Return every VHDL file of the gateware but its benches, by name; GHDL finds the order itself."""
+    folder = gateware_folder()
+    return tuple(
+        path for path in sorted(folder.rglob("*.vhd")) if path.relative_to(folder).parts[0] != "test"
+    )
