@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every diagnostic code: one file that gives it, it alone, at one place."""
+"""Every diagnostic code: a spec that gives it, alone and at one place; and the mended spec, which gives none.
+
+The specs are those of src/unitylink/spec/explanations; those too long for a page are built here.
+"""
 
 from __future__ import annotations
 
@@ -7,69 +10,11 @@ from pathlib import Path
 
 import pytest
 
+import unitylink.spec
 from unitylink.spec import CODES, Result, compile_file, compile_text
+from unitylink.spec.explain import explain
 
-ERRORS = Path(__file__).parent / "errors"
-
-# file -> line, column of its diagnostic
-PLACES = {
-    "UL002_not_utf8": (2, 32),
-    "UL004_unexpected_character": (2, 27),
-    "UL005_comment_never_ends": (2, 22),
-    "UL006_string_never_ends": (2, 22),
-    "UL007_unknown_escape": (2, 29),
-    "UL008_malformed_number": (2, 9),
-    "UL009_name_too_long": (2, 5),
-    "UL010_unexpected_token": (2, 17),
-    "UL011_missing_semicolon": (2, 20),
-    "UL012_brace_never_closed": (1, 12),
-    "UL013_closing_brace_alone": (4, 1),
-    "UL014_keyword_as_name": (2, 5),
-    "UL015_unknown_property": (2, 27),
-    "UL016_property_twice": (2, 27),
-    "UL017_second_header": (2, 1),
-    "UL018_header_not_first": (4, 1),
-    "UL019_address_not_hexadecimal": (2, 9),
-    "UL020_constructor_twice": (7, 1),
-    "UL021_member_twice": (3, 5),
-    "UL022_parameter_twice": (4, 7),
-    "UL023_address_twice": (4, 14),
-    "UL024_unknown_constructor": (2, 7),
-    "UL025_unknown_parameter": (5, 18),
-    "UL026_unknown_address": (6, 5),
-    "UL027_unknown_group_member": (4, 21),
-    "UL028_all_matches_nothing": (3, 15),
-    "UL029_no_public_constructor": (1, 1),
-    "UL030_wrong_argument_count": (2, 7),
-    "UL031_wrong_address_count": (2, 20),
-    "UL032_bindings_do_not_fit": (2, 14),
-    "UL033_address_bound_twice": (2, 22),
-    "UL034_constructor_expands_itself": (9, 7),
-    "UL035_group_contains_itself": (4, 4),
-    "UL036_public_takes_addresses": (1, 8),
-    "UL037_run_time_parameter_as_string": (3, 22),
-    "UL038_expansion_too_large": (1, 8),
-    "UL039_nested_too_deep": (1, 8),
-    "UL040_string_too_long": (5, 16),
-    "UL041_second_tosnet": (3, 4),
-    "UL050_beyond_32_bits": (2, 9),
-    "UL051_two_elements_at_one_address": (3, 24),
-    "UL052_read_and_write_of_one_word": (3, 15),
-    "UL053_outside_tosnet_memory": (3, 9),
-    "UL054_tosnet_access_rights": (3, 9),
-    "UL060_publish_on_write": (2, 20),
-    "UL061_publish_mode": (2, 27),
-    "UL062_divisor_zero": (2, 29),
-    "UL063_divisor_too_large": (2, 29),
-    "UL064_more_than_a_2012_group": (33, 5),
-    "UL066_more_than_2012_groups": (18, 5),
-    "UL069_element_twice_in_group": (4, 17),
-    "UL070_constructor_never_expanded": (4, 1),
-    "UL071_parameter_never_used": (4, 7),
-    "UL072_address_never_used": (4, 17),
-    "UL073_string_parameter_of_public": (1, 10),
-    "UL074_group_without_elements": (3, 4),
-}
+SHOWN = [code for code in CODES if explain(code).wrong]
 
 
 def _flat(*members: str) -> str:
@@ -80,11 +25,25 @@ def _reads(count: int, divisor: str) -> list[str]:
     return [f"@x{i} = 0x{i:X}: READ(PUBLISH(1,{divisor or i + 1}));" for i in range(count)]
 
 
+def _ten_times(levels: int) -> str:
+    bodies = [" ".join(f"m{i}: c{level + 1}();" for i in range(10)) for level in range(levels)]
+    return "public " + "".join(f"c{level}() {{ {body} }}\n" for level, body in enumerate(bodies))
+
+
+def _nested(levels: int) -> str:
+    return "public " + "".join(f"c{level}() {{ c: c{level + 1}(); }}\n" for level in range(levels))
+
+
 # code -> text, line and column: those whose text is too long for a file, and the other codes it also gives
-BUILT = {
+BUILT: dict[str, tuple[str | bytes, tuple[int, int], set[str]]] = {
     "UL000": (_flat("@;" * 1200), (2, 2003), {"UL010"}),
+    "UL002": (_flat('@x = 0x1: READ(ID="speed in µm/s");').encode("latin-1"), (2, 32), set()),
     "UL003": (" " * (2 * 1024 * 1024 + 1), (1, 1), set()),
+    "UL038": (_ten_times(5) + "c5() { @x = 0x1: READ(); }", (1, 8), set()),
+    "UL039": (_nested(65) + "c65() { @x = 0x1: READ(); }", (1, 8), set()),
+    "UL064": (_flat(*_reads(32, "10")), (33, 5), set()),
     "UL065": (_flat(*_reads(256, "10")), (257, 5), set()),
+    "UL066": (_flat(*_reads(17, "")), (18, 5), set()),
     "UL067": (_flat(*_reads(257, "")), (258, 5), {"UL066"}),
     "UL068": (
         _flat("all = p;", "p: p();") + "p() {" + "".join(f"@x{i}=0x{i:X}:READ();" for i in range(256)) + "}",
@@ -102,9 +61,19 @@ def _only(result: Result, code: str, place: tuple[int, int]) -> None:
     assert (result.spec is None) == (diagnostic.severity == "error")
 
 
-@pytest.mark.parametrize("name", PLACES)
-def test_file_gives_its_code_and_nothing_else(name: str) -> None:
-    _only(compile_file(ERRORS / f"{name}.ul"), name[:5], PLACES[name])
+@pytest.mark.parametrize("code", SHOWN)
+def test_wrong_example_gives_its_code_and_nothing_else(code: str) -> None:
+    page = explain(code)
+    result = compile_text(page.wrong)
+    _only(result, code, (page.line, page.column))
+    span = result.diagnostics[0].span
+    assert max(1, span.end - span.start) == page.width
+    assert result.diagnostics[0].hint or code == "UL010"  # there the message says what was expected
+
+
+@pytest.mark.parametrize("code", SHOWN)
+def test_mended_example_is_without_diagnostic(code: str) -> None:
+    assert compile_text(explain(code).mended).diagnostics == ()
 
 
 @pytest.mark.parametrize("code", BUILT)
@@ -122,12 +91,17 @@ def test_file_that_is_not_there(tmp_path: Path) -> None:
     _only(compile_file("a\0b.ul"), "UL001", (1, 1))
 
 
-def test_every_code_has_a_test_and_every_file_a_code() -> None:
-    assert {name[:5] for name in PLACES} | set(BUILT) | {"UL001"} == set(CODES)
-    assert {path.stem for path in ERRORS.glob("*.ul")} == set(PLACES)
+def test_every_code_has_an_example() -> None:
+    assert set(CODES) == {*SHOWN, *BUILT, "UL001"}
 
 
-@pytest.mark.parametrize("name", PLACES)
-def test_every_diagnostic_says_what_to_do(name: str) -> None:
-    if name[:5] != "UL010":  # what was expected is said in the message
-        assert compile_file(ERRORS / f"{name}.ul").diagnostics[0].hint
+def test_every_page_is_a_code() -> None:
+    folder = Path(unitylink.spec.__file__).parent / "explanations"
+    assert {page.stem for page in folder.glob("*.md")} == {*CODES, "README"}
+
+
+def test_pages_have_their_form() -> None:
+    for code in CODES:
+        text = explain(code).text
+        assert len(text) > 20 and "```" not in text
+        assert max(map(len, text.splitlines())) <= 130

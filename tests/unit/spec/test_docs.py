@@ -13,29 +13,19 @@ import re
 from pathlib import Path
 
 import unitylink.spec
-from unitylink.spec import CODES, Diagnostic, compile_file, compile_text, format_text
+from unitylink.spec import CODES, Diagnostic, compile_text, format_text
+from unitylink.spec.explain import explain
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "docs" / "ul-spec.md"
-ERRORS = Path(__file__).parent / "errors"
 MARK = "<!-- what follows is written by `python tests/unit/spec/test_docs.py` -->\n\n"
-
-# Those whose example would be too long for a page, or is no text.
-DESCRIPTIONS = {
-    "UL000": "More than 1,000 diagnostics: the rest is not listed. (A warning if all of them are.)",
-    "UL001": "The file is not there, is a folder, or may not be read; the message has the system's reason.",
-    "UL003": "More than 1 MiB, 240,000 words, marks and comments, or 10,000 constructors: divide the spec.",
-    "UL065": "More than 255 elements of one device with the same `PUBLISH(1,n)`: it carries 255 words.",
-    "UL067": "More than 256 different n in `PUBLISH(1,n)` of one device: the group number is one byte.",
-    "UL068": "More than 255 elements in one group `name = path, path`: a message carries at most 255 words.",
-}
 
 
 def entry(code: str, diagnostic: Diagnostic | None) -> str:
     """Return the part of the page about one code."""
     text = f"### {code}: {CODES[code].title} ({CODES[code].severity})\n"
     if diagnostic is None:
-        return f"{text}\n{DESCRIPTIONS[code]}\n"
+        return f"{text}\n{explain(code).text}\n"
     indent = len(diagnostic.excerpt) - len(diagnostic.excerpt.lstrip())
     line = diagnostic.excerpt.strip()
     caret = " " * (diagnostic.caret - indent) + "^" * diagnostic.width
@@ -46,12 +36,11 @@ def entry(code: str, diagnostic: Diagnostic | None) -> str:
 
 
 def section() -> str:
-    """Return the list of all diagnostics, from the example files of the tests."""
-    files = {path.stem[:5]: path for path in ERRORS.glob("*.ul")}
+    """Return the list of all diagnostics, from the examples of their explanations."""
     parts = []
     for code in CODES:
-        diagnostic = compile_file(files[code]).diagnostics[0] if code in files else None
-        parts.append(entry(code, diagnostic))
+        wrong = explain(code).wrong
+        parts.append(entry(code, compile_text(wrong).diagnostics[0] if wrong else None))
     return "\n".join(parts)
 
 

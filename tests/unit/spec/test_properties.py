@@ -13,15 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unitylink.errors import SpecError
-from unitylink.spec import Diagnostic, Instance, Spec, compile_text, format_text, render
+from unitylink.spec import CODES, Diagnostic, Instance, Spec, compile_text, format_text, render
+from unitylink.spec.explain import explain
 
 ROOT = Path(__file__).parents[3]
 VALID = [path.read_text("utf-8") for path in sorted(ROOT.glob("examples/*/*.ul"))]
-ERRORS = [
-    path.read_text("utf-8")
-    for path in sorted((Path(__file__).parent / "errors").glob("*.ul"))
-    if "UL002" not in path.name
-]
+ERRORS = [explain(code).wrong for code in CODES if explain(code).wrong]
 WORDS = re.split(
     " ",
     "link public TOSNET CTRL BASE COMM UART READ WRITE ID CRC PUBLISH ALL signed ^READ a b joint x "

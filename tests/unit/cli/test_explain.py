@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink explain`. (That every code has a true page: tests/unit/spec/test_codes.py)"""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from unitylink import cli
+from unitylink.spec import CODES
+
+
+def test_explains_with_the_example_marked(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "ul013"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("UL013, error: closing brace without an opening one\n")
+    assert "    }\n    }\n    ^\n" in out and "Right:" in out
+
+
+def test_lists_all_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain"]) == 0
+    listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]]
+    assert listed == list(CODES)
+
+
+def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "UL011", "--json"]) == 0
+    (page,) = json.loads(capsys.readouterr().out)
+    assert page["code"] == "UL011" and (page["line"], page["column"]) == (2, 20)
+    assert page["mended"].count(";") == page["wrong"].count(";") + 1
+
+
+def test_unknown_code(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "UL999"]) == 1
+    error = capsys.readouterr().err
+    assert "there is no code 'UL999'" in error and "help: " in error
