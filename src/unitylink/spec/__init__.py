@@ -8,25 +8,51 @@
 
 from __future__ import annotations
 
+from .annotation import Annotation
 from .codes import CODES, Code
 from .compile import Result, compile_file, compile_text, load
-from .diagnostics import Diagnostic, render, summary
+from .diagnostics import Diagnostic, Fix, Label, render, summary
 from .format import format_text
-from .model import Element, Group, Instance, LinkBinding, Member, Publish, Span, Spec
+from .model import (
+    Component,
+    Device,
+    Element,
+    Group,
+    Instance,
+    Link,
+    LinkBinding,
+    Member,
+    Publish,
+    Span,
+    Spec,
+    SubscriptionGroup,
+)
+from .types import EnumType, EnumValue, Field, ValueType
 
 __all__ = [
     "CODES",
+    "Annotation",
     "Code",
+    "Component",
+    "Device",
     "Diagnostic",
     "Element",
+    "EnumType",
+    "EnumValue",
+    "Field",
+    "Fix",
     "Group",
     "Instance",
+    "Label",
+    "Link",
     "LinkBinding",
     "Member",
     "Publish",
     "Result",
     "Span",
     "Spec",
+    "SubscriptionGroup",
+    "ValueType",
     "compile_file",
     "compile_text",
     "format_text",

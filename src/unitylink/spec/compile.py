@@ -11,8 +11,9 @@ from ..errors import SpecError
 from .checks import check_model, check_unused
 from .diagnostics import Diagnostic, Reporter, render
 from .fingerprint import fingerprint
-from .model import Spec
+from .model import Link, Spec
 from .parser import parse
+from .publishing import devices
 from .resolve import Resolver
 from .source import MAX_BYTES, Source, decode
 
@@ -63,7 +64,16 @@ def compile_text(text: str | bytes, file: str = "<text>") -> Result:
     roots = tuple(resolver.roots)
     check_unused(resolver.scopes, roots, reporter)
     name = program.name or source.stem
-    spec = Spec(name, program.package, PurePath(file).name, fingerprint(roots), roots)
+    links = {"": Link(name)}
+    spec = Spec(
+        name,
+        program.package,
+        PurePath(file).name,
+        fingerprint(roots),
+        roots,
+        links=tuple(links.values()),
+        devices=devices(roots, links),
+    )
     return Result(spec, reporter.diagnostics())
 
 

@@ -20,8 +20,30 @@ _RED, _YELLOW, _BLUE, _BOLD, _OFF = "\x1b[1;31m", "\x1b[1;33m", "\x1b[1;34m", "\
 
 
 @dataclass(frozen=True)
+class Label:
+    """Another place a diagnostic speaks about, such as "first declared here"."""
+
+    span: Span
+    text: str
+    excerpt: str
+    caret: int
+    width: int
+
+
+@dataclass(frozen=True)
+class Fix:
+    """What a machine may do about a mistake: put `replacement` where `span` is (nothing: an insertion)."""
+
+    span: Span
+    replacement: str
+
+
+@dataclass(frozen=True)
 class Diagnostic:
-    """One mistake ("error") or doubt ("warning") in a spec; `code` is stable, `hint` says what to do."""
+    """One mistake ("error") or doubt ("warning") in a spec; `code` is stable, `hint` says what to do.
+
+    `labels` are further places; `fixes`, made together, mend it without changing what was meant.
+    """
 
     severity: str
     code: str
@@ -31,6 +53,8 @@ class Diagnostic:
     excerpt: str = ""  # the source line, or the part of a long one around the caret
     caret: int = 0  # offset of the caret in `excerpt`
     width: int = 1  # length of the caret
+    labels: tuple[Label, ...] = ()
+    fixes: tuple[Fix, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return the form `--json` prints."""
@@ -42,6 +66,16 @@ class Diagnostic:
             "column": self.span.column,
             "message": self.message,
             "hint": self.hint,
+            "labels": [
+                {"file": at.file, "line": at.line, "column": at.column, "text": label.text}
+                for label in self.labels
+                for at in [label.span]
+            ],
+            "fixes": [
+                {"file": at.file, "start": at.start, "end": at.end, "replacement": fix.replacement}
+                for fix in self.fixes
+                for at in [fix.span]
+            ],
         }
 
 
@@ -54,17 +88,38 @@ class Reporter:
         self._found: dict[tuple[str, int], Diagnostic] = {}
         self._suggestions = _SUGGESTIONS
 
-    def report(self, code: str, start: int, end: int, message: str, hint: str = "") -> None:
-        """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place."""
+    def report(
+        self,
+        code: str,
+        start: int,
+        end: int,
+        message: str,
+        hint: str = "",
+        *,
+        labels: Iterable[tuple[int, int, str]] = (),
+        fixes: Iterable[tuple[int, int, str]] = (),
+    ) -> None:
+        """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place.
+
+        `labels` are (start, end, text) of further places, `fixes` (start, end, replacement).
+        """
         severity = CODES[code].severity
         self.failed = self.failed or severity == "error"
         if (code, start) in self._found:
             return
         if self.full:
             return
-        excerpt, caret, width = self.source.excerpt(start, end)
-        span = self.source.span(start, end)
-        self._found[code, start] = Diagnostic(severity, code, message, span, hint, excerpt, caret, width)
+        source = self.source
+        self._found[code, start] = Diagnostic(
+            severity,
+            code,
+            message,
+            source.span(start, end),
+            hint,
+            *source.excerpt(start, end),
+            tuple(Label(source.span(a, b), text, *source.excerpt(a, b)) for a, b, text in labels),
+            tuple(Fix(source.span(a, b), replacement) for a, b, replacement in fixes),
+        )
 
     @property
     def full(self) -> bool:
@@ -121,18 +176,34 @@ def _render_one(diagnostic: Diagnostic, color: bool) -> str:
     if color:
         accent, blue, bold, off = (_RED if diagnostic.severity == "error" else _YELLOW), _BLUE, _BOLD, _OFF
     span = diagnostic.span
-    margin = " " * len(str(span.line))
+    margin = " " * max(len(str(one.line)) for one in (span, *(label.span for label in diagnostic.labels)))
     lines = [
         f"{accent}{diagnostic.severity}[{diagnostic.code}]{off}{bold}: {diagnostic.message}{off}",
         f"{margin}{blue}-->{off} {span.file}:{span.line}:{span.column}",
     ]
     if diagnostic.excerpt:
-        before = diagnostic.excerpt[: diagnostic.caret]
-        under = diagnostic.excerpt[diagnostic.caret : diagnostic.caret + diagnostic.width]
-        caret = " " * _columns(before) + "^" * max(1, _columns(under))
         lines.append(f"{margin} {blue}|{off}")
-        lines.append(f"{blue}{span.line} |{off} {diagnostic.excerpt}")
-        lines.append(f"{margin} {blue}|{off} {accent}{caret}{off}")
+        place = Label(span, "", diagnostic.excerpt, diagnostic.caret, diagnostic.width)
+        lines += _snippet(place, "^", margin, (accent, blue, off))
+    file = span.file
+    for label in diagnostic.labels:
+        at = label.span
+        other = f"{margin}{blue}:::{off} {at.file}:{at.line}:{at.column}"
+        lines.append(other if at.file != file else f"{margin} {blue}:{off}")
+        file = at.file
+        lines += _snippet(label, "-", margin, (blue, blue, off))
     if diagnostic.hint:
         lines.append(f"{margin} {blue}={off} {bold}help{off}: {diagnostic.hint}")
     return "\n".join(lines) + "\n"
+
+
+def _snippet(place: Label, mark: str, margin: str, colors: tuple[str, str, str]) -> list[str]:
+    """Return a line of the source and the marks under a part of it."""
+    accent, blue, off = colors
+    before, under = place.excerpt[: place.caret], place.excerpt[place.caret : place.caret + place.width]
+    marks = " " * _columns(before) + mark * max(1, _columns(under))
+    text = f" {place.text}" if place.text else ""
+    return [
+        f"{blue}{place.span.line:<{len(margin)}} |{off} {place.excerpt}",
+        f"{margin} {blue}|{off} {accent}{marks}{text}{off}",
+    ]

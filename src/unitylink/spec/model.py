@@ -13,6 +13,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Union
 
+from ..protocol import BASE_HZ_DEFAULT, DATA_BITS_MAX
+from .annotation import Annotation
+from .types import EnumType, Number, ValueType
+
+READS = ("READ", "READWRITE", "W1C", "READCLEAR")
+WRITES = ("WRITE", "READWRITE", "W1C", "PULSE")
+
 
 @dataclass(frozen=True)
 class Span:
@@ -27,36 +34,51 @@ class Span:
 
 @dataclass(frozen=True)
 class Publish:
-    """How an element publishes: `mode` 1 = hardware (the gateware sends), 2 = software (the PC polls);
-    `divisor` divides the gateware's base publish frequency (base 1000 Hz, 10 -> 100 Hz)."""
+    """How an element publishes: `mode` 1 = hardware (the gateware sends), 2 = software (the PC polls).
+
+    `trigger` "rate": `divisor` divides the gateware's base publish frequency (base 1000 Hz, 10 -> 100 Hz) and
+    `rate_hz` is what comes out; "event": each rising edge of the event line `event`; "change": the value is
+    not what it was. Those two have divisor 0. `group` names a snapshot group; "" shares one with its like.
+    """
 
     mode: int
     divisor: int
+    rate_hz: float | None = None
+    trigger: str = "rate"
+    event: str = ""
+    group: str = ""
 
 
 @dataclass(frozen=True)
 class LinkBinding:
     """The hardware proxy an instance and all below it are reached through.
 
-    `kind` is "memory" (plain memory, the default at base 0) or "tosnet". `ctrl` and `comm` name the run-time
-    parameters of the public constructor that bound it; None means the default.
+    `kind` is "memory" (plain memory, the default at base 0), "tosnet", "double_buffer" or "fifo". `ctrl` and
+    `comm` name the run-time parameters of the public constructor that bound it; None means the default.
+    `size` is the words of a double buffer or the depth of a FIFO; `link` the name of the declared `Link`.
     """
 
     kind: str
     base: int = 0
     ctrl: str | None = None
     comm: str | None = None
+    size: int = 0
+    link: str = ""
 
 
 @dataclass(frozen=True)
 class Element:
-    """One word the PC reads (access "READ") or writes (access "WRITE")."""
+    """One value at an address: the PC reads it, writes it, or both.
 
-    name: str
-    path: str  # dotted, without the root: "j1.cpos"
+    Its engineering value is raw * `scale` + `offset` in `unit`; `minimum`, `maximum`, `initial` and `safe`
+    are engineering values. A value of several `words` has its low word at `address`.
+    """
+
+    name: str  # "pos"; "duty[2]" in an array
+    path: str  # dotted, without the root: "j1.cpos", "j[2].pos"
     address: int
-    access: str
-    signed: bool
+    access: str  # READ, WRITE, READWRITE, W1C (write 1 to clear), PULSE (write-only strobe), READCLEAR
+    type: ValueType
     display: str  # ID as evaluated ("joint 1:cpos"); the path where the spec gives none
     checked: bool  # CRC
     publish: Publish | None
@@ -64,6 +86,40 @@ class Element:
     span: Span
     documentation: str = ""
     unit: str = ""
+    words: int = 1
+    scale: Number = 1
+    offset: Number = 0
+    minimum: Number | None = None
+    maximum: Number | None = None
+    overflow: str = "error"  # or "saturate": what a write beyond the limits does
+    initial: Number | None = None
+    safe: Number | None = None  # what it is to be when the link is lost
+    annotations: tuple[Annotation, ...] = ()
+    array: str = ""  # the array's name, where it is one of an array
+    index: int | None = None
+
+    @property
+    def signed(self) -> bool:
+        """Is the raw word two's complement?"""
+        return self.type.signed
+
+    @property
+    def readable(self) -> bool:
+        return self.access in READS
+
+    @property
+    def writable(self) -> bool:
+        return self.access in WRITES
+
+    @property
+    def pollable(self) -> bool:
+        """May it be read without anybody having asked for it? Not where reading changes something."""
+        return self.readable and self.access != "READCLEAR"
+
+    @property
+    def addresses(self) -> tuple[int, ...]:
+        """The addresses of its words, low word first."""
+        return tuple(range(self.address, self.address + self.words))
 
 
 @dataclass(frozen=True)
@@ -74,6 +130,24 @@ class Group:
     path: str
     elements: tuple[Element, ...]
     span: Span
+    documentation: str = ""
+    annotations: tuple[Annotation, ...] = ()
+
+
+@dataclass(frozen=True)
+class Component:
+    """The entity of the gateware library which an instance stands for: it lies at `base` and takes `words`.
+
+    `generics` are what the spec says of the entity's generics; `pins` and `events` are the ports, outside the
+    bus, that its surroundings connect: (port, "in" | "out", bits; 0 for a single signal).
+    """
+
+    entity: str
+    base: int
+    words: int
+    generics: tuple[tuple[str, int], ...] = ()
+    pins: tuple[tuple[str, str, int], ...] = ()
+    events: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,6 +162,11 @@ class Instance:
     members: tuple[Member, ...]
     parameters: tuple[str, ...]  # run-time (CTRL/COMM) parameters; only on roots
     span: Span
+    documentation: str = ""
+    annotations: tuple[Annotation, ...] = ()
+    component: Component | None = None
+    array: str = ""  # the array's name, where it is one of an array: `name` is "j[2]", `array` "j", `index` 2
+    index: int | None = None
 
     @property
     def instances(self) -> tuple[Instance, ...]:
@@ -114,12 +193,57 @@ Member = Union[Instance, Element, Group]
 
 
 @dataclass(frozen=True)
+class Link:
+    """A link as declared: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000);`.
+
+    `stated` are the properties which the spec gives; the others are defaults, None where there is no default.
+    """
+
+    name: str
+    data_bits: int = DATA_BITS_MAX
+    address_bits: int | None = None  # else as wide as the highest address needs
+    base_hz: int = BASE_HZ_DEFAULT  # the base publish frequency
+    baud_hz: int | None = None
+    stated: tuple[str, ...] = ()
+    documentation: str = ""
+
+
+@dataclass(frozen=True)
+class SubscriptionGroup:
+    """Values which the gateware publishes together, as one snapshot; `number` is that of the gateware's group
+    and of its event line."""
+
+    number: int
+    name: str  # as the spec calls it, or "100 Hz", "on limit", "on change"
+    trigger: str  # "rate", "event" or "change"
+    divisor: int
+    rate_hz: float | None
+    event: str
+    elements: tuple[Element, ...]
+
+    @property
+    def addresses(self) -> tuple[int, ...]:
+        """Every word of the group in the order of a publish."""
+        return tuple(address for element in self.elements for address in element.addresses)
+
+
+@dataclass(frozen=True)
+class Device:
+    """One address space with its own gateware: what one public constructor reaches through one COMM."""
+
+    root: str
+    comm: str | None
+    link: Link
+    groups: tuple[SubscriptionGroup, ...]
+
+
+@dataclass(frozen=True)
 class Spec:
     """A compiled UL-spec.
 
-    `hash` is 16 hex digits over what reaches the wire and the interface (names, addresses, access, sign, CRC,
-    publish, links, groups), not over comments, layout or display names; `source` is the file's name without
-    folders.
+    `hash` is 16 hex digits over what reaches the wire and the interface (names, addresses, access, types,
+    scaling, CRC, publish, links, groups), not over comments, layout or display names; `source` is the file's
+    name without folders.
     """
 
     name: str
@@ -127,6 +251,10 @@ class Spec:
     source: str
     hash: str
     roots: tuple[Instance, ...]
+    enums: tuple[EnumType, ...] = ()
+    bits: tuple[ValueType, ...] = ()
+    links: tuple[Link, ...] = ()  # as declared; a spec without any has one of the spec's name
+    devices: tuple[Device, ...] = ()
 
     def root(self, name: str | None = None) -> Instance:
         """Return the public constructor `name`, or the only one; raise KeyError naming the choices."""

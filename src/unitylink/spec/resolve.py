@@ -6,13 +6,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Union
 
-from ..protocol import GROUP_SIZE_MAX
+from ..protocol import BASE_HZ_DEFAULT, GROUP_SIZE_MAX
 from .diagnostics import Reporter
 from .graph import MAX_DEPTH, MAX_ITEMS, Graph
 from .members import check_members, declaration
 from .model import Element, Group, Instance, LinkBinding, Member, Publish, Span
 from .scope import ADDRESS_MAX, Scope, Scopes
 from .syntax import Argument, ElementNode, ExpansionNode, GroupNode, Name, Number, Program, Step, Text
+from .types import INT32, UINT32
 
 MAX_STRING = 250  # characters of an evaluated string
 
@@ -272,7 +273,8 @@ class Resolver:
             if one.key == "CRC":
                 checked = True
             elif one.key == "PUBLISH":
-                publish = Publish(one.numbers[0].value, one.numbers[1].value)
+                mode, divisor = (number.value for number in one.numbers)
+                publish = Publish(mode, divisor, BASE_HZ_DEFAULT / divisor)
             elif one.argument is not None:
                 value = self._value(frame, one.argument)
                 if not isinstance(value, str):
@@ -284,7 +286,7 @@ class Resolver:
             path,
             address,
             node.access,
-            node.signed,
+            INT32 if node.signed else UINT32,
             display,
             checked,
             publish,

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unitylink.spec.model import Element, Group, Instance, LinkBinding, Span, Spec
+from unitylink.spec.types import INT32, UINT32
 from unitylink.tools.failure import Failure
 from unitylink.tools.names import Names, parse_number
 
@@ -17,8 +18,9 @@ MEMORY = LinkBinding("memory")
 
 
 def element(path: str, address: int, access: str = "READ", signed: bool = False) -> Element:
+    word = INT32 if signed else UINT32
     return Element(
-        path.rsplit(".", maxsplit=1)[-1], path, address, access, signed, path, False, None, MEMORY, SPAN
+        path.rsplit(".", maxsplit=1)[-1], path, address, access, word, path, False, None, MEMORY, SPAN
     )
 
 

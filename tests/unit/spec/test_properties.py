@@ -60,7 +60,7 @@ def meaning(text: str) -> Spec:
     """The model without its places in the text."""
     spec = compile_text(text, "x.ul").spec
     assert spec is not None
-    return dataclasses.replace(spec, roots=tuple(_bare(root) for root in spec.roots))
+    return dataclasses.replace(spec, roots=tuple(_bare(root) for root in spec.roots), devices=())
 
 
 def _bare(instance: Instance) -> Instance:

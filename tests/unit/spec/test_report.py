@@ -55,6 +55,8 @@ def test_json() -> None:
         "column": 25,
         "message": "`a` has no parameter `n`",
         "hint": "declare it: `a(n)`, or put text into quotes",
+        "labels": [],
+        "fixes": [],
     }
 
 

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which values are published together: the compiler's table of subscription groups, one table a device.
+
+Hardware publishes of one device with the same trigger, rate and group name are one group and one snapshot.
+Groups are numbered in the order of their first element; the number is that of the gateware's group and of
+its event line, so that gateware, twin and PC agree without asking.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from .model import Device, Element, Instance, Link, Publish, SubscriptionGroup
+
+_Key = tuple[str, int, str, str]  # trigger, divisor, event, name
+
+
+def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Device, ...]:
+    """Return the devices of a spec in the order of the text; `links` has "" for bindings that name none."""
+    found: dict[tuple[str, str | None], tuple[Link, dict[_Key, list[Element]]]] = {}
+    for root in roots:
+        for instance in _instances(root):
+            for element in instance.elements:
+                binding = element.link
+                link = links[binding.link if binding.link in links else ""]
+                _, table = found.setdefault((root.name, binding.comm), (link, {}))
+                publish = element.publish
+                if publish is not None and publish.mode == 1:
+                    table.setdefault(key_of(publish), []).append(element)
+    return tuple(
+        Device(root, comm, link, tuple(_group(number, key, table[key]) for number, key in enumerate(table)))
+        for (root, comm), (link, table) in found.items()
+    )
+
+
+def key_of(publish: Publish) -> _Key:
+    """Return what publishes of one group have in common."""
+    return publish.trigger, publish.divisor, publish.event, publish.group
+
+
+def _group(number: int, key: _Key, elements: list[Element]) -> SubscriptionGroup:
+    trigger, divisor, event, name = key
+    first = elements[0].publish
+    assert first is not None  # it was put into the table by its publish
+    if not name:
+        name = f"{first.rate_hz:g} Hz" if trigger == "rate" else f"on {event or trigger}"
+    return SubscriptionGroup(number, name, trigger, divisor, first.rate_hz, event, tuple(elements))
+
+
+def _instances(instance: Instance) -> Iterator[Instance]:
+    yield instance
+    for inner in instance.instances:
+        yield from _instances(inner)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The types of values, as they lie in words: what a generator and the codec of values need to know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Union
+
+from .annotation import Annotation
+
+Number = Union[int, float]  # whole numbers stay whole: a float has 53 bits, a value up to 64
+
+# Kinds whose raw value is two's complement.
+_SIGNED = ("int", "fixed")
+
+
+@dataclass(frozen=True)
+class EnumValue:
+    """One named number of an enumeration."""
+
+    name: str
+    value: int
+    documentation: str = ""
+
+
+@dataclass(frozen=True)
+class EnumType:
+    """`enum NAME : u2 { idle = 0; run = 1 }`; an `open` one lets other numbers pass as numbers."""
+
+    name: str
+    width: int
+    values: tuple[EnumValue, ...]
+    open: bool = False
+    documentation: str = ""
+    annotations: tuple[Annotation, ...] = ()
+
+
+@dataclass(frozen=True)
+class ValueType:
+    """How a value lies in its bits.
+
+    `kind` is "bool", "uint", "int", "float" (IEEE 754, 32 or 64 bits), "fixed", "ufixed" (`fraction` of the
+    `width` bits are behind the point), "enum" (see `enum`) or "bits" (packed `fields`, called `name`).
+
+    >>> ValueType("fixed", 16, 8).text
+    'fixed(8,8)'
+    """
+
+    kind: str
+    width: int
+    fraction: int = 0
+    enum: EnumType | None = None
+    fields: tuple[Field, ...] = ()
+    name: str = ""  # of an enumeration or of packed bits
+    documentation: str = ""
+    annotations: tuple[Annotation, ...] = ()
+
+    @property
+    def signed(self) -> bool:
+        """Is the raw value two's complement?"""
+        return self.kind in _SIGNED
+
+    @property
+    def numeric(self) -> bool:
+        """Is the value a number, which may have a scale, a unit and limits?"""
+        return self.kind in ("uint", "int", "float", "fixed", "ufixed")
+
+    @property
+    def text(self) -> str:
+        """The type as a spec writes it."""
+        if self.name:
+            return self.name
+        if self.kind in ("fixed", "ufixed"):
+            return f"{self.kind}({self.width - self.fraction},{self.fraction})"
+        letter = {"uint": "u", "int": "i", "float": "f"}.get(self.kind)
+        return f"{letter}{self.width}" if letter else self.kind
+
+
+@dataclass(frozen=True)
+class Field:
+    """Bits `high` to `low` of a packed value; its engineering value is raw * `scale` + `offset` in `unit`."""
+
+    name: str
+    type: ValueType
+    low: int
+    high: int
+    documentation: str = ""
+    unit: str = ""
+    scale: Number = 1
+    offset: Number = 0
+    minimum: Number | None = None
+    maximum: Number | None = None
+
+
+UINT32 = ValueType("uint", 32)
+INT32 = ValueType("int", 32)
