@@ -23,6 +23,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
     "check": ("check", "Check specs; every mistake with its place and remedy."),
     "explain": ("explain", "Explain a diagnostic code, with an example and its remedy."),
+    "lsp": ("lsp", "Serve editors (the language server)."),
     "fmt": ("fmt", "Lay specs out in the canonical way."),
     "generate": ("generate", "Make typed Python classes from a spec."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),

@@ -102,7 +102,8 @@ class Cursor:
                 return
             if not self.faulty():
                 end = self.tokens.ends[self.i - 1]
-                self.reporter.report("UL011", end, end, "`;` is missing here", "add `;`")
+                fixes = [(end, end, ";")]
+                self.reporter.report("UL011", end, end, "`;` is missing here", "add `;`", fixes=fixes)
             return
         raise self.unexpected("`;`")
 

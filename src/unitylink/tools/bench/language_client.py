@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An editor as far as the language server can tell: it starts `unitylink lsp` and talks to it on pipes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterable
+from threading import Timer
+from types import TracebackType
+from typing import Any
+
+from .figure import BenchError
+
+_PATIENCE_S = 30.0
+
+
+class LanguageClient:
+    """One server process and its conversation.
+
+    Answers and notifications are read in the order in which the server sends them.
+    """
+
+    def __init__(self, *, encodings: Iterable[str] = ("utf-16",)) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "unitylink", "lsp"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        self._watchdog = Timer(_PATIENCE_S, self._process.kill)  # a silent server must not hang its caller
+        self._watchdog.daemon = True
+        self._watchdog.start()
+        self._id = 0
+        self.notifications: list[dict[str, Any]] = []
+        general = {"positionEncodings": list(encodings)}
+        parameters = {"processId": None, "rootUri": None, "capabilities": {"general": general}}
+        self.capabilities: dict[str, Any] = self.request("initialize", parameters)["capabilities"]
+        self.notify("initialized", {})
+
+    def request(self, method: str, parameters: object) -> Any:
+        """Send a request and return its result; BenchError where the server answers with an error."""
+        self._id += 1
+        self._send({"id": self._id, "method": method, "params": parameters})
+        while True:
+            message = self._receive()
+            if message.get("id") == self._id and "method" not in message:
+                if "error" in message:
+                    raise BenchError(message["error"]["message"])
+                return message["result"]
+            self.notifications.append(message)
+
+    def notify(self, method: str, parameters: object) -> None:
+        """Send a notification: nothing is answered."""
+        self._send({"method": method, "params": parameters})
+
+    def open(self, uri: str, text: str) -> list[dict[str, Any]]:
+        """Open a text and return its diagnostics."""
+        document = {"uri": uri, "languageId": "ulspec", "version": 0, "text": text}
+        self.notify("textDocument/didOpen", {"textDocument": document})
+        return self.diagnostics(uri, 0)
+
+    def change(self, uri: str, version: int, text: str) -> list[dict[str, Any]]:
+        """Replace the text and return the diagnostics of the new one."""
+        document = {"uri": uri, "version": version}
+        changes = [{"text": text}]
+        self.notify("textDocument/didChange", {"textDocument": document, "contentChanges": changes})
+        return self.diagnostics(uri, version)
+
+    def diagnostics(self, uri: str, version: int) -> list[dict[str, Any]]:
+        """Wait for the diagnostics of a version."""
+        while True:
+            message = self._receive()
+            if message.get("method") == "textDocument/publishDiagnostics":
+                parameters = message["params"]
+                if parameters["uri"] == uri and parameters.get("version") == version:
+                    found = parameters["diagnostics"]
+                    assert isinstance(found, list)
+                    return found
+            self.notifications.append(message)
+
+    def close(self) -> int:
+        """End the server as the protocol says; return its exit code."""
+        self.request("shutdown", None)
+        self.notify("exit", None)
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.close()
+        code = self._process.wait(timeout=_PATIENCE_S)
+        self._process.stdout.close()
+        self._watchdog.cancel()
+        return code
+
+    def __enter__(self) -> LanguageClient:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+            return
+        self._watchdog.cancel()
+        self._process.kill()
+        self._process.communicate()
+
+    def _send(self, message: dict[str, object]) -> None:
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        assert self._process.stdin is not None
+        self._process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        self._process.stdin.flush()
+
+    def _receive(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        length = 0
+        while line := self._process.stdout.readline().strip():
+            name, _, value = line.partition(b":")
+            if name.lower() == b"content-length":
+                length = int(value)
+        if not length:
+            raise BenchError("the language server ended or was silent for 30 s")
+        message = json.loads(self._process.stdout.read(length))
+        assert isinstance(message, dict)
+        return message

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The requests of the protocol, each handed to the module that answers it."""
+
+from __future__ import annotations
+
+from typing import Union
+from urllib.parse import unquote, urlsplit
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcInvalidParams
+from pygls.lsp.server import LanguageServer
+
+from unitylink import __version__
+from unitylink.spec import Diagnostic
+from unitylink.spec.syntax import Name
+
+from .completion import completion
+from .document import Document
+from .edits import RenameRefused, fixes, formatting, rename
+from .hover import hover
+
+_SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.DiagnosticSeverity.Warning}
+_SYMBOL_KINDS = {
+    "constructor": types.SymbolKind.Class,
+    "instance": types.SymbolKind.Module,
+    "group": types.SymbolKind.Array,
+}
+
+
+_AtPlace = Union[
+    types.HoverParams,
+    types.DefinitionParams,
+    types.ReferenceParams,
+    types.RenameParams,
+    types.CompletionParams,
+]
+
+
+class Server(LanguageServer):
+    """The server with the documents that are open."""
+
+    def __init__(self) -> None:
+        super().__init__("unitylink", __version__, types.TextDocumentSyncKind.Full)
+        self.documents: dict[str, Document] = {}
+
+    def update(self, uri: str, version: int | None) -> None:
+        """Take a new text in and tell its diagnostics."""
+        text = self.workspace.get_text_document(uri)
+        document = Document(text.source, _file(uri), self.workspace.position_codec, self.documents.get(uri))
+        self.documents[uri] = document
+        found = [_diagnostic(document, uri, one) for one in document.result.diagnostics]
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, version))
+
+    def place(self, params: _AtPlace) -> tuple[Document, int]:
+        """Return the document and the character that a request is about."""
+        document = self.documents[params.text_document.uri]
+        return document, document.offset(params.position)
+
+
+def make_server() -> Server:
+    """Return a server with all its features."""
+    server = Server()
+
+    @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
+    def opened(params: types.DidOpenTextDocumentParams) -> None:
+        server.update(params.text_document.uri, params.text_document.version)
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
+    def changed(params: types.DidChangeTextDocumentParams) -> None:
+        server.update(params.text_document.uri, params.text_document.version)
+
+    @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
+    def closed(params: types.DidCloseTextDocumentParams) -> None:
+        server.documents.pop(params.text_document.uri, None)
+        server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(params.text_document.uri, []))
+
+    @server.feature(types.TEXT_DOCUMENT_HOVER)
+    def hovered(params: types.HoverParams) -> types.Hover | None:
+        document, offset = server.place(params)
+        text = hover(document, offset)
+        return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, text)) if text else None
+
+    @server.feature(types.TEXT_DOCUMENT_DEFINITION)
+    def definition(params: types.DefinitionParams) -> types.Location | None:
+        document, offset = server.place(params)
+        found = document.symbols.at(offset)
+        if found is None:
+            return None
+        target = found[0].target(offset)
+        return types.Location(params.text_document.uri, document.range(target.start, target.end))
+
+    @server.feature(types.TEXT_DOCUMENT_REFERENCES)
+    def references(params: types.ReferenceParams) -> list[types.Location]:
+        document, offset = server.place(params)
+        found = document.symbols.at(offset)
+        if found is None:
+            return []
+        symbol = found[0]
+        places = symbol.places if params.context.include_declaration else symbol.references
+        return [types.Location(params.text_document.uri, document.range(p.start, p.end)) for p in places]
+
+    @server.feature(types.TEXT_DOCUMENT_RENAME)
+    def renamed(params: types.RenameParams) -> types.WorkspaceEdit:
+        document, offset = server.place(params)
+        try:
+            edits = rename(document, offset, params.new_name)
+        except RenameRefused as reason:
+            raise JsonRpcInvalidParams(str(reason)) from None
+        return types.WorkspaceEdit({params.text_document.uri: edits})
+
+    @server.feature(
+        types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=["@", ":", ".", "(", "="])
+    )
+    def complete(params: types.CompletionParams) -> list[types.CompletionItem]:
+        return completion(*server.place(params))
+
+    @server.feature(types.TEXT_DOCUMENT_FORMATTING)
+    def formatted(params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        return formatting(server.documents[params.text_document.uri])
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_ACTION, types.CodeActionOptions([types.CodeActionKind.QuickFix]))
+    def actions(params: types.CodeActionParams) -> list[types.CodeAction]:
+        document = server.documents[params.text_document.uri]
+        start, end = document.offset(params.range.start), document.offset(params.range.end)
+        return [
+            types.CodeAction(
+                title,
+                types.CodeActionKind.QuickFix,
+                [_diagnostic(document, params.text_document.uri, about)],
+                edit=types.WorkspaceEdit({params.text_document.uri: edits}),
+            )
+            for about, title, edits in fixes(document, start, end)
+        ]
+
+    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+    def outline(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        document = server.documents[params.text_document.uri]
+        found = []
+        for scope in document.symbols.scopes:
+            one = _outline(document, "constructor", scope.node.name)
+            one.range = document.range(scope.start, scope.end)
+            members = scope.members.values()
+            one.children = [_outline(document, m.kind, m.defined) for m in members if m.defined is not None]
+            found.append(one)
+        return found
+
+    return server
+
+
+def _outline(document: Document, kind: str, name: Name) -> types.DocumentSymbol:
+    place = document.range(name.start, name.end)
+    return types.DocumentSymbol(
+        name.text or "?", _SYMBOL_KINDS.get(kind, types.SymbolKind.Field), place, place, kind
+    )
+
+
+def _diagnostic(document: Document, uri: str, one: Diagnostic) -> types.Diagnostic:
+    message = f"{one.message}\nhelp: {one.hint}" if one.hint else one.message
+    return types.Diagnostic(
+        document.range(one.span.start, max(one.span.end, one.span.start)),
+        message,
+        _SEVERITIES[one.severity],
+        one.code,
+        source="unitylink",
+    )
+
+
+def _file(uri: str) -> str:
+    """Return the path of a file URI, the URI itself for a text that is no file."""
+    parts = urlsplit(uri)
+    return unquote(parts.path) if parts.scheme == "file" else uri

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink lsp`: the language server for editors."""
+
+from __future__ import annotations
+
+import click
+
+from .failure import Failure
+
+
+@click.command()
+def command() -> None:
+    """Serve editors: diagnostics while typing, hover with addresses, definition, rename, completion.
+
+    It speaks the Language Server Protocol on standard input and output and is started by the editor, not by
+    hand; docs/editors.md says how. It needs pygls: pip install 'unitylink[lsp]'.
+
+    \b
+    Example, a line of an editor's configuration:
+      unitylink lsp
+    """
+    try:
+        from .language_server.server import make_server
+    except ModuleNotFoundError as error:
+        if error.name not in ("pygls", "lsprotocol"):
+            raise
+        raise Failure(f"{error.name} is not installed", "pip install 'unitylink[lsp]'") from None
+    make_server().start_io()

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The language server as an editor meets it: a process, spoken to on its standard input and output."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink.spec import compile_text, format_text
+from unitylink.tools.bench.figure import BenchError
+from unitylink.tools.bench.language_client import LanguageClient
+
+SCARA = (Path(__file__).parents[3] / "examples" / "scara" / "scara.ul").read_text("utf-8")
+URI = "file:///work/scara.ul"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[LanguageClient]:
+    with LanguageClient() as client:
+        assert client.capabilities["positionEncoding"] == "utf-16"
+        yield client
+
+
+@pytest.fixture
+def client(server: LanguageClient) -> Iterator[LanguageClient]:
+    """The server with the SCARA's spec open."""
+    assert server.open(URI, SCARA) == []
+    yield server
+    server.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+
+
+def position(text: str, at: str, inside: int = 0) -> dict[str, int]:
+    """Return the place of the first `at` in a text of ASCII characters."""
+    offset = text.index(at) + inside
+    return {"line": text.count("\n", 0, offset), "character": offset - (text.rfind("\n", 0, offset) + 1)}
+
+
+def ask(client: LanguageClient, method: str, at: str, inside: int = 0, text: str = SCARA, **more: Any) -> Any:
+    place = {"textDocument": {"uri": URI}, "position": position(text, at, inside), **more}
+    return client.request(f"textDocument/{method}", place)
+
+
+def apply(text: str, edits: list[dict[str, Any]]) -> str:
+    """Make the edits in a text of ASCII characters."""
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    for edit in sorted(edits, key=lambda e: tuple(e["range"]["start"].values()), reverse=True):
+        ends = (edit["range"][key] for key in ("start", "end"))
+        first, last = (starts[end["line"]] + end["character"] for end in ends)
+        text = text[:first] + edit["newText"] + text[last:]
+    return text
+
+
+def test_diagnostics_follow_every_edit(client: LanguageClient) -> None:
+    wrong = SCARA.replace("joint(name)", "jiont(name)").replace("BASE=0);", "BASE=0)")
+    found = client.change(URI, 1, wrong)
+    assert [(d["code"], d["range"]["start"]["line"], d["severity"]) for d in found] == [
+        ("UL011", 1, 1),
+        ("UL024", 2, 1),
+    ]
+    assert "did you mean `jiont`?" in found[1]["message"]
+    assert client.change(URI, 2, SCARA) == []
+
+
+def test_hover_shows_what_a_name_became(client: LanguageClient) -> None:
+    value = ask(client, "hover", "@cpos", 2)["contents"]["value"]
+    assert "**cpos** (element of `joint`)" in value
+    assert "`scara.j1.cpos` at `0x88`" in value and "`scara.j4.cpos` at `0x8B`" in value
+    assert "divisor 10" in value
+    assert ask(client, "hover", "{") is None
+
+
+def test_hover_answers_while_the_text_is_wrong(client: LanguageClient) -> None:
+    wrong = SCARA.replace("PUBLISH(1,10)", "PUBLISH(1,", 1)
+    assert client.change(URI, 1, wrong)
+    assert "0x88" in ask(client, "hover", "@cpos", 2, text=wrong)["contents"]["value"]
+
+
+def test_definition(client: LanguageClient) -> None:
+    assert ask(client, "definition", 'joint("joint 1")')["range"]["start"] == position(SCARA, "joint(name)")
+    assert ask(client, "definition", "@cpos", 1)["range"]["start"] == position(SCARA, "cpos,pos_sp")
+    assert ask(client, "definition", "cpos,pos_sp")["range"]["start"] == position(SCARA, "@cpos", 1)
+    assert ask(client, "definition", "0x80") is None
+
+
+def test_references(client: LanguageClient) -> None:
+    context = {"includeDeclaration": False}
+    found = ask(client, "references", "joint(name)", context=context)
+    assert [place["range"]["start"]["line"] for place in found] == [2, 3, 4, 5]
+    assert len(ask(client, "references", "name+", context={"includeDeclaration": True})) == 5
+
+
+def test_rename_everywhere(client: LanguageClient) -> None:
+    edits = ask(client, "rename", "joint(name)", newName="axis")["changes"][URI]
+    assert apply(SCARA, edits) == SCARA.replace("joint(", "axis(")
+    edits = ask(client, "rename", "@cpos", 1, newName="READ")["changes"][URI]
+    renamed = apply(SCARA, edits)
+    assert "@^READ: signed" in renamed and "(spd,^READ,pos_sp" in renamed
+    assert compile_text(renamed).diagnostics == ()
+
+
+@pytest.mark.parametrize("name", ["spd", "1x", "a b", "", "x" * 101])
+def test_rename_that_would_break_the_spec_is_refused(client: LanguageClient, name: str) -> None:
+    with pytest.raises(BenchError, match=r"cannot be called|is not a name"):
+        ask(client, "rename", "@cpos", 1, newName=name)
+
+
+COMPLETIONS = {
+    "top": ("", {"public", "link"}),
+    "member": ("public a(c) {\n", {"TOSNET"}),
+    "element": ("j(): @ (pos,spd) {\n@", {"pos", "spd"}),
+    "after the colon": ("j(): @ (pos) {\n@pos: ", {"READ", "WRITE", "signed", "j"}),
+    "property": ("j(n): @ (pos) {\n@pos: READ(", {"ID", "CRC", "PUBLISH"}),
+    "second property": ("j(n): @ (pos) {\n@pos: READ(CRC, ", {"ID", "CRC", "PUBLISH"}),
+    "argument": ("j(n,m): @ (pos) {\n@pos: READ(ID=", {"n", "m"}),
+    "TOSNET": ("public a(c) {\nTOSNET(", {"CTRL", "COMM", "BASE"}),
+    "COMM": ("public a(c) {\nTOSNET(COMM=", {"c"}),
+    "constructor": ("j() {}\npublic a() {\nx: ", {"j", "a"}),
+    "binding": ("j(): @l, @r {}\npublic a() {\nx: j() @", {"l", "r"}),
+    "group": ("public a() {\n@x = 0x1: READ();\ng = ", {"x", "ALL"}),
+    "path": ("j(): @ (p) { @p: READ(); }\npublic a() {\nx: j() @ (0x1);\ng = x.", {"p"}),
+    "ALL": ("j() {}\npublic a() {\ng = ALL(", {"j", "a"}),
+    "string": ('public a() {\n@x = 0x1: READ(ID="', set()),
+    "comment": ("public a() {\n// ", set()),
+}
+
+
+@pytest.mark.parametrize("name", COMPLETIONS)
+def test_completion(client: LanguageClient, name: str) -> None:
+    text, expected = COMPLETIONS[name]
+    for typed in ("", "p") if expected else ("",):
+        client.change(URI, 1, text + typed)
+        place = {"textDocument": {"uri": URI}, "position": position(text + typed + "$", "$")}
+        found = {item["label"] for item in client.request("textDocument/completion", place) or ()}
+        assert found >= expected and bool(found) == bool(expected)
+
+
+def test_formatting(client: LanguageClient) -> None:
+    ugly = SCARA.replace("   ", "").replace(", ", ",")
+    client.change(URI, 1, ugly)
+    parameters = {"textDocument": {"uri": URI}, "options": {"tabSize": 3, "insertSpaces": True}}
+    assert apply(ugly, client.request("textDocument/formatting", parameters)) == format_text(ugly) == SCARA
+    client.change(URI, 2, SCARA)
+    assert client.request("textDocument/formatting", parameters) == []
+    client.change(URI, 3, SCARA[:-3])
+    assert client.request("textDocument/formatting", parameters) == []
+
+
+def test_quick_fix_mends_the_text(client: LanguageClient) -> None:
+    wrong = SCARA.replace("BASE=0);", "BASE=0)")
+    client.change(URI, 1, wrong)
+    place = position(wrong, "BASE=0)", 7)
+    parameters = {
+        "textDocument": {"uri": URI},
+        "range": {"start": place, "end": place},
+        "context": {"diagnostics": []},
+    }
+    (action,) = client.request("textDocument/codeAction", parameters)
+    assert action["kind"] == "quickfix" and action["diagnostics"][0]["code"] == "UL011"
+    assert apply(wrong, action["edit"]["changes"][URI]) == SCARA
+
+
+def test_outline(client: LanguageClient) -> None:
+    found = client.request("textDocument/documentSymbol", {"textDocument": {"uri": URI}})
+    assert [(one["name"], len(one["children"])) for one in found] == [("scara", 4), ("joint", 4)]
+
+
+def test_columns_count_in_the_encoding_of_the_client(server: LanguageClient) -> None:
+    text = 'public a() {\n   @x = 0x1: READ(ID="😀é", CRCC);\n}\n'
+    before = '   @x = 0x1: READ(ID="😀é", '
+    (found,) = server.open(URI, text)
+    assert found["range"]["start"] == {"line": 1, "character": len(before.encode("utf-16-le")) // 2}
+    with LanguageClient(encodings=["utf-8"]) as client:
+        (found,) = client.open(URI, text)
+        assert found["range"]["start"] == {"line": 1, "character": len(before.encode())}
+
+
+def test_hostile_texts_and_places_are_answered(client: LanguageClient) -> None:
+    for version, text in enumerate(["", "\0", "}" * 2000, "public a(" * 500, "é\u2028\x0b{", SCARA * 20]):
+        client.change(URI, version, text)
+        for line, character in ((0, 0), (0, 10**6), (10**6, 0)):
+            place = {"textDocument": {"uri": URI}, "position": {"line": line, "character": character}}
+            client.request("textDocument/hover", place)
+            client.request("textDocument/completion", place)
