@@ -2,9 +2,9 @@
 --
 -- The Unity-Link core: classic protocol on byte streams, requests and publishes on a Wishbone bus.
 --
---   rx --> decoder --> receiver --> request_buffer --> application <--> wishbone_master --> wishbone
---   tx <-- transmitter <-- speller <-- fifo <-------------+   ^
---                                          subscription_manager <-- events
+--   rx --> datalink --> request_buffer --> application <--> wishbone_master --> wishbone
+--   tx <--    "     <-- speller <-- fifo <-----+   ^
+--                                subscription_manager <-- events
 --
 -- Ports     rx, tx: byte streams, valid/ready/data. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1
 --           framing, 2 overrun). events: one line a group, synchronous to the clock. wishbone: word addresses.
@@ -13,6 +13,7 @@
 -- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
 -- Pressure  tx_ready stalls replies, then execution, then rx_ready. Two requests are kept, in execution and behind it.
 -- Checksum  "none" also takes checked requests and EPC away.
+-- Datalink  "lite" and "none" keep nothing: a request is executed while it comes in (docs/gateware/datalink.md).
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -38,7 +39,8 @@ entity core is
     read_many     : natural  range 0 to 255 := 32;   -- most words of a read-many; 0: no such command
     publish_mode  : natural  range 0 to 2   := 2;    -- 0 none, 1 prefers requests, 2 prefers publishes
     configuration_command : boolean         := true; -- RLC exists
-    checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"
+    datalink      : string                  := "full";  -- "full", "lite" or "none"
+    checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"; of the full datalink
     polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c));
     edge_events   : std_ulogic_vector(255 downto 0) := (others => '0');  -- bit g: event of group g by edge, else level
     timeout_clocks : positive               := limits_bus_timeout_clocks_c
@@ -63,17 +65,19 @@ architecture rtl of core is
 
   constant tokens : positive := 16;  -- between application and speller, so that they work at the same time
 
-  constant entries : positive := entries_for(
-    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes,
-    maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8));
+  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
 
-  signal character_valid, character_ready : std_ulogic;
-  signal character_data                   : character_t;
+  constant entries : positive := entries_for(
+    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes, mask_bytes);
+
   signal receive                          : receive_t;
   signal room                             : std_ulogic;
+  signal message_end                      : std_ulogic;
 
   signal request            : request_t;
   signal request_data       : byte_t;
+  signal data_valid         : std_ulogic;
+  signal data_ended         : std_ulogic;
   signal request_take       : std_ulogic;
   signal request_done       : std_ulogic;
 
@@ -91,26 +95,37 @@ architecture rtl of core is
 
 begin
 
-  decoder : entity work.decoder
+  datalink_layer : entity work.datalink
+    generic map (datalink => datalink, message_entries => entries, checksum => checksum, polynomial => polynomial)
     port map (
       clock => clock, reset => reset,
-      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
-      character_valid => character_valid, character_ready => character_ready, character_data => character_data);
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      receive => receive, room => room, message_end => message_end,
+      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
 
-  receiver : entity work.receiver
-    generic map (message_entries => entries, checksum => checksum, polynomial => polynomial)
-    port map (
-      clock => clock, reset => reset,
-      character_valid => character_valid, character_ready => character_ready, character_data => character_data,
-      rx_error => rx_error, room => room, receive => receive);
-
-  request_buffer : entity work.request_buffer
-    generic map (
-      message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-      has_checksum => checksum /= "none", configuration_command => configuration_command)
-    port map (
-      clock => clock, reset => reset, receive => receive, room => room,
-      request => request, data => request_data, take => request_take, request_done => request_done);
+  requests : if datalink = "full" generate
+    request_buffer : entity work.request_buffer
+      generic map (
+        message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
+        has_checksum => checksum /= "none", configuration_command => configuration_command)
+      port map (
+        clock => clock, reset => reset, receive => receive, room => room,
+        request => request, data => request_data, take => request_take, request_done => request_done);
+    message_end <= '0';
+    data_valid  <= '1';  -- a request that is kept whole has all its data
+    data_ended  <= '0';
+  else generate
+    request_stream : entity work.request_stream
+      generic map (
+        address_bytes => bytes_for(address_width), data_bytes => bytes_for(data_width), rate_bytes => rate_bytes,
+        mask_bytes => mask_bytes, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
+        configuration_command => configuration_command)
+      port map (
+        clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
+        request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
+        take => request_take, request_done => request_done);
+  end generate;
 
   application : entity work.application
     generic map (
@@ -118,7 +133,8 @@ begin
       group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode)
     port map (
       clock => clock, reset => reset,
-      request => request, data => request_data, take => request_take, request_done => request_done,
+      request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
+      take => request_take, request_done => request_done,
       subscription_request => subscription_request, subscription_response => subscription_response,
       bii_request => bii_request, bii_response => bii_response,
       token_valid => said_valid, token_ready => said_ready, token_data => said_data);
@@ -139,24 +155,23 @@ begin
       clock => clock, reset => reset, bii_request => bii_request, bii_response => bii_response,
       wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
 
-  token_fifo : entity work.fifo
-    generic map (width => token_t'length, depth => tokens)
-    port map (
-      clock => clock, reset => reset,
-      write_valid => said_valid, write_ready => said_ready, write_data => said_data,
-      read_valid => token_valid, read_ready => token_ready, read_data => token_data);
+  between : if datalink = "full" generate
+    token_fifo : entity work.fifo
+      generic map (width => token_t'length, depth => tokens)
+      port map (
+        clock => clock, reset => reset,
+        write_valid => said_valid, write_ready => said_ready, write_data => said_data,
+        read_valid => token_valid, read_ready => token_ready, read_data => token_data);
+  else generate
+    token_valid <= said_valid;
+    said_ready  <= token_ready;
+    token_data  <= said_data;
+  end generate;
 
   speller : entity work.speller
     port map (
       clock => clock, reset => reset,
       token_valid => token_valid, token_ready => token_ready, token_data => token_data,
       word_valid => word_valid, word_ready => word_ready, word_data => word_data);
-
-  transmitter : entity work.transmitter
-    generic map (checksum => checksum, polynomial => polynomial)
-    port map (
-      clock => clock, reset => reset,
-      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
 
 end architecture;

@@ -2,8 +2,8 @@
 --
 -- Executes requests on the bus, answers them, and publishes groups between them. One thing at a time.
 --
--- Ports     request, data, take, request_done: see request_buffer. subscription: see subscription_pkg. bii: see bii_pkg.
---           token: valid/ready, what the speller makes a reply of.
+-- Ports     request, data..., take, request_done: see request_buffer and request_stream. subscription: see
+--           subscription_pkg. bii: see bii_pkg. token: valid/ready, what the speller makes a reply of.
 -- Latency   The head of a reply goes out in the clock in which the request is valid, if nothing else is in hand. Clocks
 --           in all, with a 2-clock bus and room for tokens, for AB address and DB data bytes: read 6 + AB + DB, write
 --           6 + AB + DB, a word of a read-many 4 + AB or DB, a word of a publish 4 or DB: whichever is more.
@@ -41,6 +41,8 @@ entity application is
     reset                 : in  std_ulogic;
     request               : in  request_t;
     data                  : in  byte_t;
+    data_valid            : in  std_ulogic := '1';  -- data is there; a request that is kept whole has it always
+    data_ended            : in  std_ulogic := '0';  -- none will come any more
     take                  : out std_ulogic;
     request_done          : out std_ulogic;
     subscription_request  : out subscription_request_t;
@@ -111,9 +113,6 @@ begin
         v.state := tail;
       elsif r.serving = '0' then
         v.state := open_publish;
-      elsif v.remaining < address_bytes then
-        v.bus_out.block_hold := '0';
-        say_text(text_missing_address, tail);
       else
         gather_bytes(address_bytes, open_block);
       end if;
@@ -125,16 +124,10 @@ begin
       case request.command is
         when unknown =>
           say_text(text_incomplete_command, tail);
-        when read | write =>
-          if request.length < address_bytes then
-            say_text(text_missing_address, tail);
-          elsif request.command = read then
-            gather_bytes(address_bytes, open_read);
-          elsif request.length < address_bytes + data_bytes then
-            say_text(text_missing_data, tail);
-          else
-            gather_bytes(address_bytes, write_address);
-          end if;
+        when read =>
+          gather_bytes(address_bytes, open_read);
+        when write =>
+          gather_bytes(address_bytes, write_address);
         when read_configuration =>
           say_text(text_configuration, list_field);
         when enable_publishing | enable_checked_publishing =>
@@ -158,14 +151,10 @@ begin
           else
             gather_bytes(1, store_mask);
           end if;
-        when others =>  -- a count or a group comes first
-          if request.length < 1 then
-            say_text(text_missing_data, tail);
-          elsif request.command = read_many then
-            gather_bytes(1, check_block);
-          else
-            gather_bytes(1, check_group);
-          end if;
+        when read_many =>
+          gather_bytes(1, check_block);
+        when write_group_addresses | write_group_rate | read_group =>
+          gather_bytes(1, check_group);
       end case;
     end procedure;
   begin
@@ -228,12 +217,17 @@ begin
         v.state := tail;
 
       when gather =>
-        take        <= '1';
-        v.argument  := r.argument(23 downto 0) & data;
-        v.remaining := r.remaining - 1;
-        v.gather_left := r.gather_left - 1;
-        if r.gather_left = 1 then
-          v.state := r.following;
+        if data_ended = '1' or r.remaining = 0 then
+          v.bus_out.block_hold := '0';
+          say_text(missing_text(r.following), tail);
+        elsif data_valid = '1' then
+          take        <= '1';
+          v.argument  := r.argument(23 downto 0) & data;
+          v.remaining := r.remaining - 1;
+          v.gather_left := r.gather_left - 1;
+          if r.gather_left = 1 then
+            v.state := r.following;
+          end if;
         end if;
 
       when say =>
@@ -338,13 +332,7 @@ begin
         elsif request.command = read_group then
           say_text(text_read_group, list_rate);
         elsif request.command = write_group_rate then
-          if r.remaining < rate_bytes then
-            say_text(text_missing_data, tail);
-          else
-            gather_bytes(rate_bytes, write_rate);
-          end if;
-        elsif r.remaining < 1 then
-          say_text(text_missing_data, tail);
+          gather_bytes(rate_bytes, write_rate);
         else
           gather_bytes(1, check_size);
         end if;

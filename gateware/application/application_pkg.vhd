@@ -26,6 +26,9 @@ package application_pkg is
     length  : unsigned(10 downto 0); -- data bytes behind the colon
   end record;
 
+  constant request_none : request_t := (
+    valid => '0', error => '0', code => x"00", checked => '0', command => unknown, length => (others => '0'));
+
   -- Texts of replies, with the colon where data follow.
   type text_t is (
     text_read, text_write, text_read_many, text_configuration, text_comma,

@@ -79,6 +79,9 @@ package application_state_pkg is
   -- What is said of an access that failed.
   function bus_error_text(status : bii_status_t; write : std_ulogic) return text_t;
 
+  -- What is said of a request that ends while bytes are gathered for the state `following`.
+  function missing_text(following : state_t) return text_t;
+
   -- Bytes a frequency needs: 255 -> 1, 256 -> 2.
   function frequency_bytes(frequency_hz : positive) return positive;
 
@@ -122,6 +125,16 @@ package body application_state_pkg is
       return text_bus_error_write;
     end if;
     return text_bus_error_read;
+  end function;
+
+  function missing_text(following : state_t) return text_t is
+  begin
+    case following is
+      when open_read | write_address | open_block | store_address =>
+        return text_missing_address;
+      when others =>
+        return text_missing_data;
+    end case;
   end function;
 
   function frequency_bytes(frequency_hz : positive) return positive is

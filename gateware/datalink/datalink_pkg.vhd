@@ -48,6 +48,9 @@ package datalink_pkg is
   -- "xor", or "none" (then it is always zero).
   function next_checksum(kind : string; polynomial : natural; sum : byte_t; data : byte_t) return byte_t;
 
+  -- The checksum a variant of the datalink has when `checksum` is asked for: only "full" has one.
+  function checksum_of(datalink : string; checksum : string) return string;
+
 end package;
 
 package body datalink_pkg is
@@ -76,6 +79,14 @@ package body datalink_pkg is
       return sum xor data;
     end if;
     return crc8_initial_c;
+  end function;
+
+  function checksum_of(datalink : string; checksum : string) return string is
+  begin
+    if datalink = "full" then
+      return checksum;
+    end if;
+    return "none";
   end function;
 
 end package body;

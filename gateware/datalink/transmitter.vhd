@@ -4,7 +4,7 @@
 --
 -- Ports     word: valid/ready, in the order head, letters and marks and data, tail. tx: valid/ready/data, one byte a clock.
 -- Latency   The first character of a word stands one clock after the word was valid (an output register).
--- Characters of a word: head, letter, mark, error 1; data 2; tail 1, with a checksum 4.
+-- Characters of a word: head, letter, mark, error 1; data 2, without digits 1; tail 1, with a checksum 4.
 -- Checksum  Letters as sent, then data bytes. A message that ends in an error mark has none.
 -- Pressure  word_ready waits for tx_ready; nothing is lost.
 
@@ -17,6 +17,7 @@ use work.protocol_pkg.all;
 
 entity transmitter is
   generic (
+    digits     : boolean := true;   -- a byte goes as two digits; false: as it is
     checksum   : string := "crc8";  -- "crc8", "xor" or "none"
     polynomial : natural range 0 to 255 := to_integer(unsigned(crc8_polynomial_c))
   );
@@ -63,7 +64,9 @@ begin
     next_character <= word_data(7 downto 0);
     case word_data(10 downto 8) is
       when word_byte =>
-        if place = 0 then
+        if not digits then
+          null;
+        elsif place = 0 then
           last           <= '0';
           next_character <= digit(word_data(7 downto 4));
         else

@@ -36,6 +36,7 @@ entity replay_tb is
     read_many     : natural  := 32;
     publish_mode  : natural  := 2;
     with_rlc      : natural  := 1;       -- 0: no RLC
+    datalink      : string   := "full";
     checksum      : string   := "crc8";
     polynomial    : natural  := 7;
     edge_events   : natural  := 0;
@@ -84,7 +85,7 @@ begin
     generic map (
       address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
       group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-      configuration_command => with_rlc = 1, checksum => checksum, polynomial => polynomial,
+      configuration_command => with_rlc = 1, datalink => datalink, checksum => checksum, polynomial => polynomial,
       edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)))
     port map (
       clock => clock, reset => reset,

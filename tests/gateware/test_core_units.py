@@ -14,12 +14,19 @@ BENCHES: list[tuple[str, dict[str, Any]]] = [
     ("receiver_tb", {"checksum": "crc8"}),
     ("receiver_tb", {"checksum": "xor"}),
     ("receiver_tb", {"checksum": "none"}),
+    ("lite_receiver_tb", {"digits": True}),
+    ("lite_receiver_tb", {"digits": False}),
+    ("datalink_tb", {"datalink": "full", "checksum": "crc8"}),
+    ("datalink_tb", {"datalink": "full", "checksum": "none", "stalls": 0}),
+    ("datalink_tb", {"datalink": "lite"}),
+    ("datalink_tb", {"datalink": "none", "stalls": 60}),
     ("transmitter_tb", {"checksum": "crc8"}),
     ("transmitter_tb", {"checksum": "crc8", "stalls": 0}),
     ("transmitter_tb", {"checksum": "xor"}),
     ("transmitter_tb", {"checksum": "none"}),
     ("request_buffer_tb", {"complete": True}),
     ("request_buffer_tb", {"complete": False}),
+    ("request_stream_tb", {}),
     ("application_tb", {"publish_mode": 2}),
     ("application_tb", {"publish_mode": 2, "stalls": 60}),
     ("application_tb", {"publish_mode": 1}),
@@ -42,5 +49,6 @@ def test_bench(ghdl: Any, bench: str, generics: dict[str, Any]) -> None:
 
 def test_generics_that_may_not_be(ghdl: Any) -> None:
     ghdl.refuse("fifo_tb", "depth must be a power of two", depth=3)
+    ghdl.refuse("datalink_tb", "datalink must be full, lite or none", datalink="light")
     ghdl.refuse("receiver_tb", "checksum must be crc8, xor or none", checksum="crc16")
     ghdl.refuse("subscription_manager_tb", "lower base_hz", groups=16, period=12)

@@ -1,0 +1,167 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- request_stream: events in as a lite_receiver tells them, in and out at random paces; commands, bytes, ends.
+-- Events are written as text: ( start, letters, : colon, a digit a byte of that value, ) good, ! bad.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.application_pkg.all;
+use work.bench_pkg.all;
+use work.datalink_pkg.all;
+
+entity request_stream_tb is
+  generic (
+    seed : positive := 1
+  );
+end entity;
+
+architecture bench of request_stream_tb is
+
+  signal clock        : std_ulogic := '0';
+  signal reset        : std_ulogic := '1';
+  signal ended        : boolean := false;
+  signal receive      : receive_t := (event => nothing, checked => '0', data => x"00");
+  signal room         : std_ulogic;
+  signal message_end  : std_ulogic;
+  signal request      : request_t;
+  signal data         : std_ulogic_vector(7 downto 0);
+  signal data_valid   : std_ulogic;
+  signal data_ended   : std_ulogic;
+  signal take         : std_ulogic := '0';
+  signal request_done : std_ulogic := '0';
+  signal fed          : natural := 0;  -- events of the text that have gone in
+  signal told_end     : natural := 0;  -- events up to message_end; 0: there was none
+
+begin
+
+  clock <= not clock after 1 ns when not ended;
+
+  dut : entity work.request_stream
+    generic map (address_bytes => 2, data_bytes => 3, rate_bytes => 2, mask_bytes => 4)
+    port map (
+      clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
+      request => request, data => data, data_valid => data_valid, data_ended => data_ended,
+      take => take, request_done => request_done);
+
+  play : process
+
+    variable random : random_t;
+    variable bytes  : string(1 to 20);
+    variable count  : natural;
+
+    -- Feeds the events of `text` and takes what comes of it: `most` bytes at most, and then the request is done.
+    procedure try(
+      text : string; command : command_t; expected : string := ""; most : natural := 20; ends_at : natural := 0) is
+      variable next_event : natural := 1;
+      variable done       : boolean := false;
+      variable gone       : boolean := false;
+      variable clocks     : natural := 0;
+
+      function event_of(c : character) return receive_t is
+      begin
+        case c is
+          when '(' => return (event => start, checked => '0', data => x"23");
+          when ':' => return (event => colon, checked => '0', data => x"3A");
+          when ')' => return (event => good, checked => '0', data => x"0A");
+          when '!' => return (event => bad, checked => '0', data => x"F1");
+          when '0' to '9' =>
+            return (event => byte, checked => '0',
+                    data => std_ulogic_vector(to_unsigned(character'pos(c) - character'pos('0'), 8)));
+          when others =>
+            return (event => letter, checked => '0', data => std_ulogic_vector(to_unsigned(character'pos(c), 8)));
+        end case;
+      end function;
+    begin
+      count    := 0;
+      told_end <= 0;
+      while not done or next_event <= text'length loop
+        clocks := clocks + 1;
+        assert clocks < 1000 report text & ": stuck" severity failure;
+        receive.event <= nothing;
+        take         <= '0';
+        request_done <= '0';
+        wait until falling_edge(clock);  -- all outputs of the clock before stand
+        if request.valid = '1' and not gone then
+          check(request.command = command or request.error = '1', text & ": " & command_t'image(request.command));
+          check(request.length > 1100, text & ": length");
+          if request.error = '1' then
+            check_equal(request.code, x"F1", "code");
+            check(command = unknown, text & ": error");
+            request_done <= '1';
+            gone := true;
+          elsif count = most or (data_ended = '1' and random.chance(50)) then
+            request_done <= '1';
+            gone := true;
+          elsif data_valid = '1' and random.chance(50) then
+            count := count + 1;
+            bytes(count) := character'val(to_integer(unsigned(data)) + character'pos('0'));
+            take <= '1';
+          end if;
+        end if;
+        if next_event <= text'length and room = '1' and random.chance(50) then
+          receive    <= event_of(text(next_event));
+          next_event := next_event + 1;
+        end if;
+        wait for 100 ps;
+        if message_end = '1' and told_end = 0 then
+          told_end <= next_event - 1;
+        end if;
+        wait until rising_edge(clock);
+        done := gone;
+      end loop;
+      receive.event <= nothing;
+      take          <= '0';
+      request_done  <= '0';
+      wait until rising_edge(clock);
+      check_equal(request.valid, '0', text & ": valid at the end");
+      assert bytes(1 to count) = expected
+        report text & ": bytes " & bytes(1 to count) & " instead of " & expected severity failure;
+      check_equal(told_end, ends_at, text & ": message_end");
+    end procedure;
+
+  begin
+    random.seed(seed);
+    wait until rising_edge(clock);
+    reset <= '0';
+    for round in 1 to 20 loop
+      try("(R:12)", read, "12", 20, 5);
+      try("(r:12", read, "12", 2, 5);
+      try("(R:1)", read, "1");
+      try("(R:)", read, "");
+      try("(R)", unknown);
+      try("(RX:)", unknown, "", 20, 4);
+      try("(R:12345)", read, "12", 2, 5);
+      try("(W:12345)", write, "12345", 20, 8);
+      try("(RM:2123499", read_many, "21234", 5, 9);
+      try("(RM:0)", read_many, "0", 20, 5);
+      try("(WSA:121234)", write_group_addresses, "121234", 20, 11);
+      try("(WSA:12123)", write_group_addresses, "12123");
+      try("(WSA:1244444", write_group_addresses, "", 0, 11);  -- refused at once
+      try("(WSR:123)", write_group_rate, "123", 20, 8);
+      try("(RSI:1)", read_group, "1", 20, 6);
+      try("(WIC:1234)", write_event_mask, "1234", 20, 9);
+      try("(RIC)", read_event_mask);
+      try("(RLC)", read_configuration);
+      try("(RLCX)", read_configuration);
+      try("(EPS)", enable_publishing);
+      try("(EPC)", unknown);
+      try("(DPS:", disable_publishing, "", 20, 5);
+      try("(DPS:12)", disable_publishing, "", 0, 5);
+      try("(WXYZ(DPS)", disable_publishing);
+      try("!", unknown);
+    end loop;
+    report_passed("request_stream_tb");
+    ended <= true;
+    wait;
+  end process;
+
+  watchdog : process
+  begin
+    wait for 1 ms;
+    assert ended report "request_stream_tb: took too long" severity failure;
+    wait;
+  end process;
+
+end architecture;
