@@ -32,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "read": ("read", "Read items by name, pattern or address."),
     "write": ("write", "Write items: NAME=VALUE."),
     "watch": ("watch", "Watch items change, live."),
+    "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
     "bench": ("bench_command", "Measure this machine against the figures asked for."),
 }

@@ -15,7 +15,8 @@ def connect(url: str) -> Link:
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
 
     Options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
-    buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`.
+    buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,
+    `trace=FILE` (a capture of all bytes, for `unitylink decode` and Wireshark).
     Where gateware has no RLC also `address_bytes= data_bytes= read_many= publish_mode= base_hz= groups=
     group_size= rate_bytes=`.
 

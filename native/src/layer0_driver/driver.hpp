@@ -39,6 +39,8 @@ class Driver {
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
   // Why the last transfer said closed, in the operating system's words.
   [[nodiscard]] virtual std::string reason() const = 0;
+  // What did not go as wished although the transfers did; empty: nothing.
+  [[nodiscard]] virtual std::string warning() const { return {}; }
 };
 
 // Opens what the URL names; the errors are bad_url, not_found, permission, busy, timeout and closed. `timeout_ns` bounds a connection.

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <fcntl.h>
 
+#include "layer0_driver/capturing_driver.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
 #include "layer0_driver/socket_driver.hpp"
@@ -24,9 +25,7 @@ Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
   return {};
 }
 
-}  // namespace
-
-Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
   if (url.scheme == "serial") {
     return open_serial(url, driver);
   }
@@ -34,6 +33,23 @@ Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Dr
     return open_socket(url, timeout_ns, driver);
   }
   return open_descriptor(url, driver);
+}
+
+}  // namespace
+
+Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+  const std::string* const trace = url.option("trace");
+  std::unique_ptr<Capture> capture;
+  if (trace != nullptr) {  // before the port: a file that cannot be written must not cost a connection
+    if (Outcome outcome = Capture::create(*trace, url.text, capture); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  Outcome outcome = open_port(url, timeout_ns, driver);
+  if (outcome.ok() && capture != nullptr) {
+    driver = std::make_unique<CapturingDriver>(std::move(driver), std::move(capture));
+  }
+  return outcome;
 }
 
 }  // namespace unitylink

@@ -13,6 +13,26 @@ Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
 }
 
+// %41 is A, as in every URL: a file name may have an & in it. False: a % without two hex digits behind it, or a NUL.
+bool unescape(std::string_view text, std::string& plain) {
+  plain.clear();
+  for (std::size_t index = 0; index < text.size(); ++index) {
+    char character = text[index];
+    if (character == '%') {
+      unsigned code = 0;
+      const char* const begin = text.data() + index + 1;
+      const char* const end = text.size() - index > 2 ? begin + 2 : begin;
+      if (std::from_chars(begin, end, code, 16).ptr != begin + 2 || code == 0) {
+        return false;
+      }
+      character = static_cast<char>(code);
+      index += 2;
+    }
+    plain.push_back(character);
+  }
+  return true;
+}
+
 Outcome split_options(std::string_view text, std::string_view query, Url& url) {
   while (!query.empty()) {
     const std::size_t end = query.find('&');
@@ -26,7 +46,11 @@ Outcome split_options(std::string_view text, std::string_view query, Url& url) {
     if (url.option(name) != nullptr) {
       return wrong(text, "option '" + name + "' is given twice");
     }
-    url.options.emplace_back(name, std::string(item.substr(equals + 1)));
+    std::string value;
+    if (!unescape(item.substr(equals + 1), value)) {
+      return wrong(text, "option '" + name + "': a % needs two hex digits behind it (%25 is %)");
+    }
+    url.options.emplace_back(name, std::move(value));
   }
   return {};
 }

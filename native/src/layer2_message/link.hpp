@@ -105,6 +105,8 @@ class Link {
   [[nodiscard]] bool closed();
   // Ok while the link lives, then why it has ended; `by_itself`: not by close().
   [[nodiscard]] Outcome ending(bool& by_itself);
+  // What did not go as wished although the link lives or lived, such as a trace that ends early; empty: nothing.
+  [[nodiscard]] std::string warning() const { return driver_->warning(); }
   // Everything waiting ends with Status::closed, here and in other threads. Does not wait for a silent device.
   void close();
   // In a forked child, first of all: the link stays the parent's, and is closed here without a word to the device.

@@ -28,7 +28,7 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are timeout, attempts, fifo, crc, polynomial, window, publish_crc, gateware, baud (serial), address_bytes, data_bytes, "
+    "known are timeout, attempts, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 
 Outcome wrong(const Url& url, const std::string& name, const std::string& value, const std::string& expected) {
@@ -109,7 +109,7 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       return {};
     }
   }
-  if (name == "baud" && url.scheme == "serial") {
+  if (name == "trace" || (name == "baud" && url.scheme == "serial")) {
     return {};  // the driver's
   }
   return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};

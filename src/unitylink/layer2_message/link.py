@@ -243,8 +243,10 @@ class Link:
     def close(self) -> None:
         """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
         _open.discard(self)
-        self._unclosed = False
+        first, self._unclosed = self._unclosed, False
         self._native.close()
+        if first and self._native.warning:
+            warnings.warn(self._native.warning, RuntimeWarning, stacklevel=2)
         self._callbacks.stop()
         for loop, mailbox in list(self._mailboxes.items()):
             if not loop.is_closed():

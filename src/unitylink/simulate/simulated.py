@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import parse_qsl, quote, urlencode
 
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, UrlError
@@ -56,7 +56,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
         spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant, endpoint="fd"
     )
     try:
-        link_url = board.url + (f"?{urlencode(options, safe=',')}" if options else "")
+        link_url = board.url + (f"?{urlencode(options, safe=',/', quote_via=quote)}" if options else "")
     except UnityLinkError:
         board.close()
         raise

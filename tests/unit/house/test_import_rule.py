@@ -29,6 +29,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "layer4_data": {"layer3_hardware", "layer2_message", "spec", *SHARED},
     "simulate": {"board_configuration", "spec", "_native", *SHARED},
     "gateware": SHARED,
+    # Captures are read with the codec of layer 1, above no link.
+    "capture": {"layer1_stream", *SHARED},
     "connection": {"layer2_message", "simulate", "spec", *SHARED},
 }
 UNRESTRICTED = {"tools", "cli", "__main__", "__init__"}

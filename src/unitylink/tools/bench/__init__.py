@@ -26,6 +26,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "in-flight": ("in_flight", "measure"),
     "publish": ("publish", "measure_stream"),
     "callbacks": ("publish", "measure_callbacks"),
+    "trace": ("trace", "measure"),
     "check": ("start_up", "measure_check"),
     "version": ("start_up", "measure_version"),
 }

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Captures: what went over a wire, read back as packets and as messages with their meaning.
+
+from unitylink.capture import messages, read_packets
+
+for message in messages(read_packets("scara.pcapng"), names={0x88: "j1.cpos"}):
+    print(message.time_s, message.direction, message.text, message.meaning)
+"""
+
+from __future__ import annotations
+
+from .messages import CaptureMessage, messages
+from .pcapng import Packet, PcapngWriter, read_packets
+
+__all__ = ["CaptureMessage", "Packet", "PcapngWriter", "messages", "read_packets"]

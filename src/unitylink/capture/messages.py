@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Packets to messages of the classic protocol, each with its meaning.
+
+The host's side is read as text, the device's by the decoder of layer 1. What a reply answers is told by the
+order of requests, what a publish holds by the last WSA of its group: the protocol itself says neither.
+"""
+
+from __future__ import annotations
+
+import heapq
+import re
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from unitylink import protocol
+from unitylink.layer1_stream import (
+    ApplicationError,
+    BadMessage,
+    Busy,
+    ClassicDecoder,
+    DatalinkError,
+    Event,
+    Garbage,
+    Publish,
+    Reply,
+)
+
+from .pcapng import RECEIVED, SENT, Packet
+
+_REQUEST = re.compile(rb"(!?)([#$])([A-Za-z]*)(?::([0-9A-Fa-f]*))?(?:\*([0-9A-Fa-f]{2}))?$")
+_IGNORED = bytes.maketrans(b"", b""), b"\t ,.\r"
+_OUT_OF_ORDER_MOST = 16
+Show = Callable[[int, int], str]  # address, raw word -> text
+
+
+@dataclass(frozen=True)
+class CaptureMessage:
+    """One message: `time_s` is that of its last byte, `text` the bytes as they were, `meaning` what they say.
+
+    `kind` is "request", "reply", "publish", "error" (said by the device) or "damaged" (believed by nobody).
+    """
+
+    time_s: float
+    direction: str
+    data: bytes
+    kind: str
+    meaning: str
+
+    @property
+    def text(self) -> str:
+        """The bytes, printable: `$R:12*58`."""
+        return self.data.rstrip(b"\r\n").decode("ascii", "backslashreplace").replace("\x1b", "\\x1b")
+
+
+@dataclass(frozen=True)
+class _Request:
+    command: str
+    data: bytes
+    address: int | None = None
+
+
+def messages(
+    packets: Iterable[Packet],
+    *,
+    names: Mapping[int, str] | None = None,
+    show: Show | None = None,
+    address_bytes: int | None = None,
+    data_bytes: int | None = None,
+    polynomial: int | None = protocol.CRC8_POLYNOMIAL,
+) -> Iterator[CaptureMessage]:
+    """Yield the messages in `packets`.
+
+    `names` gives addresses a name, `show` a word its text. The widths are those the device tells in its CNF;
+    without one in the capture give them, else addresses stay unread.
+    """
+    reader = _Reader(names or {}, show or _hex_word, address_bytes, data_bytes, polynomial)
+    rest = {SENT: b"", RECEIVED: b""}
+    time_s = 0.0
+    for packet in _in_order(packets):
+        time_s = packet.time_s
+        *lines, rest[packet.direction] = (rest[packet.direction] + packet.data).split(b"\n")
+        for line in lines:
+            yield reader.read(time_s, packet.direction, line + b"\n")
+    for direction, left in rest.items():
+        if left:
+            yield CaptureMessage(time_s, direction, left, "damaged", "the capture ends within this message")
+
+
+def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
+    """Sort by time within a few packets: a thread that sends and one that receives write as they come."""
+    heap: list[tuple[float, int, Packet]] = []
+    for number, packet in enumerate(packets):
+        heapq.heappush(heap, (packet.time_s, number, packet))
+        if len(heap) > _OUT_OF_ORDER_MOST:
+            yield heapq.heappop(heap)[2]
+    while heap:
+        yield heapq.heappop(heap)[2]
+
+
+class _Reader:
+    def __init__(
+        self,
+        names: Mapping[int, str],
+        show: Show,
+        address_bytes: int | None,
+        data_bytes: int | None,
+        polynomial: int | None,
+    ) -> None:
+        self.names = names
+        self.show = show
+        self.address_bytes = address_bytes
+        self.data_bytes = data_bytes
+        self.polynomial = polynomial
+        self.waiting: deque[_Request] = deque()
+        self.groups: dict[int, tuple[int, ...]] = {}
+
+    def read(self, time_s: float, direction: str, line: bytes) -> CaptureMessage:
+        kind, meaning = self._request(line) if direction == SENT else self._answer(line)
+        return CaptureMessage(time_s, direction, line, kind, meaning)
+
+    # ---- what the PC says
+
+    def _request(self, line: bytes) -> tuple[str, str]:
+        match = _REQUEST.match(line[:-1].translate(*_IGNORED))
+        if match is None or len(match[4] or b"") % 2:
+            return "damaged", "not a request"
+        fence, _, letters, digits, _ = match.groups()
+        command, data = letters.decode().upper(), bytes.fromhex((digits or b"").decode())
+        request = _Request(command, data)
+        if fence:
+            self.waiting.clear()
+            meaning = "resynchronise: all requests before are void"
+        else:
+            meaning = self._asked(request)
+        self.waiting.append(request)
+        return "request", meaning
+
+    def _asked(self, request: _Request) -> str:
+        command, data = request.command, request.data
+        if command in _PLAIN_REQUESTS:
+            return _PLAIN_REQUESTS[command]
+        if command == protocol.COMMAND_WRITE_EVENT_MASK:
+            return f"publish on event: groups {_groups_of(data)}"
+        if command in (protocol.COMMAND_READ_GROUP, protocol.COMMAND_WRITE_GROUP_RATE) and data:
+            rate = int.from_bytes(data[1:], "big")
+            if command == protocol.COMMAND_READ_GROUP:
+                return f"what is group {data[0]} set to?"
+            return f"group {data[0]}: " + (f"publish every {rate} base periods" if rate else "no rate")
+        if self.address_bytes is None:
+            return f"{command} (address width not known; add --address-bytes)" if command else "empty message"
+        size = self.address_bytes
+        if command == protocol.COMMAND_READ and len(data) == size:
+            return f"read {self._name(int.from_bytes(data, 'big'))}"
+        if command == protocol.COMMAND_WRITE and len(data) > size:
+            address = int.from_bytes(data[:size], "big")
+            return f"write {self._name(address)} = {self.show(address, int.from_bytes(data[size:], 'big'))}"
+        if command == protocol.COMMAND_READ_MANY and len(data) == 1 + data[0] * size:
+            return "read " + ", ".join(map(self._name, self._addresses(data[1:])))
+        if command == protocol.COMMAND_WRITE_GROUP_ADDRESSES and len(data) == 2 + data[1] * size:
+            addresses = self._addresses(data[2:])
+            self.groups[data[0]] = addresses
+            return f"group {data[0]} is " + (", ".join(map(self._name, addresses)) or "empty")
+        return f"{command}: unknown or not complete" if command else "empty message"
+
+    # ---- what the device says
+
+    def _answer(self, line: bytes) -> tuple[str, str]:
+        decoder = ClassicDecoder(data_bytes=self.data_bytes or 0, polynomial=self.polynomial)
+        events = decoder.feed(line)
+        kinds, meanings = zip(*(self._said(event) for event in events), strict=True) if events else ((), ())
+        if not events:
+            return "damaged", "no message"
+        worst = next((kind for kind in ("damaged", "error") if kind in kinds), kinds[-1])
+        return worst, "; ".join(meanings)
+
+    def _said(self, event: Event) -> tuple[str, str]:
+        if isinstance(event, Publish):
+            return "publish", self._published(event)
+        if isinstance(event, Reply):
+            return "reply", self._replied(event)
+        if isinstance(event, ApplicationError):
+            request = self.waiting.popleft() if self.waiting else None
+            about = f" (asked: {self._asked(request)})" if request else ""
+            return "error", f"{event.error}: {protocol.APPLICATION_ERRORS.get(event.error, 'unknown')}{about}"
+        if isinstance(event, DatalinkError):
+            if self.waiting:
+                self.waiting.popleft()
+            return "error", f"datalink: {_datalink_error(event.code)}"
+        if isinstance(event, Busy):
+            return "error", "the board serves another program"
+        if isinstance(event, BadMessage):
+            if self.waiting and event.head in "#$":
+                self.waiting.popleft()
+            return "damaged", event.reason.replace("_", " ")
+        assert isinstance(event, Garbage)
+        return "damaged", f"{event.count} bytes that belong to no message"
+
+    def _published(self, event: Publish) -> str:
+        addresses = self.groups.get(event.group, ())
+        if len(addresses) != len(event.words):
+            words = ", ".join(f"0x{word:x}" for word in event.words)
+            return f"publish of group {event.group}: {words or 'not read: the data width is not known'}"
+        return f"publish of group {event.group}: " + self._pairs(addresses, event.words)
+
+    def _replied(self, event: Reply) -> str:
+        request = self.waiting.popleft() if self.waiting else None
+        if event.letters == protocol.REPLY_READ_CONFIGURATION:
+            fields = [int(field, 16) if field else 0 for field in event.fields.split(",")]
+            if len(fields) == 8:
+                self.address_bytes, self.data_bytes = fields[0], fields[1]
+                return (
+                    f"configuration: {fields[0]} address bytes, {fields[1]} data bytes, "
+                    f"read-many {fields[2]}, base {fields[4]} Hz, {fields[5] or 256} groups of {fields[6]}"
+                )
+            return "configuration"
+        if request is None or event.letters != f"S_{request.command}":
+            return f"{event.letters} to a request that is not in the capture"
+        words = self._words(event.data)
+        if request.command == protocol.COMMAND_READ and self.address_bytes and len(words) == 1:
+            return self._pairs([int.from_bytes(request.data, "big")], words)
+        if request.command == protocol.COMMAND_READ_MANY and self.address_bytes:
+            return self._pairs(self._addresses(request.data[1:]), words)
+        if request.command == protocol.COMMAND_READ_EVENT_MASK:
+            return f"groups on event: {_groups_of(event.data)}"
+        return "done"
+
+    # ---- parts
+
+    def _name(self, address: int) -> str:
+        return self.names.get(address, f"0x{address:x}")
+
+    def _pairs(self, addresses: Iterable[int], words: Iterable[int]) -> str:
+        pairs = zip(addresses, words)  # noqa: B905  # a device may say less than was asked
+        return ", ".join(f"{self._name(address)} = {self.show(address, word)}" for address, word in pairs)
+
+    def _addresses(self, data: bytes) -> tuple[int, ...]:
+        size = self.address_bytes or 1
+        return tuple(int.from_bytes(data[at : at + size], "big") for at in range(0, len(data), size))
+
+    def _words(self, data: bytes) -> tuple[int, ...]:
+        size = self.data_bytes or len(data) or 1
+        return tuple(int.from_bytes(data[at : at + size], "big") for at in range(0, len(data), size))
+
+
+_PLAIN_REQUESTS = {
+    protocol.COMMAND_READ_CONFIGURATION: "what is your configuration?",
+    protocol.COMMAND_ENABLE_PUBLISHING: "publishing on",
+    protocol.COMMAND_ENABLE_CHECKED_PUBLISHING: "publishing on, with checksums",
+    protocol.COMMAND_DISABLE_PUBLISHING: "publishing off",
+    protocol.COMMAND_READ_EVENT_MASK: "which groups publish on event?",
+}
+
+
+def _hex_word(address: int, word: int) -> str:
+    return f"0x{word:x}"
+
+
+def _groups_of(mask: bytes) -> str:
+    value = int.from_bytes(mask, "big")
+    return ", ".join(str(bit) for bit in range(8 * len(mask)) if value >> bit & 1) or "none"
+
+
+def _datalink_error(code: int) -> str:
+    if code < protocol.DATALINK_ERROR_PHYSICAL:
+        return protocol.DATALINK_ERRORS.get(code, f"code {code:x}")
+    lines = ("parity", "framing", "overrun")
+    flags = code - protocol.DATALINK_ERROR_PHYSICAL
+    return " and ".join(line for bit, line in enumerate(lines) if flags >> bit & 1) + " error on the line"

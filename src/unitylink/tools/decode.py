@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink decode`: what stands in a capture of a link."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+
+import click
+
+from unitylink.capture import CaptureMessage, Packet, PcapngWriter, messages, read_packets
+from unitylink.spec.model import Element
+
+from .link_option import load_names, spec_option
+from .output import colours, json_option, print_json
+
+_KINDS = ("request", "reply", "publish", "error", "damaged")
+_ARROWS = {"sent": ">", "received": "<"}
+_COLOURS = {"publish": "\x1b[2m", "error": "\x1b[31m", "damaged": "\x1b[31m"}
+
+
+@click.command()
+@click.argument("capture", metavar="FILE")
+@spec_option
+@click.option("--only", metavar="KIND[,KIND]", help=f"Only these: {', '.join(_KINDS)}.")
+@click.option("--not", "without", metavar="KIND[,KIND]", help="All but these.")
+@click.option("--match", metavar="REGEX", help="Only what has this in its bytes or its meaning.")
+@click.option("--raw", is_flag=True, help="The transfers as they were, not put together to messages.")
+@click.option(
+    "--pcapng", metavar="FILE", help="Write the messages to a capture, one a packet: for Wireshark."
+)
+@click.option("--address-bytes", type=click.IntRange(1, 4), help="Where the capture has no configuration.")
+@click.option("--data-bytes", type=click.IntRange(1, 4), help="Likewise.")
+@json_option("one object a line")
+def command(
+    capture: str,
+    *,
+    spec_file: str | None,
+    only: str | None,
+    without: str | None,
+    match: str | None,
+    raw: bool,
+    pcapng: str | None,
+    address_bytes: int | None,
+    data_bytes: int | None,
+    as_json: bool,
+) -> None:
+    """Print what went over a link: time, direction, bytes and meaning.
+
+    FILE was written by `?trace=FILE` on a link's URL. Times are seconds since its first byte. With --spec
+    words have their names. Wireshark opens the same file; tools/wireshark/ has a dissector for it.
+
+    \b
+    Examples:
+      unitylink read 'tcp://127.0.0.1:5555?trace=arm.pcapng' j1.cpos --spec arm.ul
+      unitylink decode arm.pcapng --spec arm.ul
+      unitylink decode arm.pcapng --not publish --match j1
+      unitylink decode arm.pcapng --only error,damaged --json
+      unitylink decode arm.pcapng --pcapng messages.pcapng
+    """
+    wanted = _kinds(only, set(_KINDS)) - _kinds(without, set())
+    try:
+        pattern = re.compile(match) if match else None
+    except re.error as error:
+        raise click.UsageError(f"--match {match}: {error}") from error
+    packets = read_packets(capture)
+    if raw:
+        found = _transfers(packets)
+    else:
+        elements = {element.address: element for _, element in _elements(spec_file)}
+        found = messages(
+            packets,
+            names={element.address: name for name, element in _elements(spec_file)},
+            show=lambda address, word: _shown(elements.get(address), word),
+            address_bytes=address_bytes,
+            data_bytes=data_bytes,
+        )
+    chosen = (
+        message
+        for message in found
+        if (raw or message.kind in wanted)
+        and (pattern is None or pattern.search(message.text) or pattern.search(message.meaning))
+    )
+    if pcapng is not None:
+        _rewrite(chosen, pcapng)
+    else:
+        _print(chosen, as_json)
+
+
+def _kinds(text: str | None, default: set[str]) -> set[str]:
+    if text is None:
+        return default
+    kinds = set(text.split(","))
+    if unknown := kinds - set(_KINDS):
+        raise click.UsageError(f"no kind '{min(unknown)}'; there are: {', '.join(_KINDS)}")
+    return kinds
+
+
+def _elements(spec_file: str | None) -> list[tuple[str, Element]]:
+    return list(load_names(None, spec_file).elements.items()) if spec_file else []
+
+
+def _shown(element: Element | None, word: int) -> str:
+    if element is None:
+        return f"0x{word:x}"
+    if element.signed and word >> 31:  # a word of the wire has the width of the bus; 32 bits unless told
+        return str(word - (1 << 32))
+    return str(word)
+
+
+def _transfers(packets: Iterator[Packet]) -> Iterator[CaptureMessage]:
+    for packet in packets:
+        meaning = f"{len(packet.data)} bytes"
+        yield CaptureMessage(packet.time_s, packet.direction, packet.data, "transfer", meaning)
+
+
+def _print(found: Iterator[CaptureMessage], as_json: bool) -> None:
+    coloured = colours(sys.stdout) and not as_json
+    start_s: float | None = None
+    for message in found:
+        start_s = message.time_s if start_s is None else start_s
+        since_s = message.time_s - start_s
+        if as_json:
+            print_json(
+                {
+                    "time_s": round(since_s, 9),
+                    "direction": message.direction,
+                    "kind": message.kind,
+                    "text": message.text,
+                    "meaning": message.meaning,
+                },
+                indent=None,
+            )
+            continue
+        line = f"{since_s:12.6f} {_ARROWS[message.direction]} {message.text:<24}  {message.meaning}"
+        colour = _COLOURS.get(message.kind, "") if coloured else ""
+        click.echo(f"{colour}{line}\x1b[0m" if colour else line)
+
+
+def _rewrite(found: Iterator[CaptureMessage], path: str) -> None:
+    count = 0
+    with PcapngWriter(path) as writer:
+        for message in found:
+            writer.write(Packet(message.time_s, message.direction, message.data, message.meaning))
+            count += 1
+    click.echo(f"{path}: {count} messages")
