@@ -55,7 +55,10 @@ DeviceConfiguration configuration_of(nb::handle object) {
   result.rate_bytes = word(object, "rate_bytes");
   result.publish_mode = word(object, "publish_mode");
   result.configuration_command = nb::cast<bool>(object.attr("configuration_command"));
-  result.checksum = nb::cast<std::string>(object.attr("checksum")) == "xor" ? Checksum::exclusive_or : Checksum::crc8;
+  const auto checksum = nb::cast<std::string>(object.attr("checksum"));
+  result.checksum = checksum == "none" ? Checksum::none : checksum == "xor" ? Checksum::exclusive_or : Checksum::crc8;
+  const auto datalink = nb::cast<std::string>(object.attr("datalink"));
+  result.datalink = datalink == "none" ? Datalink::none : datalink == "lite" ? Datalink::lite : Datalink::full;
   result.polynomial = byte(object, "polynomial");
   for (nb::handle group : nb::object(object.attr("edge_event_groups"))) {
     const std::uint32_t number = word_of(group, "edge_event_groups");

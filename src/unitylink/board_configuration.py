@@ -87,7 +87,8 @@ class BoardConfiguration:
     rate_bytes: int = 2
     publish_mode: int = 2  # 0 none, 1 requests first, 2 publishing first
     configuration_command: bool = True
-    checksum: str = "crc8"  # or "xor"
+    datalink: str = "full"  # "lite" checks nothing, "none" has data as bytes: docs/gateware/datalink.md
+    checksum: str = "crc8"  # "crc8", "xor" or "none"; of the full datalink
     polynomial: int = 0x07
     edge_event_groups: tuple[
         int, ...
@@ -104,9 +105,13 @@ class BoardConfiguration:
     double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.checksum not in ("crc8", "xor"):
+        if self.datalink not in ("full", "lite", "none"):
             raise ValueRangeError(
-                f"board configuration: checksum is {self.checksum!r}; choose 'crc8' or 'xor'"
+                f"board configuration: datalink is {self.datalink!r}; choose 'full', 'lite' or 'none'"
+            )
+        if self.checksum not in ("crc8", "xor", "none"):
+            raise ValueRangeError(
+                f"board configuration: checksum is {self.checksum!r}; choose 'crc8', 'xor' or 'none'"
             )
         if self.baud_hz < 0 or self.baud_hz > self.clock_hz:
             raise ValueRangeError(

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "device/requests.hpp"
+
 namespace unitylink::device {
 
 namespace bytes = protocol::bytes;
@@ -64,7 +66,7 @@ Clock Application::next_clock() const noexcept {
   if (state_ == State::idle) {
     return std::min(request_clock(), publish_clock());
   }
-  return state_ == State::emit && transmitter_.full() ? never : at_;
+  return state_ == State::emit && (transmitter_.full() || held()) ? never : at_;
 }
 
 void Application::step(Clock now) {
@@ -93,16 +95,6 @@ void Application::step(Clock now) {
   }
 }
 
-bool Application::has(std::string_view letters) const noexcept {
-  if (letters == command::read_configuration) {
-    return configuration_.configuration_command;
-  }
-  if (letters == command::read_many) {
-    return configuration_.read_many > 0;
-  }
-  return letters == command::read || letters == command::write || configuration_.publish_mode > 0;
-}
-
 void Application::begin_request() {
   const Message& message = receiver_.message();
   request_ = true;
@@ -116,7 +108,7 @@ void Application::begin_request() {
   const std::string_view text(message.letters.data(), message.letters.size());
   std::size_t seen = 0;
   for (const Command& candidate : commands) {
-    if (!has(candidate.letters)) {
+    if (!has_command(configuration_, candidate.letters)) {
       continue;
     }
     const bool matches =
@@ -160,6 +152,12 @@ void Application::begin_publish(std::uint32_t group) {
 // The head enters the FIFO at once, the rest from the decision on, one word per clock while there are places.
 void Application::emit() {
   while (sent_ < pending_.size()) {
+    if (held()) {
+      return;
+    }
+    if (sent_ == held_from_) {
+      at_ = std::max(at_, receiver_.message().ready_at);
+    }
     if (transmitter_.full()) {
       blocked_ = true;
       return;
@@ -175,6 +173,7 @@ void Application::emit() {
   }
   pending_.clear();
   sent_ = 0;
+  held_from_ = never_held;
   switch (after_emit_) {
     case State::single_access:
       schedule_access(address_, State::single_access);
@@ -210,7 +209,7 @@ void Application::next_block_word() {
   state_ = State::emit;
   if (block_words_ > addresses_.size()) {
     ++at_;
-    refuse(error::missing_address);
+    refuse_missing(error::missing_address);
   } else {
     tail();
   }
@@ -246,6 +245,13 @@ void Application::access_block() {
     value(answer.value, configuration_.data_bytes());
   }
   emit();
+}
+
+bool Application::held() const noexcept { return sent_ == held_from_ && receiver_.message().open; }
+
+void Application::refuse_missing(std::string_view code) {
+  held_from_ = pending_.size();
+  refuse(code);
 }
 
 bool Application::refuse_access(BusStatus status, std::string_view code) {

@@ -38,12 +38,13 @@ class Application {
 
   [[nodiscard]] Clock request_clock() const noexcept;
   [[nodiscard]] Clock publish_clock() const noexcept;
-  [[nodiscard]] bool has(std::string_view command) const noexcept;
+  [[nodiscard]] bool held() const noexcept;
 
   void begin_request();
   void begin_publish(std::uint32_t group);
   void execute(std::string_view command, Cursor& cursor);
   void read_configuration();
+  void write_event_mask(Cursor& cursor);
   void write_group_addresses(std::uint32_t group, Cursor& cursor);
   void read_group(std::uint32_t group);
   void access_single();
@@ -59,8 +60,11 @@ class Application {
   void value(std::uint32_t value, std::uint32_t bytes);
   void success(std::string_view reply);  // the whole reply that carries no data
   void refuse(std::string_view error);
+  void refuse_missing(std::string_view error);  // bytes of the request are; while it is open they may still come
   bool refuse_access(BusStatus status, std::string_view error);
   void schedule_access(std::uint32_t address, State state);
+
+  static constexpr std::size_t never_held = ~std::size_t{0};
 
   const DeviceConfiguration& configuration_;
   DatalinkReceiver& receiver_;
@@ -81,6 +85,7 @@ class Application {
   std::uint32_t write_value_ = 0;
   std::vector<Word> pending_;  // words on their way into the transmit FIFO
   std::size_t sent_ = 0;
+  std::size_t held_from_ = never_held;  // words from here on wait for the end of the request
   std::vector<std::uint32_t> addresses_;  // of the block being read
   std::size_t next_address_ = 0;
   std::uint32_t block_words_ = 0;  // words asked for; more than there are addresses if the request was cut short

@@ -31,16 +31,16 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
   if (letters == command::read || letters == command::write) {
     write_ = letters == command::write;
     if (!cursor.take(configuration_.address_bytes(), first)) {
-      refuse(error::missing_address);
+      refuse_missing(error::missing_address);
     } else if (write_ && !cursor.take(configuration_.data_bytes(), write_value_)) {
-      refuse(error::missing_data);
+      refuse_missing(error::missing_data);
     } else {
       address_ = first & configuration_.address_mask();
       after_emit_ = State::single_access;
     }
   } else if (letters == command::read_many) {
     if (!cursor.take(1, first)) {
-      refuse(error::missing_data);
+      refuse_missing(error::missing_data);
     } else if (first == 0 || first > configuration_.read_many) {
       refuse(error::invalid_block_size);
     } else {
@@ -70,17 +70,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
     }
     tail();
   } else if (letters == command::write_event_mask) {
-    std::array<std::uint8_t, protocol::limits::groups_max / 8> mask{};
-    for (std::uint32_t byte = configuration_.mask_bytes(); byte-- > 0;) {
-      std::uint32_t bits = 0;
-      if (!cursor.take(1, bits)) {
-        refuse(error::missing_data);
-        return;
-      }
-      mask[byte] = static_cast<std::uint8_t>(bits);
-    }
-    subscriptions_.enable_events(mask, decision_ + cursor.clocks);
-    success(reply::write_event_mask);
+    write_event_mask(cursor);
   } else if (letters == command::enable_publishing || letters == command::enable_checked_publishing) {
     checked_publish_ = letters == command::enable_checked_publishing;
     subscriptions_.enable(decision_ + cursor.clocks);
@@ -89,7 +79,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
     subscriptions_.disable(decision_ + cursor.clocks);
     success(reply::disable_publishing);
   } else if (!cursor.take(1, first)) {  // what is left is about one group
-    refuse(error::missing_data);
+    refuse_missing(error::missing_data);
   } else if (first >= configuration_.groups) {
     refuse(error::invalid_group);
   } else if (letters == command::read_group) {
@@ -100,7 +90,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
     subscriptions_.set_rate(first, rate, decision_ + cursor.clocks);
     success(reply::write_group_rate);
   } else {
-    refuse(error::missing_data);
+    refuse_missing(error::missing_data);
   }
 }
 
@@ -130,7 +120,7 @@ void Application::read_configuration() {
 void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   std::uint32_t count = 0;
   if (!cursor.take(1, count)) {
-    refuse(error::missing_data);
+    refuse_missing(error::missing_data);
     return;
   }
   if (count == 0 || count > configuration_.group_size) {
@@ -140,7 +130,15 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   addresses_.clear();
   for (std::uint32_t address = 0; addresses_.size() < count;) {
     if (!cursor.take(configuration_.address_bytes(), address)) {
-      refuse(error::missing_address);  // and the group stays as it was
+      refuse_missing(error::missing_address);  // and the group stays as it was
+      if (configuration_.datalink != Datalink::full) {  // but without a buffer the addresses that came are stored
+        const std::span<const std::uint32_t> before = subscriptions_.addresses(group);
+        for (std::size_t place = addresses_.size(); place < before.size(); ++place) {
+          addresses_.push_back(before[place]);
+        }
+        addresses_.resize(before.size());
+        subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
+      }
       return;
     }
     addresses_.push_back(address & configuration_.address_mask());
@@ -148,6 +146,26 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   }
   subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
   success(reply::write_group_addresses);
+}
+
+void Application::write_event_mask(Cursor& cursor) {
+  std::array<std::uint8_t, protocol::limits::groups_max / 8> mask{};
+  for (std::uint32_t group = 0; group < configuration_.groups; ++group) {
+    mask[group / 8] |= static_cast<std::uint8_t>((subscriptions_.event_enabled(group) ? 1u : 0u) << group % 8);
+  }
+  std::uint32_t bits = 0;
+  std::uint32_t left = configuration_.mask_bytes();
+  while (left > 0 && cursor.take(1, bits)) {
+    mask[--left] = static_cast<std::uint8_t>(bits);
+  }
+  if (left == 0 || configuration_.datalink != Datalink::full) {  // without a buffer the bytes that came count
+    subscriptions_.enable_events(mask, decision_ + cursor.clocks);
+  }
+  if (left == 0) {
+    success(reply::write_event_mask);
+  } else {
+    refuse_missing(error::missing_data);
+  }
 }
 
 void Application::read_group(std::uint32_t group) {

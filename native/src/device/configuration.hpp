@@ -11,7 +11,10 @@
 
 namespace unitylink::device {
 
-enum class Checksum : std::uint8_t { crc8, exclusive_or };
+enum class Checksum : std::uint8_t { none, crc8, exclusive_or };
+
+// docs/gateware/datalink.md: full checks whole messages; lite checks nothing; none has data as bytes.
+enum class Datalink : std::uint8_t { full, lite, none };
 
 // Word addresses first..last, both included.
 struct AddressRange {
@@ -56,7 +59,8 @@ struct DeviceConfiguration {
   std::uint32_t rate_bytes = 2;
   std::uint32_t publish_mode = 2; // 0 none, 1 requests first, 2 publishing first
   bool configuration_command = true;
-  Checksum checksum = Checksum::crc8;
+  Datalink datalink = Datalink::full;
+  Checksum checksum = Checksum::crc8;  // of the full datalink
   std::uint8_t polynomial = protocol::crc8::polynomial;
   std::vector<std::uint8_t> edge_events;  // bit g of byte g/8: the event input of group g is edge-triggered, else level
 
@@ -76,6 +80,7 @@ struct DeviceConfiguration {
   [[nodiscard]] std::uint32_t address_bytes() const noexcept { return (address_bits + 7) / 8; }
   [[nodiscard]] std::uint32_t data_bytes() const noexcept { return (data_bits + 7) / 8; }
   [[nodiscard]] std::uint32_t mask_bytes() const noexcept;
+  [[nodiscard]] bool has_checksum() const noexcept { return datalink == Datalink::full && checksum != Checksum::none; }
   [[nodiscard]] std::uint32_t address_mask() const noexcept;
   [[nodiscard]] std::uint32_t data_mask() const noexcept;
   // Entries a received message may have: head, letters, colon, data bytes and tail.

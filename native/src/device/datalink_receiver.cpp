@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "device/characters.hpp"
 #include "layer1_stream/hex.hpp"
 
 namespace unitylink::device {
@@ -10,19 +11,9 @@ namespace unitylink::device {
 namespace bytes = protocol::bytes;
 namespace error = protocol::datalink_error;
 
-namespace {
-
-constexpr bool is_letter(char c) noexcept { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
-constexpr bool is_separator(char c) noexcept { return c == '\t' || c == ' ' || c == ',' || c == '.'; }
-constexpr bool is_head(char c) noexcept {
-  return c == bytes::plain_head || c == bytes::checked_head || c == bytes::plain_publish || c == bytes::checked_publish;
-}
-constexpr bool is_end(char c) noexcept { return c == bytes::line_feed || c == bytes::carriage_return; }
-
-}  // namespace
-
 DatalinkReceiver::DatalinkReceiver(const DeviceConfiguration& configuration)
-    : checksum_(configuration.checksum == Checksum::crc8 ? Crc8(configuration.polynomial) : Crc8::exclusive_or()),
+    : configuration_(configuration),
+      checksum_(configuration.checksum == Checksum::crc8 ? Crc8(configuration.polynomial) : Crc8::exclusive_or()),
       entries_most_(configuration.message_entries()) {
   for (Message& message : messages_) {
     message.letters.reserve(entries_most_);
@@ -49,6 +40,7 @@ DatalinkReceiver::Taken DatalinkReceiver::begin(bool checked, Clock now) noexcep
   Message& message = messages_[first_ ^ complete_];
   message.checked = checked;
   message.colon = false;
+  message.open = false;
   message.letters.clear();
   message.data.clear();
   receiving_ = true;
@@ -98,8 +90,15 @@ DatalinkReceiver::Taken DatalinkReceiver::digit(std::uint8_t value, Clock now) {
 }
 
 DatalinkReceiver::Taken DatalinkReceiver::take(std::uint8_t byte, Clock now) {
+  return configuration_.datalink == Datalink::full ? take_checked(byte, now) : take_unchecked(byte, now);
+}
+
+DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock now) {
   const char c = static_cast<char>(byte);
   if (!receiving_) {
+    if (c == bytes::checked_head && configuration_.checksum == Checksum::none) {
+      return fail(error::format, now);
+    }
     if (c == bytes::plain_head || c == bytes::checked_head) {
       return begin(c == bytes::checked_head, now);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes to messages: the ASCII decoder, its checks and its error codes.
+// Bytes to messages: the ASCII decoder, its checks and its error codes; and what is left of it in the lesser datalinks.
 #pragma once
 
 #include <array>
@@ -38,8 +38,13 @@ class DatalinkReceiver {
   Taken begin(bool checked, Clock now) noexcept;
   Taken finish(Clock now) noexcept;
   Taken digit(std::uint8_t value, Clock now);
+  Taken take_checked(std::uint8_t byte, Clock now);
+  Taken take_unchecked(std::uint8_t byte, Clock now);
+  void take_data(std::uint8_t byte, Clock now);
+  void hand_on(Clock now) noexcept;
   bool stored() noexcept;  // counts one more entry of the message buffer; false when it is full
 
+  const DeviceConfiguration& configuration_;
   Crc8 checksum_;
   std::uint32_t entries_most_;
   std::array<Message, 2> messages_;
@@ -47,6 +52,7 @@ class DatalinkReceiver {
   std::size_t complete_ = 0;
 
   bool receiving_ = false;
+  bool broken_ = false;           // lite: a digit was none; the message handed on is open until the next head
   bool star_ = false;
   bool half_ = false;             // the first digit of a pair has been seen
   std::uint8_t first_digit_ = 0;

@@ -17,6 +17,7 @@ constexpr std::size_t characters_most = 4;  // a tail with its checksum, or a wh
 
 DatalinkTransmitter::DatalinkTransmitter(const DeviceConfiguration& configuration, PhysicalTransmitter& physical)
     : physical_(physical),
+      digits_(configuration.datalink != Datalink::none),
       checksum_(configuration.checksum == Checksum::crc8 ? Crc8(configuration.polynomial) : Crc8::exclusive_or()) {}
 
 Clock DatalinkTransmitter::word_clock() const noexcept {
@@ -44,6 +45,10 @@ void DatalinkTransmitter::character(char c) noexcept {
 }
 
 void DatalinkTransmitter::hex(std::uint8_t byte) noexcept {
+  if (!digits_) {
+    character(static_cast<char>(byte));
+    return;
+  }
   character(lower_digits[byte >> 4]);
   character(lower_digits[byte & 15u]);
 }

@@ -40,6 +40,7 @@ class DatalinkTransmitter {
   void send_error() noexcept;
 
   PhysicalTransmitter& physical_;
+  bool digits_;  // a byte goes as two digits, else as it is
   Crc8 checksum_;
   Ring<Word> words_{timing::transmit_words};
   Ring<ErrorCode> errors_{timing::error_codes};

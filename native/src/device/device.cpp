@@ -24,7 +24,7 @@ Device::Device(const DeviceConfiguration& configuration)
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
 void Device::receive_error(std::uint8_t bits) {
-  if ((bits & 7u) != 0) {
+  if ((bits & 7u) != 0 && configuration_.datalink == Datalink::full) {
     report(static_cast<std::uint8_t>(protocol::datalink_error::physical + (bits & 7u)), clock_ + timing::physical_error);
   }
 }

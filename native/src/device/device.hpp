@@ -43,7 +43,7 @@ class Device {
   bool receive(std::uint8_t byte) noexcept;
   [[nodiscard]] std::size_t room() const noexcept { return input_.room(); }
   [[nodiscard]] bool input_empty() const noexcept { return input_.empty(); }
-  // The physical layer reports errors: 1 parity, 2 framing, 4 overrun.
+  // The physical layer reports errors: 1 parity, 2 framing, 4 overrun. Only a full datalink listens.
   void receive_error(std::uint8_t bits);
   // The event input of one group, or of groups 0..31 at once.
   void set_event(std::uint32_t group, bool high);

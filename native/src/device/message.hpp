@@ -9,10 +9,11 @@
 
 namespace unitylink::device {
 
-// A request whose form and checksum are right.
+// A request: behind a full datalink its form and checksum are right.
 struct Message {
   bool checked = false;
   bool colon = false;
+  bool open = false;   // a lite datalink hands it on before its end, which is still to come
   Clock ready_at = 0;  // when the application may start
   Clock free_at = 0;   // when the buffer may be filled again
   std::vector<char> letters;       // upper case
