@@ -118,6 +118,7 @@ class RtlPlayer:
                 "read_many": configuration.read_many,
                 "publish_mode": configuration.publish_mode,
                 "with_rlc": int(configuration.configuration_command),
+                "datalink": configuration.datalink,
                 "checksum": configuration.checksum,
                 "polynomial": configuration.polynomial,
                 "edge_events": sum(1 << group for group in configuration.edge_event_groups),

@@ -21,12 +21,8 @@ def wrong(report: Report, status: str) -> str:
 
 def test_recordings(rtl: Any) -> None:
     report = replay(FILE, rtl)
-    failures = wrong(report, "required") + wrong(report, "defect")
+    failures = wrong(report, "required") + wrong(report, "defect") + wrong(report, "optional")
     assert not failures, failures
     assert report.passed == 366
     assert report.count("defect", True) == 57
-    assert {f"{e.run}/{e.name}" for e in report.exchanges if e.status == "optional" and not e.passed} == {
-        "49/lite_crc",
-        "49/lite_bad",
-        "49/lite_rm",
-    }
+    assert report.count("optional", True) == 16

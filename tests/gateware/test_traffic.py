@@ -23,6 +23,8 @@ CONFIGURATIONS: list[dict[str, Any]] = [
     {"AW": 32, "DW": 8, "SG": 4, "SW": 5, "RB": 3},
     {"AW": 5, "DW": 13, "PM": 0, "RMS": 0, "RLC": 0},
     {"AW": 8, "DW": 32, "CK": 1},
+    {"AW": 8, "DW": 32, "CK": 0},
+    {"AW": 12, "DW": 16, "SG": 4, "FULL": 0},
 ]
 
 
@@ -90,6 +92,8 @@ class Traffic:
             data = data[: r.randint(0, len(data))] + r.randbytes(r.randint(0, 2))
         letters = self.command if r.random() < 0.8 else self.command.lower()
         digits = data.hex() if r.random() < 0.5 else data.hex(r.choice(",. ")).upper()
+        if self.c.datalink == "none":
+            digits = data.decode("latin-1")
         body = letters + (":" + digits if data else "")
         if r.random() < 0.5:
             return f"#{body}\n"
@@ -111,9 +115,13 @@ class Traffic:
         return sum_
 
 
-def spoken(text: str) -> list[tuple[str, Any]]:
-    """An exchange; publishing, if it was switched on, ends before another base strobe comes."""
-    return [("send", text), ("quiet", QUIET), ("send", "#DPS\n"), ("quiet", QUIET)]
+def spoken(text: str, *, ending: str = "#\n") -> list[tuple[str, Any]]:
+    """An exchange; publishing, if it was switched on, ends before another base strobe comes.
+
+    `ending` ends a message that is still open, where the datalink does not care.
+    """
+    steps = [("send", text), ("quiet", QUIET), ("send", ending), ("quiet", QUIET), ("send", "#DPS\n")]
+    return [*steps, ("quiet", QUIET)]
 
 
 def split(answer: bytes) -> tuple[list[bytes], list[bytes]]:
@@ -136,6 +144,16 @@ def test_messages(rtl: Any, generics: dict[str, Any]) -> None:
     exchanges = [spoken(traffic.message()) for _ in range(150)] + [
         spoken(traffic.damaged()) for _ in range(150)
     ]
+    compare(exchanges, play_on_twin(configuration, exchanges), rtl(configuration, exchanges))
+
+
+def test_data_as_bytes(rtl: Any) -> None:
+    """Without a datalink what a request lacks is taken from whatever comes next."""
+    configuration = replace(bench({"SG": 3, "SW": 3, "RMS": 20}), datalink="none")
+    traffic = Traffic(configuration, seed=4)
+    longest = "\n" * (1 + 255 * traffic.address_bytes)
+    exchanges = [spoken(traffic.message(), ending=longest) for _ in range(100)]
+    exchanges += [spoken(traffic.damaged(), ending=longest) for _ in range(50)]
     compare(exchanges, play_on_twin(configuration, exchanges), rtl(configuration, exchanges))
 
 

@@ -24,12 +24,12 @@ void DatalinkReceiver::hand_on(Clock now) noexcept {
 
 void DatalinkReceiver::take_data(std::uint8_t byte, Clock now) {
   Message& message = messages_[first_ ^ complete_];
-  if (message.data.size() < entries_most_) {
+  if (entries_++ < entries_most_) {  // more than that, no request has a use for
     message.data.push_back(byte);
   }
   const std::string_view letters(message.letters.data(), message.letters.size());
   if (configuration_.datalink == Datalink::none &&
-      message.data.size() >= data_bytes_needed(configuration_, letters, message.data)) {
+      entries_ >= data_bytes_needed(configuration_, letters, message.data)) {
     hand_on(now);
   }
 }
@@ -58,6 +58,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take_unchecked(std::uint8_t byte, Cloc
       hand_on(now);
     } else if (c == bytes::data_mark) {
       message.colon = true;
+      entries_ = 0;  // counts data bytes from here
       const std::string_view letters(message.letters.data(), message.letters.size());
       if (!digits && data_bytes_needed(configuration_, letters, {}) == 0) {
         hand_on(now);

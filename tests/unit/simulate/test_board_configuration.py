@@ -93,6 +93,7 @@ def test_overrides() -> None:
         ({"groups": -1}, "groups"),
         ({"publish_mode": 3}, "publish_mode is 3"),
         ({"checksum": "crc16"}, "checksum is 'crc16'"),
+        ({"datalink": "light"}, "datalink is 'light'"),
         ({"fifo": 2}, "fifo is 2"),
         ({"baud_hz": 10**9}, "baud_hz"),
         ({"polynomial": 256}, "polynomial is 256"),
