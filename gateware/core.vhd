@@ -82,7 +82,7 @@ architecture rtl of core is
   signal request_done       : std_ulogic;
 
   signal subscription_request  : subscription_request_t;
-  signal subscription_response : subscription_response_t := subscription_response_idle;
+  signal subscription_response : subscription_response_t;
   signal bii_request           : bii_request_t;
   signal bii_response          : bii_response_t;
 
@@ -147,6 +147,10 @@ begin
       port map (
         clock => clock, reset => reset, events => events,
         request => subscription_request, response => subscription_response);
+  end generate;
+
+  silence : if publish_mode = 0 generate
+    subscription_response <= subscription_response_idle;
   end generate;
 
   wishbone_master : entity work.wishbone_master

@@ -6,6 +6,7 @@
 --   wishbone <-- read_words(a)    what a read of address a gives (connect it to write_words(a) to read back)
 --
 -- Generics  writable has a character an address, address 0 first: "0110" is four words of which 1 and 2 may be written.
+--           '-' is a hole: there is no word at this address, and none of its ports is used.
 --           snapshot true: a read gives the words as they were in the clock before cyc rose. A read-many or a publish
 --           then has one moment for all its words, over every slave that does so.
 -- Latency   ack or err one clock after strobe: 2 clocks an access.
@@ -40,10 +41,27 @@ end entity;
 
 architecture rtl of register_slave is
 
-  constant words      : positive                                := writable'length;
-  constant may_write  : std_ulogic_vector(0 to words - 1)       := writable;
-  constant index_bits : positive                                := bits_for(words);
-  constant all_bytes  : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
+  constant words      : positive := writable'length;
+  constant index_bits : positive := bits_for(words);
+
+  subtype flags_t is std_ulogic_vector(0 to words - 1);
+
+  -- Which addresses have this character in `writable`.
+  function having (character : std_ulogic) return flags_t is
+    constant characters : flags_t := writable;
+    variable found      : flags_t := (others => '0');
+  begin
+    for address in flags_t'range loop
+      if characters(address) = character then
+        found(address) := '1';
+      end if;
+    end loop;
+    return found;
+  end function;
+
+  constant may_write : flags_t := having('1');
+  constant is_hole   : flags_t := having('-');
+  constant all_bytes : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
 
   signal seen     : word_vector_t(0 to words - 1); -- what reads see: live, or as it was when cyc rose
   signal word     : std_ulogic_vector(data_width - 1 downto 0);
@@ -82,6 +100,7 @@ begin
       known := unsigned(wishbone_m2s.adr) < words;
       if known then
         index := to_integer(unsigned(wishbone_m2s.adr(index_bits - 1 downto 0)));
+        known := is_hole(index) = '0';
       end if;
 
       if asked = '1' then

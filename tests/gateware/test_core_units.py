@@ -10,6 +10,8 @@ import pytest
 BENCHES: list[tuple[str, dict[str, Any]]] = [
     ("fifo_tb", {"depth": 2}),
     ("fifo_tb", {"depth": 16, "seed": 5}),
+    ("reset_synchroniser_tb", {"clocks": 2}),
+    ("reset_synchroniser_tb", {"clocks": 8, "seed": 3}),
     ("decoder_tb", {}),
     ("receiver_tb", {"checksum": "crc8"}),
     ("receiver_tb", {"checksum": "xor"}),

@@ -11,12 +11,16 @@ from .failure import Failure
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--out", metavar="FOLDER", required=True, help="Where to write; made if it does not exist.")
-@click.option("--only", metavar="ARTEFACT[,...]", help="Make only these; now there is python.")
+@click.option("--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl.")
 @click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
 )
 def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
-    """Make typed Python classes from a spec: an attribute for each item, with its address, type and unit.
+    """Make from a spec what both ends need: typed Python classes, and a gateware design in VHDL.
+
+    The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder
+    vhdl/, is a complete design: the link, a register for each item, and records that give your logic the
+    items by name.
 
     The same spec always gives the same files. Files that are up to date are left alone, and a file that is
     not a generated one is never overwritten. A generated module whose spec has changed refuses to be
@@ -25,13 +29,13 @@ def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
     \b
     Examples:
       unitylink generate scara.ul --out .
-      unitylink generate scara.ul --out build --only python
+      unitylink generate scara.ul --out build --only python,vhdl
       unitylink generate scara.ul --out . --check
     """
-    from unitylink.generate import ARTEFACTS, generate, stale, write
+    from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write
     from unitylink.spec import load
 
-    artefacts = [name.strip() for name in only.split(",")] if only is not None else list(ARTEFACTS)
+    artefacts = [name.strip() for name in only.split(",")] if only is not None else list(DEFAULT)
     for name in artefacts:
         if name not in ARTEFACTS:
             raise click.UsageError(
@@ -41,9 +45,8 @@ def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
     if check:
         problems = [problem for name in artefacts for problem in stale(spec, out, name)]
         if problems:
-            raise Failure(
-                "; ".join(problems), f"`unitylink generate {spec_file} --out {out}` brings them up to date"
-            )
+            again = f"{spec_file} --out {out}" + (f" --only {only}" if only is not None else "")
+            raise Failure("; ".join(problems), f"`unitylink generate {again}` brings them up to date")
         click.echo(f"{out}: up to date with {spec_file}")
         return
     written = [path for name in artefacts for path in write(spec, out, name)]

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A complete gateware design from a spec, in vendor-independent VHDL-2008."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import jinja2
+
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.spec.model import Spec
+
+from .names import identifier
+from .planner import plan
+from .words import WordMap, word_map
+
+__all__ = ["WordMap", "design_name", "generate_vhdl", "word_map"]
+
+FOLDER = "vhdl"
+_PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd")
+
+
+def generate_vhdl(spec: Spec, configuration: BoardConfiguration | None = None) -> dict[str, str]:
+    """Return {file name: text} of a spec's design: packages, design on byte streams, top level with a UART.
+
+    `configuration` is the gateware it is made of, by default what the spec asks for. Raises BindingError for
+    one that only a virtual board can have.
+    """
+    design = plan(spec, configuration)
+    return {
+        f"{FOLDER}/{design.name}_{part}": _environment().get_template(f"{part}.jinja").render(plan=design)
+        for part in _PARTS
+    }
+
+
+def design_name(spec: Spec) -> str:
+    """Return what the names of the generated entities begin with: `scara` of `scara_design`, `scara_top`."""
+    return identifier(spec.name)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # the result is VHDL; the planner lets nothing through that is not a name
+    )

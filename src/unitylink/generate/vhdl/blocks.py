@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How the words of a spec lie on the bus: blocks of registers, each a slave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from .words import WordMap
+
+WINDOW = 64  # addresses that may share a slave
+
+
+@dataclass(frozen=True)
+class Block:
+    """A register slave: `words` addresses from `base` on, both a power of two and `base` a multiple of it."""
+
+    base: int
+    words: int
+    addresses: tuple[int, ...]  # those that exist; the others are holes
+
+    def writable(self, words: WordMap) -> str:
+        """Return the generic of register_slave: a character an address."""
+        exist = set(self.addresses)
+        return "".join(
+            "-" if address not in exist else "1" if address in words.write else "0"
+            for address in range(self.base, self.base + self.words)
+        )
+
+
+def blocks(addresses: Iterable[int], keep_out: range = range(0)) -> tuple[Block, ...]:
+    """Divide addresses into blocks: decoding an aligned power of two costs no adder, a hole no flip-flop.
+
+    The words of one window of 64 addresses share a slave, which is as small as a power of two around them is.
+    No block reaches into `keep_out`, where another slave answers.
+
+    >>> [(hex(block.base), block.words) for block in blocks([0x10, 0x13, 0x12345])]
+    [('0x10', 4), ('0x12345', 1)]
+    """
+    windows = groupby(sorted(addresses), lambda address: address // WINDOW)
+    return tuple(block for _, inside in windows for block in _divide(tuple(inside), keep_out))
+
+
+def _divide(addresses: tuple[int, ...], keep_out: range) -> Iterator[Block]:
+    words = 1
+    while addresses[0] // words != addresses[-1] // words:
+        words *= 2
+    base = addresses[0] // words * words
+    if base < keep_out.stop and keep_out.start < base + words:
+        middle = base + words // 2
+        yield from _divide(tuple(address for address in addresses if address < middle), keep_out)
+        yield from _divide(tuple(address for address in addresses if address >= middle), keep_out)
+    else:
+        yield Block(base, words, addresses)
