@@ -61,7 +61,10 @@ signal_2(n): @ (x,^signed) {
 DESIGNS = {
     "hello_led": (ROOT / "examples" / "hello_led" / "hello_led.ul", {}),
     "awkward": (AWKWARD, {}),
-    "narrow": ("public a() { @x = 0x0: signed READ(); @y = 0x1: WRITE(); }", {"data_bits": 12, "publish_mode": 0}),
+    "narrow": (
+        "public a() { @x = 0x0: signed READ(); @y = 0x1: WRITE(); }",
+        {"data_bits": 12, "publish_mode": 0},
+    ),
     "reads": ("public a() { @x = 0x7: READ(); }", {"groups": 2, "read_many": 0, "checksum": "xor"}),
     "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_event_groups": (0, 15)}),
     "nothing": ("public a() { }", {}),
@@ -73,6 +76,7 @@ DESIGNS = {
 def test_synthesis(design: Make, name: str) -> None:
     source, overrides = DESIGNS[name]
     spec = load(source) if isinstance(source, Path) else spec_of(source)
-    netlist = design(spec, BoardConfiguration.for_spec(spec, **overrides)).synthesise(f"{design_name(spec)}_top")
+    netlist = design(spec, BoardConfiguration.for_spec(spec, **overrides)).synthesise(
+        f"{design_name(spec)}_top"
+    )
     assert f"entity {design_name(spec)}_top is" in netlist
-
