@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Generated designs in GHDL: they analyse, synthesise without a latch or warning, and answer on their UART."""
+"""Generated designs in GHDL: analysed, synthesised without a latch or warning, answering on their UART."""
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
