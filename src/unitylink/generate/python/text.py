@@ -34,7 +34,7 @@ def docstring(indent: int, *paragraphs: str) -> str:
     >>> print(docstring(4, "A lamp."))
     \"\"\"A lamp.\"\"\"
     """
-    clean = [_clean(paragraph) for paragraph in paragraphs if paragraph]
+    clean = [text for paragraph in paragraphs if (text := _clean(paragraph))]
     if len(clean) == 1 and indent + len(clean[0]) + 6 <= WIDTH:
         return f'"""{clean[0]}"""'
     lines: list[str] = []
