@@ -9,6 +9,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "device/bus.hpp"
+#include "device/configuration.hpp"
 #include "layer0_driver/status.hpp"
 
 namespace unitylink::python {
@@ -17,6 +19,7 @@ void bind_driver(nanobind::module_& module);
 void bind_stream(nanobind::module_& module);
 void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
+void bind_bus(nanobind::module_& module);
 
 // Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back for it by unwinding
 // their stacks, which C++ would answer with abort(): such a thread waits here instead until the process is gone.
@@ -41,6 +44,12 @@ class GilRelease {
 
 // Raises the class of unitylink.errors that belongs to the status; returns only when it is ok.
 void raise_unless_ok(const Outcome& outcome);
+
+// Of a simulate.BoardConfiguration, whose attributes have the names of the fields; ValueRangeError says what is wrong.
+[[nodiscard]] device::DeviceConfiguration configuration_of(nanobind::handle object);
+
+// A register's value, or None where the bus refuses or nothing is.
+[[nodiscard]] nanobind::object value_of(const device::BusReply& reply);
 
 // Any Python integer, numpy's included, as a word; ValueRangeError says what `name` may be otherwise.
 [[nodiscard]] std::uint32_t word_of(nanobind::handle value, const char* name);

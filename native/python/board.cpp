@@ -27,7 +27,8 @@ using namespace unitylink::device;
   throw nb::python_error();
 }
 
-// The attributes of simulate.BoardConfiguration have the names of the fields here.
+}  // namespace
+
 DeviceConfiguration configuration_of(nb::handle object) {
   const auto word = [](nb::handle from, const char* name) { return word_of(nb::object(from.attr(name)), name); };
   const auto byte = [&word](nb::handle from, const char* name) {
@@ -99,6 +100,13 @@ DeviceConfiguration configuration_of(nb::handle object) {
   return result;
 }
 
+// The registers' two sides answer None and False where there is no such word.
+nb::object value_of(const BusReply& reply) {
+  return reply.status == BusStatus::ok ? nb::object(nb::int_(reply.value)) : nb::none();
+}
+
+namespace {
+
 nb::dict statistics_of(const DeviceStatistics& from) {
   nb::dict result;
   result["bytes_received"] = from.bytes_received;
@@ -127,11 +135,6 @@ PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, c
     problem = error.what();
   }
   raise_error("LinkNotFound", problem);
-}
-
-// The registers' two sides answer None and False where there is no such word.
-nb::object value_of(const BusReply& reply) {
-  return reply.status == BusStatus::ok ? nb::object(nb::int_(reply.value)) : nb::none();
 }
 
 void bind_device(nb::module_& module) {

@@ -8,4 +8,5 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_stream(module);
   unitylink::python::bind_link(module);
   unitylink::python::bind_board(module);
+  unitylink::python::bind_bus(module);
 }

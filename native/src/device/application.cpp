@@ -194,9 +194,6 @@ void Application::schedule_access(std::uint32_t address, State state) {
 }
 
 void Application::next_block_word() {
-  if (next_address_ == 0) {
-    bus_.block(true, at_);
-  }
   if (next_address_ < addresses_.size()) {
     if (request_) {
       ++at_;  // the address is read from the message
@@ -241,6 +238,9 @@ void Application::access_block() {
     bus_.block(false, at_);
     after_emit_ = State::idle;
   } else {
+    if (next_address_ == 1) {
+      bus_.block(true, at_);
+    }
     after_emit_ = State::block_access;
     value(answer.value, configuration_.data_bytes());
   }

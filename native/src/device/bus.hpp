@@ -22,7 +22,7 @@ class Bus {
   virtual ~Bus() = default;
   virtual BusReply read(std::uint32_t address, Clock now) = 0;
   virtual BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) = 0;
-  // True from before the first until after the last word of a read-many or publish: its words must belong together.
+  // True from the first until after the last word of a read-many or publish: its words must belong together.
   virtual void block(bool /*held*/, Clock /*now*/) {}
   virtual BusReply get(std::uint32_t address, Clock now) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;

@@ -14,12 +14,6 @@ constexpr std::uint32_t bit(bool set, std::uint32_t position) noexcept { return 
 // Where a word of the asynchronous channel goes and how much of it counts, as its status and control registers say it.
 constexpr std::uint32_t place(const AsyncWord& word) noexcept { return static_cast<std::uint32_t>(word.last) << 4 | word.node; }
 
-void carry(Ring<AsyncWord>& from, Ring<AsyncWord>& to, std::uint64_t most) {
-  while (most-- > 0 && !from.empty() && to.push(from.front())) {
-    from.pop();
-  }
-}
-
 }  // namespace
 
 Tosnet::Tosnet(const TosnetConfiguration& configuration) : configuration_(configuration) {}
@@ -47,18 +41,17 @@ void Tosnet::advance(Clock now) {
     skipped_ = static_cast<std::uint32_t>(std::min<Clock>(skipped_ + idle, 0xFFFFFFFFu));
     halted_ = halted_ || skipped_ > configuration_.max_skipped_writes;
   }
-  carry(transmit_, delivered_, passed * async_words_per_cycle);
-  carry(answers_, receive_, passed * async_words_per_cycle);
+  to_nodes_.travel(passed);
+  from_nodes_.travel(passed);
+  stale_ = held_;
   if (!held_) {
-    refresh();
+    show();
   }
 }
 
-void Tosnet::refresh() {
-  const Bank& committed = banks_[write_bank_ ^ 1u];
-  for (std::uint32_t address = 0; address < map::memory_words; ++address) {
-    mirror_[address] = writable(address) ? committed[address] : outputs_[address];
-  }
+void Tosnet::show() {
+  shown_bank_ = write_bank_ ^ 1u;
+  seen_ = outputs_;
 }
 
 bool Tosnet::writable(std::uint32_t address) const noexcept {
@@ -93,7 +86,7 @@ BusReply Tosnet::read(std::uint32_t address, Clock now) {
   advance(now);
   if (address < map::memory_words) {
     read_refused_ = false;
-    return {BusStatus::ok, mirror_[address]};
+    return {BusStatus::ok, writable(address) ? banks_[shown_bank_][address] : seen_[address]};
   }
   if (address >= map::network_registers && address < map::network_registers + 16) {
     return {BusStatus::ok, network_register(address - map::network_registers)};
@@ -108,16 +101,14 @@ BusReply Tosnet::read(std::uint32_t address, Clock now) {
     case map::error_counter:
       return {BusStatus::ok, errors_};
     case map::async_tx_status:
-      return {BusStatus::ok, bit(transmit_.full(), 6) | place(async_control_)};
+      return {BusStatus::ok, bit(to_nodes_.full(), 6) | place(async_control_)};
     case map::async_rx_status: {
-      const AsyncWord word = receive_.empty() ? AsyncWord{0, 0, 0} : receive_.front();
-      return {BusStatus::ok, bit(receive_.empty(), 7) | bit(!receive_.empty(), 6) | place(word)};
+      const bool arrived = from_nodes_.arrived();
+      return {BusStatus::ok, arrived ? bit(true, 6) | place(from_nodes_.front()) : bit(true, 7)};
     }
     case map::async_rx_data:
-      if (!receive_.empty()) {
-        const BusReply reply{BusStatus::ok, receive_.front().data};
-        receive_.pop();
-        return reply;
+      if (from_nodes_.arrived()) {
+        return {BusStatus::ok, from_nodes_.take().data};
       }
       break;
     default:
@@ -148,7 +139,7 @@ BusStatus Tosnet::write(std::uint32_t address, std::uint32_t value, Clock now) {
       async_control_.node = static_cast<std::uint8_t>(value & 15u);
       return BusStatus::ok;
     case map::async_tx_data:
-      if (transmit_.push({value, async_control_.last, async_control_.node})) {
+      if (to_nodes_.put({value, async_control_.last, async_control_.node})) {
         return BusStatus::ok;
       }
       break;
@@ -162,6 +153,10 @@ BusStatus Tosnet::write(std::uint32_t address, std::uint32_t value, Clock now) {
 void Tosnet::block(bool held, Clock now) {
   advance(now);
   held_ = held;
+  if (stale_ && !held) {
+    stale_ = false;
+    show();
+  }
 }
 
 BusReply Tosnet::get(std::uint32_t address, Clock now) {
@@ -199,17 +194,16 @@ void Tosnet::damage_cycle(Clock now) {
 
 bool Tosnet::async_take(AsyncWord& word, Clock now) {
   advance(now);
-  if (delivered_.empty()) {
+  if (!to_nodes_.arrived()) {
     return false;
   }
-  word = delivered_.front();
-  delivered_.pop();
+  word = to_nodes_.take();
   return true;
 }
 
 bool Tosnet::async_give(const AsyncWord& word, Clock now) {
   advance(now);
-  return answers_.push(word);
+  return from_nodes_.put(word);
 }
 
 }  // namespace unitylink::device

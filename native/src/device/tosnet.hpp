@@ -2,11 +2,12 @@
 // The bus slave of a TosNet network, seen from its master: 11-bit word map, mirrored memory, commits, async channel.
 //
 // Time is the network cycle. At the strobe that begins each cycle a pending commit takes effect, and what the nodes put
-// out appears in the memory the PC reads. Two hazards are those of the original, on purpose:
+// out appears in the memory the PC reads, or at the end of the block the PC is reading. Two hazards are those of the original, on purpose:
 //   - the banks swap without a copy: a word not rewritten before a commit goes back to its value of two commits ago;
 //   - a write while a commit is pending (CWP) aborts the commit (CWA) and lands in the bank all the same.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -22,6 +23,32 @@ struct AsyncWord {
   std::uint32_t data = 0;
   std::uint8_t last = 3;  // index of the last byte that counts
   std::uint8_t node = 0;
+};
+
+// One direction of the asynchronous channel: a queue whose words travel with the network cycle.
+class TosnetChannel {
+ public:
+  // False when there is no room.
+  bool put(const AsyncWord& word) noexcept { return queue_.push(word); }
+  [[nodiscard]] bool full() const noexcept { return queue_.full(); }
+  void travel(std::uint64_t cycles) noexcept {
+    arrived_ = std::min<std::uint64_t>(queue_.size(), arrived_ + std::min<std::uint64_t>(cycles, depth) * words_a_cycle);
+  }
+  [[nodiscard]] bool arrived() const noexcept { return arrived_ > 0; }
+  // With arrived().
+  [[nodiscard]] const AsyncWord& front() const noexcept { return queue_.front(); }
+  AsyncWord take() noexcept {
+    const AsyncWord word = queue_.front();
+    queue_.pop();
+    --arrived_;
+    return word;
+  }
+
+ private:
+  static constexpr std::size_t depth = 128;
+  static constexpr std::size_t words_a_cycle = 3;
+  Ring<AsyncWord> queue_{depth};
+  std::uint64_t arrived_ = 0;
 };
 
 class Tosnet final : public Bus {
@@ -45,12 +72,10 @@ class Tosnet final : public Bus {
   bool async_give(const AsyncWord& word, Clock now);
 
  private:
-  static constexpr std::size_t async_depth = 128;
-  static constexpr std::size_t async_words_per_cycle = 3;
   using Bank = std::array<std::uint32_t, protocol::tosnet::memory_words>;
 
   void advance(Clock now);
-  void refresh();
+  void show();
   [[nodiscard]] bool writable(std::uint32_t address) const noexcept;
   [[nodiscard]] std::uint32_t status() const noexcept;
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
@@ -58,8 +83,9 @@ class Tosnet final : public Bus {
   TosnetConfiguration configuration_;
   std::array<Bank, 2> banks_{};   // what the PC writes; banks_[write_bank_] is the hidden one
   Bank outputs_{};                // OUT words as the nodes hold them
-  Bank mirror_{};                 // what the PC reads
+  Bank seen_{};                   // … and as the PC reads them
   std::uint32_t write_bank_ = 0;
+  std::uint32_t shown_bank_ = 1;  // the bank the PC reads
   Clock cycles_ = 0;              // strobes since reset, also those of an offline network
   std::uint32_t packets_ = 0;
   std::uint32_t resets_ = 0;
@@ -73,11 +99,10 @@ class Tosnet final : public Bus {
   bool read_refused_ = false;
   bool write_refused_ = false;
   bool held_ = false;
+  bool stale_ = false;            // a cycle ended in a block: what it brought is not shown yet
   AsyncWord async_control_{};
-  Ring<AsyncWord> transmit_{async_depth};   // PC wrote, not yet on the network
-  Ring<AsyncWord> delivered_{async_depth};  // at the nodes
-  Ring<AsyncWord> answers_{async_depth};    // nodes gave, not yet on the network
-  Ring<AsyncWord> receive_{async_depth};    // waiting for the PC
+  TosnetChannel to_nodes_;
+  TosnetChannel from_nodes_;
 };
 
 }  // namespace unitylink::device

@@ -1,0 +1,98 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The network cycle of TosNet without a ring: when words are exchanged, and what there is to count.
+--
+-- ends      High in the clock that ends a cycle, every cycle_clocks, also while the network is offline.
+-- exchange  The same while it is online: in this clock commits take effect and words travel.
+-- Counts    packets: exchanges. errors: clocks of `damaged`. resets: times the network came back.
+-- halted    More than max_skipped_writes exchanges in a row found no commit pending; until the network comes back.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+entity tosnet_cycle is
+  generic (
+    cycle_clocks       : positive                 := 5000;
+    max_skipped_writes : natural range 0 to 65535 := 0 -- 0: never halts
+  );
+  port (
+    clock   : in std_ulogic;
+    reset   : in std_ulogic; -- synchronous
+    online  : in std_ulogic;
+    damaged : in std_ulogic; -- a clock for every cycle that came damaged
+    pending : in std_ulogic; -- with exchange: there is a commit
+
+    ends         : out std_ulogic;
+    exchange     : out std_ulogic;
+    was_online   : out std_ulogic; -- one clock ago, thus in the status
+    packet_error : out std_ulogic; -- this cycle came damaged
+    halted       : out std_ulogic;
+    read_pointer : out std_ulogic; -- changes with every cycle
+    packets      : out unsigned(31 downto 0);
+    resets       : out unsigned(31 downto 0);
+    errors       : out unsigned(31 downto 0)
+  );
+end entity;
+
+architecture rtl of tosnet_cycle is
+
+  signal passed  : natural range 0 to cycle_clocks - 1;
+  signal skipped : natural range 0 to max_skipped_writes + 1;
+
+begin
+
+  ends     <= '1' when passed = cycle_clocks - 1 else '0';
+  exchange <= ends and online;
+
+  process (clock) is
+    variable idle : natural range 0 to max_skipped_writes + 1;
+  begin
+    if rising_edge(clock) then
+      idle       := skipped;
+      was_online <= online;
+      if online = '1' and was_online = '0' then
+        resets <= resets + 1;
+        halted <= '0';
+        idle   := 0;
+      end if;
+      if damaged = '1' then
+        errors       <= errors + 1;
+        packet_error <= '1';
+      end if;
+      if ends = '1' then
+        passed       <= 0;
+        read_pointer <= not read_pointer;
+      else
+        passed <= passed + 1;
+      end if;
+      if exchange = '1' then
+        packets      <= packets + 1;
+        packet_error <= '0';
+        if pending = '1' then
+          idle := 0;
+        elsif max_skipped_writes > 0 then
+          if idle >= max_skipped_writes then
+            halted <= '1';
+          else
+            idle := idle + 1;
+          end if;
+        end if;
+      end if;
+      skipped <= idle;
+
+      if reset = '1' then
+        passed       <= 0;
+        skipped      <= 0;
+        was_online   <= online;
+        packet_error <= '0';
+        halted       <= '0';
+        read_pointer <= '0';
+        packets      <= (others => '0');
+        resets       <= (others => '0');
+        errors       <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+end architecture;
