@@ -6,6 +6,7 @@
 #   make bench   the performance figures, as ratios within one run
 #   make docs    regenerates what is generated in docs/ and checks every link
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
+#   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make unit    the Python tests that need no board process, in about a minute
 #   make native-tests   the C++ tests alone
@@ -17,9 +18,9 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: demo test check bench docs fuzz build native-tests unit clean help
+.PHONY: wheel demo test check bench docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,14s/^# //p' Makefile
+	@sed -n '2,15s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -49,6 +50,10 @@ docs: $(VENV)/.built
 
 fuzz: $(NATIVE)/.built
 	@for target in $(NATIVE)/fuzz_*; do $$target --seconds $(SECONDS) || exit 1; done
+
+wheel: $(VENV)/.built
+	@tools/setup.sh group wheel
+	@tools/wheel.sh
 
 build: $(VENV)/.built
 native-tests: $(NATIVE)/.built

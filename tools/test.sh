@@ -22,5 +22,6 @@ tools/setup.sh group demo
 say "recorded exchanges of the 2012 gateware"
 "$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
 say "tests"
-"$bin/python" -m pytest tests -q -n 2
+tools/setup.sh group wheel
+"$bin/python" -m pytest tests -q -n 2 --dist loadgroup
 printf '\nall passed in %d s\n' $((SECONDS - started))

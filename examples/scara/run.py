@@ -175,7 +175,7 @@ def main() -> int:
     parser.add_argument(
         "--build",
         type=Path,
-        default=HERE.parents[1] / "build" / "scara",
+        default=Path("build") / "scara",
         metavar="DIR",
         help="where the proxies are generated (%(default)s)",
     )

@@ -20,6 +20,7 @@ from unitylink.errors import UnityLinkError, UrlError
 
 # name -> (module of tools/, one line for `unitylink --help`), in the order a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
+    "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
     "check": ("check", "Check specs; every mistake with its place and remedy."),
     "explain": ("explain", "Explain a diagnostic code, with an example and its remedy."),
@@ -34,6 +35,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "watch": ("watch", "Watch items change, live."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
+    "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),
     "bench": ("bench_command", "Measure this machine against the figures asked for."),
 }
 
@@ -84,10 +86,17 @@ class Commands(click.Group):
 
 def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        from unitylink import __version__
+        from unitylink import __version__, protocol
 
-        click.echo(f"unitylink {__version__}")
+        click.echo(f"unitylink {__version__}, protocol: classic {protocol.CLASSIC_VERSION}, {_build()}")
         ctx.exit()
+
+
+def _build() -> str:
+    """Say what this build runs on and where it stands, without loading the native core."""
+    where = os.path.dirname(os.path.abspath(__file__))
+    implementation = f"{sys.implementation.name} {sys.version_info[0]}.{sys.version_info[1]}"
+    return f"{implementation} on {sys.platform}, from {where}"
 
 
 @click.group(

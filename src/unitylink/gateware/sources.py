@@ -5,19 +5,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from unitylink.errors import ToolError
-
-_CHECKOUT = Path(__file__).resolve().parents[3] / "gateware"
+from unitylink.resources import resource_folder
 
 
 def gateware_folder() -> Path:
     """Return the folder that holds core.vhd; raise ToolError when this installation came without it."""
-    if not (_CHECKOUT / "core.vhd").is_file():
-        raise ToolError(
-            f"the VHDL of the gateware is not at {_CHECKOUT}: this needs a checkout of Unity-Link, "
-            "installed with `pip install --editable`"
-        )
-    return _CHECKOUT
+    return resource_folder("gateware")
 
 
 def gateware_sources() -> tuple[Path, ...]:

@@ -28,7 +28,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
     "layer4_data": {"layer3_hardware", "layer2_message", "spec", *SHARED},
     "simulate": {"board_configuration", "spec", "_native", *SHARED},
-    "gateware": SHARED,
+    "resources": SHARED,
+    "gateware": {"resources", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
     "capture": {"layer1_stream", *SHARED},
     "connection": {"layer2_message", "simulate", "spec", *SHARED},

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the files are that come along: the gateware's VHDL and the examples, in a checkout or in a wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+def resource_folder(name: str) -> Path:
+    """Return the folder called `name` ("gateware", "examples").
+
+    Raises ToolError for one that this installation came without.
+
+    >>> (resource_folder("examples") / "scara" / "scara.ul").is_file()
+    True
+    """
+    for folder in (_PACKAGE.parents[1] / name, _PACKAGE / "share" / name):
+        if folder.is_dir() and (
+            folder.parent.name == "share" or (folder.parent / "pyproject.toml").is_file()
+        ):
+            return folder
+    raise ToolError(
+        f"the folder {name}/ did not come with this installation ({_PACKAGE}); "
+        "install a wheel of Unity-Link, or a checkout with `pip install --editable`"
+    )

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What users install: a wheel with no compiler and no checkout, an sdist with a compiler, the core for C."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+from .conftest import ROOT, UNITYLINK
+
+BIN = Path(sys.executable).parent
+PATIENCE_S = 600  # a build on a loaded machine
+
+
+def call(*command: object, cwd: Path, **environment: str) -> str:
+    done = subprocess.run(
+        [str(part) for part in command],
+        cwd=cwd,
+        env={**os.environ, **environment},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout[-6000:]}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheels() -> Path:
+    call(ROOT / "tools" / "wheel.sh", cwd=ROOT)
+    return ROOT / "build" / "wheels"
+
+
+@pytest.fixture(scope="module")
+def fresh(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an environment in `venv`, in which the wheel is installed."""
+    folder = tmp_path_factory.mktemp("fresh")
+    call(sys.executable, "-m", "venv", "venv", cwd=folder)
+    (wheel,) = wheels.glob("*.whl")
+    none = "/bin/false"  # for whoever would like to compile
+    call("venv/bin/pip", "install", "--quiet", wheel, cwd=folder, CC=none, CXX=none, CMAKE=none)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    prefix = tmp_path_factory.mktemp("prefix")
+    call(BIN / "cmake", "--install", ROOT / "build" / "native", "--prefix", prefix, cwd=ROOT)
+    return prefix
+
+
+@pytest.mark.xdist_group("install")
+class TestWheel:
+    """From `pip install WHEEL` on: no compiler, no checkout, nothing but the wheel and the package index."""
+
+    def test_the_wheel_is_for_many_linuxes_and_holds_what_comes_along(self, wheels: Path) -> None:
+        (wheel,) = wheels.glob("*.whl")
+        assert "manylinux" in wheel.name
+        listed = call(sys.executable, "-m", "zipfile", "--list", wheel, cwd=ROOT)
+        for part in (
+            "share/gateware/core.vhd",
+            "share/examples/scara/scara.ul",
+            "proxies.py.jinja",
+            "py.typed",
+        ):
+            assert part in listed, part
+        assert "__pycache__" not in listed and "_tb.vhd" not in listed
+
+    def test_the_robot_moves(self, fresh: Path) -> None:
+        said = call("venv/bin/unitylink", "demo", cwd=fresh)
+        assert "0 lost" in said
+        assert str(fresh / "venv") in call("venv/bin/unitylink", "--version", cwd=fresh)
+
+    def test_own_spec_is_alive(self, fresh: Path) -> None:
+        call("venv/bin/unitylink", "new", "arm", cwd=fresh)
+        call("../venv/bin/python", "run.py", cwd=fresh / "arm")
+        assert "x.position" in call("../venv/bin/unitylink", "list", "--spec", "arm.ul", cwd=fresh / "arm")
+
+    def test_the_sdist_has_what_the_build_needs(self, wheels: Path) -> None:
+        (sdist,) = wheels.glob("*.tar.gz")
+        with tarfile.open(sdist) as archive:
+            names = {name.partition("/")[2] for name in archive.getnames()}
+        needed = {
+            "CMakeLists.txt",
+            "pyproject.toml",
+            "LICENSE",
+            "native/include/unitylink.h",
+            "gateware/core.vhd",
+        }
+        assert needed <= names
+        assert not [name for name in names if name.startswith(("tests/", "build/", ".venv/"))]
+
+    def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, fresh: Path) -> None:
+        (sdist,) = wheels.glob("*.tar.gz")
+        quick = (
+            "--config-settings=cmake.build-type=Debug"  # that it builds is the question, not how fast it is
+        )
+        call("venv/bin/pip", "install", "--quiet", "--no-deps", "--force-reinstall", quick, sdist, cwd=fresh)
+        assert "classic" in call("venv/bin/unitylink", "--version", cwd=fresh)
+
+
+class TestCore:
+    """The core without Python, as C and C++ programs find it."""
+
+    def read_with(self, reader: Path, tmp_path: Path, **environment: str) -> None:
+        spec = ROOT / "examples" / "hello_led" / "hello_led.ul"
+        with subprocess.Popen(
+            [UNITYLINK, "simulate", spec, "--tcp", "0"], stdout=subprocess.PIPE, text=True, cwd=tmp_path
+        ) as board:
+            try:
+                assert board.stdout is not None
+                found = re.search(r"tcp://\S+", board.stdout.readline())
+                assert found
+                call(reader, found[0], "0x20", "2", cwd=tmp_path, **environment)
+            finally:
+                board.terminate()
+
+    def test_cmake_finds_it(self, prefix: Path, tmp_path: Path) -> None:
+        source = ROOT / "examples" / "c_reader"
+        call(BIN / "cmake", "-S", source, "-B", "b", f"-DCMAKE_PREFIX_PATH={prefix}", cwd=tmp_path)
+        call(BIN / "cmake", "--build", "b", cwd=tmp_path)
+        self.read_with(tmp_path / "b" / "reader", tmp_path)
+
+    def test_pkg_config_finds_it(self, prefix: Path, tmp_path: Path) -> None:
+        pkg_config = shutil.which("pkg-config")
+        assert pkg_config, "pkg-config is missing: install the Debian package pkg-config"
+        where = str(prefix / "lib" / "pkgconfig")
+        # `cmake --install --prefix` moves what was configured for another place, and so must we
+        flags = call(
+            pkg_config,
+            f"--define-variable=prefix={prefix}",
+            "--cflags",
+            "--libs",
+            "unitylink",
+            cwd=tmp_path,
+            PKG_CONFIG_PATH=where,
+        ).split()
+        source = ROOT / "examples" / "c_reader" / "reader.c"
+        call(os.environ.get("CC", "cc"), "-std=c11", source, *flags, "-o", "reader", cwd=tmp_path)
+        self.read_with(tmp_path / "reader", tmp_path, LD_LIBRARY_PATH=str(prefix / "lib"))
