@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-import os
 import sys
-import tempfile
 from contextlib import nullcontext
 from pathlib import Path
 
 import click
 
 from unitylink.errors import SpecError
+
+from .replace import replace_file
 
 
 @click.command()
@@ -53,7 +53,7 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
         elif stdout or spec == "-":
             sys.stdout.buffer.write(formatted.encode())
         elif formatted != text:
-            _replace(Path(spec), formatted)
+            replace_file(Path(spec), formatted)
             click.echo(f"{spec}: laid out anew")
         else:
             click.echo(f"{spec}: already in its canonical layout")
@@ -79,17 +79,3 @@ def _formatted(spec: str) -> tuple[str, str]:
         diagnostics = compile_text(data, name).diagnostics
         raise SpecError(render(diagnostics), diagnostics)
     return text, format_text(text, name)
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write `text` so that a crash leaves either the old file or the new one; keep its permissions."""
-    path = path.resolve()  # a symbolic link stays one
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(text.encode())
-        os.chmod(name, path.stat().st_mode & 0o7777)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Making the fixes that diagnostics offer, as far as each really mends something.
+
+>>> mended = fix_text("public a() { @x = 0x1: READ() }")
+>>> mended.text, [diagnostic.code for diagnostic in mended.made]
+('public a() { @x = 0x1: READ(); }', ['UL011'])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from .compile import Result, compile_text
+from .diagnostics import Diagnostic
+
+_ROUNDS = 20  # a fix may bring another mistake to light
+_TRIALS = 50  # diagnostics whose fixes are tried one by one, where all together did not help
+_LAST_SYNTAX_CODE = "UL019"
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A text after fixes: `made` are the diagnostics that were mended, `result` what is left."""
+
+    text: str
+    made: tuple[Diagnostic, ...]
+    result: Result
+
+
+def fix_text(text: str, file: str = "<text>") -> Fixed:
+    """Return `text` with the fixes of its diagnostics made; it has fewer mistakes, or is unchanged.
+
+    Each step is compiled: fixes that do not leave fewer mistakes behind are not made.
+    """
+    result = compile_text(text, file)
+    made: list[Diagnostic] = []
+    for _ in range(_ROUNDS):
+        fixable = [d for d in result.diagnostics if d.fixes and all(f.span.file == file for f in d.fixes)]
+        step = _try(text, file, result, _apart(fixable))
+        if step is None:
+            trials = (_try(text, file, result, [one]) for one in fixable[:_TRIALS])
+            step = next((one for one in trials if one is not None), None)
+        if step is None:
+            break
+        text, result = step.text, step.result
+        made += step.made
+    return Fixed(text, tuple(made), result)
+
+
+def _try(text: str, file: str, before: Result, chosen: list[Diagnostic]) -> Fixed | None:
+    edits = sorted({(f.span.start, f.span.end, f.replacement) for d in chosen for f in d.fixes})
+    mended = text
+    for start, end, replacement in reversed(edits):
+        mended = mended[:start] + replacement + mended[end:]
+    if mended == text:
+        return None
+    after = compile_text(mended, file)
+    return Fixed(mended, tuple(chosen), after) if _faults(after) < _faults(before) else None
+
+
+def _faults(result: Result) -> tuple[int, int, int]:
+    """How wrong a text is; syntax counts first, for mending it may show mistakes of meaning."""
+    syntax = sum(1 for d in result.diagnostics if d.severity == "error" and d.code <= _LAST_SYNTAX_CODE)
+    return syntax, result.errors, len(result.diagnostics)
+
+
+def _apart(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Return those diagnostics whose fixes do not touch the same characters."""
+    chosen: list[Diagnostic] = []
+    taken: list[tuple[int, int]] = []
+    for one in diagnostics:
+        spans = [(fix.span.start, fix.span.end) for fix in one.fixes]
+        if not any(start <= b and a <= end for start, end in spans for a, b in taken):
+            chosen.append(one)
+            taken += spans
+    return chosen
