@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The register map of a spec as one HTML page."""
+
+from __future__ import annotations
+
+from .page import generate_html
+
+__all__ = ["generate_html"]

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From raw numbers to engineering values and back, as unitylink/values/codec.py does it; raw numbers are BigInt.
+"use strict";
+
+class ValueError extends Error {}
+
+// quantity: an element or field of the model, {type, scale, offset, unit, minimum, maximum, overflow}.
+// types: {enums: {name: enum}, bits: {name: bits}}.
+class Codec {
+  constructor(quantity, types) {
+    this.quantity = quantity;
+    this.types = types;
+    this.type = quantity.type;
+    this.width = this.type.width;
+    this.mask = (1n << BigInt(this.width)) - 1n;
+    this.signed = this.type.kind === "int" || this.type.kind === "fixed";
+    this.scale = quantity.scale ?? 1;
+    this.offset = quantity.offset ?? 0;
+    this.factor = this.scale / 2 ** (this.type.fraction ?? 0);
+    this.scaled = this.type.kind === "fixed" || this.type.kind === "ufixed" || this.scale !== 1 || this.offset !== 0;
+    if (this.numeric) [this.low, this.high] = this.rawLimits();
+  }
+
+  get numeric() { return ["int", "uint", "fixed", "ufixed"].includes(this.type.kind); }
+  get enum() { return this.types.enums[this.type.name]; }
+  get fields() { return this.types.bits[this.type.name].fields; }
+
+  // The value of a raw number: a number (BigInt where whole), a boolean, an enumeration's name, or fields.
+  decode(raw) {
+    raw &= this.mask;
+    switch (this.type.kind) {
+      case "bool": return raw !== 0n;
+      case "enum": {
+        const found = this.enum.values.find((item) => BigInt(item.value) === raw);
+        if (found) return found.name;
+        if (this.enum.open) return raw;
+        throw new ValueError(`${raw} is no ${this.type.name}`);
+      }
+      case "bits": return Object.fromEntries(this.fields.map((f) => [f.name, this.field(f).decode(raw >> BigInt(f.low))]));
+      case "float": {
+        const number = this.float(raw);
+        return this.scaled ? number * this.scale + this.offset : number;
+      }
+      default: {
+        const number = this.signed ? BigInt.asIntN(this.width, raw) : raw;
+        return this.scaled ? Number(number) * this.factor + this.offset : number;
+      }
+    }
+  }
+
+  // The raw number of a value as a person types it; ValueError says what is wrong with it.
+  encode(text) {
+    text = String(text).trim();
+    switch (this.type.kind) {
+      case "bool": {
+        if (["true", "1"].includes(text)) return 1n;
+        if (["false", "0"].includes(text)) return 0n;
+        throw new ValueError("true or false");
+      }
+      case "enum": {
+        const found = this.enum.values.find((item) => item.name === text);
+        if (found) return BigInt(found.value);
+        const number = /^(0x[0-9a-f]+|\d+)$/i.test(text) ? BigInt(text) : -1n;
+        const known = this.enum.values.some((item) => BigInt(item.value) === number);
+        if (known || (this.enum.open && number >= 0n && number <= this.mask)) return number;
+        throw new ValueError(`one of ${this.enum.values.map((item) => item.name).join(", ")}`);
+      }
+      case "bits": return this.whole(text, 0n, this.mask);
+      case "float": return this.encodeFloat(this.number(text));
+      default: {
+        if (!this.scaled) return this.whole(text, this.low, this.high) & this.mask;
+        const number = (this.number(text) - this.offset) / this.factor;
+        if (Number.isNaN(number)) throw new ValueError("a number");
+        if (!Number.isFinite(number)) return this.within(number > 0 ? this.high + 1n : this.low - 1n) & this.mask;
+        return this.within(BigInt(roundHalfEven(number))) & this.mask;
+      }
+    }
+  }
+
+  field(f) { return new Codec({ ...f, overflow: "error", type: { ...f.type, width: f.high - f.low + 1 } }, this.types); }
+
+  rawLimits() {
+    const low = this.signed ? -(1n << BigInt(this.width - 1)) : 0n;
+    const high = this.signed ? -low - 1n : this.mask;
+    const nearest = (value) => {
+      if (!this.scaled && typeof value !== "number") return BigInt(value);
+      return BigInt(roundHalfEven(this.scaled ? (value - this.offset) / this.factor : value));
+    };
+    let ends = [this.quantity.minimum ?? null, this.quantity.maximum ?? null].map((v) => (v === null ? null : nearest(v)));
+    if (this.factor < 0) ends = ends.reverse();
+    return [ends[0] !== null && ends[0] > low ? ends[0] : low, ends[1] !== null && ends[1] < high ? ends[1] : high];
+  }
+
+  within(number) {
+    if (number >= this.low && number <= this.high) return number;
+    if (this.quantity.overflow === "saturate") return number < this.low ? this.low : this.high;
+    throw new ValueError(this.range());
+  }
+
+  whole(text, low, high) {
+    if (!/^([+-]?\d+|0x[0-9a-f]+|0b[01]+)$/i.test(text)) throw new ValueError("a whole number");
+    const number = text[0] === "-" ? -BigInt(text.slice(1)) : BigInt(text.replace("+", ""));
+    if (this.numeric) return this.within(number);
+    if (number < low || number > high) throw new ValueError(`${low} to ${high}`);
+    return number;
+  }
+
+  number(text) {
+    const unit = this.quantity.unit;
+    if (unit && text.endsWith(unit)) text = text.slice(0, -unit.length).trim();
+    if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$|^[+-]?inf$|^nan$/i.test(text)) throw new ValueError("a number");
+    return Number(text.replace(/inf$/i, "Infinity").replace(/^nan$/i, "NaN"));
+  }
+
+  float(raw) {
+    const view = new DataView(new ArrayBuffer(8));
+    if (this.width === 32) { view.setUint32(0, Number(raw)); return view.getFloat32(0); }
+    view.setBigUint64(0, raw);
+    return view.getFloat64(0);
+  }
+
+  encodeFloat(value) {
+    const largest = this.width === 32 ? 3.4028234663852886e38 : Number.MAX_VALUE;
+    const low = this.quantity.minimum ?? -largest, high = this.quantity.maximum ?? largest;
+    const limited = (this.quantity.minimum ?? null) !== null || (this.quantity.maximum ?? null) !== null;
+    if (Number.isNaN(value) && limited) throw new ValueError(this.range());
+    if (!Number.isNaN(value) && !(low <= value && value <= high) && (limited || Number.isFinite(value))) {
+      if (this.quantity.overflow !== "saturate") throw new ValueError(this.range());
+      value = Math.min(Math.max(value, low), high);
+    }
+    const view = new DataView(new ArrayBuffer(8));
+    const number = (value - this.offset) / this.scale;
+    if (this.width === 32) {
+      const short = Math.fround(number);
+      if (Number.isFinite(number) && !Number.isFinite(short) && this.quantity.overflow !== "saturate") throw new ValueError(this.range());
+      view.setFloat32(0, Number.isFinite(number) && !Number.isFinite(short) ? Math.sign(number) * largest : short);
+      return BigInt(view.getUint32(0));
+    }
+    view.setFloat64(0, number);
+    return view.getBigUint64(0);
+  }
+
+  // What may be written, for people.
+  range() {
+    const unit = this.quantity.unit ? ` ${this.quantity.unit}` : "";
+    if (this.type.kind === "float") {
+      const [low, high] = [this.quantity.minimum ?? null, this.quantity.maximum ?? null];
+      return low === null && high === null ? "" : `${low === null ? "-∞" : low} to ${high === null ? "∞" : high}${unit}`;
+    }
+    if (!this.numeric) return "";
+    const real = (raw) => (this.scaled ? Number(raw) * this.factor + this.offset : raw);
+    const ends = [real(this.low), real(this.high)];
+    if (this.factor < 0) ends.reverse();
+    const declared = [this.quantity.minimum ?? null, this.quantity.maximum ?? null];
+    return `${show(declared[0] ?? ends[0])} to ${show(declared[1] ?? ends[1])}${unit}`;
+  }
+}
+
+function roundHalfEven(number) {
+  const floor = Math.floor(number), rest = number - floor;
+  if (rest !== 0.5) return Math.round(number);
+  return floor % 2 === 0 ? floor : floor + 1;
+}
+
+// A value for people: floats with the digits that count.
+function show(value) {
+  if (typeof value === "number") return Number.isFinite(value) ? String(Number(value.toPrecision(9))) : String(value).replace("Infinity", "inf").toLowerCase();
+  if (value !== null && typeof value === "object") return Object.entries(value).map(([name, one]) => `${name}=${show(one)}`).join(", ");
+  return String(value);
+}
+
+// How a spec writes a type.
+function typeText(type) {
+  if (type.name) return type.name;
+  if (type.kind === "fixed" || type.kind === "ufixed") return `${type.kind}(${type.width - type.fraction},${type.fraction})`;
+  const letter = { uint: "u", int: "i", float: "f" }[type.kind];
+  return letter ? `${letter}${type.width}` : type.kind;
+}

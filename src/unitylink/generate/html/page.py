@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page put together: one file with its style, its scripts and the model."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import re
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from unitylink.spec.model import Spec
+
+from ..json import model_json
+
+_PRECISE = 1 << 53  # JavaScript's numbers are doubles: larger integers go as text
+_SLOT = re.compile(r"\{\{ (\w+) \}\}")
+
+
+def generate_html(spec: Spec) -> dict[str, str]:
+    """Return {file name: text} of the register map, one page that needs nothing else."""
+    model = model_json(spec)
+    script = _part("codec.js") + _part("map.js")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    data = json.dumps(_compact(model), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    slots = {
+        "generated": html.escape(model["generated"]).replace("--", "- -"),
+        "name": html.escape(spec.name),
+        "style": _part("style.css"),
+        "script": script,
+        "script_hash": f"sha256-{digest}",
+        # Nothing in it can end the script element; U+2028 and its like are fine in JSON.
+        "model": data.replace("<", "\\u003c"),
+    }
+    text = _SLOT.sub(lambda slot: slots[slot[1]], _part("page.html"))
+    return {f"{spec.name}.html": text}
+
+
+@cache
+def _part(name: str) -> str:
+    return files(__package__).joinpath(name).read_text("utf-8")
+
+
+def _compact(value: Any) -> Any:
+    """Leave out what says nothing: of ten thousand registers most members are empty."""
+    if isinstance(value, dict):
+        return {
+            name: _compact(inner)
+            for name, inner in value.items()
+            if inner is not None and inner != "" and inner != [] and inner != {}
+        }
+    if isinstance(value, list):
+        return [_compact(inner) for inner in value]
+    return str(value) if isinstance(value, int) and abs(value) > _PRECISE else value
