@@ -154,14 +154,14 @@
     }));
     if (valueBox) listen(valueBox, () => attempt(valueBox, () => { raw = codec.encode(valueBox.value); refresh(valueBox); }));
     for (let high = codec.width - 1; high >= 0; ) {
-      const low = high - (high % 4);
+      const top = high, low = high - (high % 4);
       const nibble = make("span", {});
       for (; high >= low; high--) {
         const bit = high;
         nibble.append(make("button", { class: "bit mono", "data-bit": bit, title: `bit ${bit}${bitName(codec, bit)}`,
           onclick: () => { raw ^= 1n << BigInt(bit); message.textContent = ""; refresh(null); } }));
       }
-      bits.append(make("div", {}, nibble, make("div", { class: "ends mono" }, String(Math.min(low + 3, codec.width - 1)), low ? String(low) : "0")));
+      bits.append(make("div", {}, nibble, make("div", { class: "ends mono" }, make("i", {}, String(top)), top > low ? make("i", {}, String(low)) : null)));
     }
     const boxes = make("div", { class: "codec" }, make("label", {}, "raw"), rawBox, soft(`${codec.width} bits`));
     if (valueBox) boxes.append(make("label", {}, "value"), valueBox, soft(element.unit ?? ""));

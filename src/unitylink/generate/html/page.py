@@ -47,11 +47,7 @@ def _part(name: str) -> str:
 def _compact(value: Any) -> Any:
     """Leave out what says nothing: of ten thousand registers most members are empty."""
     if isinstance(value, dict):
-        return {
-            name: _compact(inner)
-            for name, inner in value.items()
-            if inner is not None and inner != "" and inner != [] and inner != {}
-        }
+        return {name: _compact(inner) for name, inner in value.items() if inner not in (None, "", [], {})}
     if isinstance(value, list):
         return [_compact(inner) for inner in value]
     return str(value) if isinstance(value, int) and abs(value) > _PRECISE else value

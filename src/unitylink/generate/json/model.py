@@ -79,7 +79,13 @@ def _member(member: Instance | Element | Group) -> dict[str, Any]:
         return _instance(member)
     if isinstance(member, Group):
         paths = [element.path for element in member.elements]
-        return {"kind": "group", "name": member.name, "path": member.path, "elements": paths, **_notes(member)}
+        return {
+            "kind": "group",
+            "name": member.name,
+            "path": member.path,
+            "elements": paths,
+            **_notes(member),
+        }
     return {
         "kind": "element",
         "name": member.name,

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The model as JSON: as the schema says, whole, and the same for the same spec."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+import unitylink.generate.json
+from unitylink.generate import generate
+from unitylink.generate.json import model_json
+from unitylink.spec import load
+
+ROOT = Path(__file__).resolve().parents[3]
+SPECS = [*sorted((ROOT / "examples").glob("*/*.ul")), *sorted(Path(__file__).parent.glob("*.ul"))]
+SCHEMA = json.loads((Path(unitylink.generate.json.__file__).parent / "model.schema.json").read_text("utf-8"))
+
+
+@pytest.fixture(scope="module")
+def validator() -> jsonschema.Draft202012Validator:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    return jsonschema.Draft202012Validator(SCHEMA)
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_every_model_is_as_the_schema_says(path: Path, validator: jsonschema.Draft202012Validator) -> None:
+    spec = load(path)
+    ((name, text),) = generate(spec, "json").items()
+    assert name == f"{spec.name}.json" and generate(spec, "json") == {name: text}
+    model = json.loads(text)
+    assert [error.message for error in validator.iter_errors(model)] == []
+    assert model == json.loads(json.dumps(model_json(spec)))
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_nothing_of_the_tree_is_lost(path: Path) -> None:
+    spec = load(path)
+    found = [
+        (root["name"], e["path"], e["address"]) for root in model_json(spec)["roots"] for e in elements(root)
+    ]
+    assert found == [(root.name, e.path, e.address) for root in spec.roots for e in root.walk()]
+
+
+def elements(instance: dict[str, Any]) -> list[dict[str, Any]]:
+    found = []
+    for member in instance["members"]:
+        if member["kind"] == "element":
+            found.append(member)
+        elif member["kind"] == "instance":
+            found += elements(member)
+    return found
+
+
+def test_the_schema_describes_every_member() -> None:
+    """Whoever adds a member to the export has to say in the schema what it is."""
+    for name, definition in {"model": SCHEMA, **SCHEMA["$defs"]}.items():
+        if definition.get("type") == "object" and "properties" in definition:
+            assert definition["additionalProperties"] is False, name
+            assert set(definition["required"]) == set(definition["properties"]), name
+            assert definition["description"], name
