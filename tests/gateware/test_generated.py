@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
 
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.generate import generate_vhdl
-from unitylink.generate.vhdl import design_name
+from unitylink.generate.vhdl import design_name, word_map
 from unitylink.spec import Spec, compile_text, load
+from unitylink.tools.conformance_bench import play_on_twin
 
 ROOT = Path(__file__).resolve().parents[2]
 Make = Callable[..., Any]
@@ -28,7 +31,7 @@ def spec_of(text: str, file: str = "robot.ul") -> Spec:
 def design(ghdl: Any, tmp_path: Path) -> Make:
     """Write the design of a spec into `tmp_path`; a library of it and of all gateware."""
 
-    def make(spec: Spec, configuration: BoardConfiguration | None = None, *others: Path) -> Any:
+    def make(spec: Spec, configuration: BoardConfiguration | None = None, others: Sequence[Path] = ()) -> Any:
         (tmp_path / "vhdl").mkdir(exist_ok=True)
         for name, text in generate_vhdl(spec, configuration).items():
             (tmp_path / name).write_text(text, encoding="utf-8")
@@ -36,6 +39,22 @@ def design(ghdl: Any, tmp_path: Path) -> Make:
         return type(ghdl)(tmp_path, [*gateware, *sorted((tmp_path / "vhdl").glob("*.vhd")), *others])
 
     return make
+
+
+def play(library: Any, bench: str, folder: Path, steps: Sequence[str | int]) -> list[bytes]:
+    """Send each text, or wait so many clocks; return what came during each step."""
+    lines = [f"w {step}" if isinstance(step, int) else f"s {step.encode().hex()}" for step in steps]
+    (folder / "steps.txt").write_text("\n".join(lines) + "\n", encoding="ascii")
+    library.run(bench)
+    answers = (folder / "answers.txt").read_text(encoding="ascii").splitlines()
+    assert len(answers) == len(steps)
+    return [bytes.fromhex(answer.removesuffix("end")) for answer in answers]
+
+
+def told(configuration: BoardConfiguration) -> bytes:
+    """What the twin of this configuration answers to RLC."""
+    (answer,) = play_on_twin(configuration, [[("send", "#RLC\n"), ("quiet", 300)]])
+    return answer
 
 
 AWKWARD = """
@@ -79,3 +98,87 @@ def test_synthesis(design: Make, name: str) -> None:
         f"{design_name(spec)}_top"
     )
     assert f"entity {design_name(spec)}_top is" in netlist
+
+
+def test_hello_led_on_its_uart(design: Make, tmp_path: Path) -> None:
+    spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
+    library = design(spec, None, [Path(__file__).parent / "designs" / "hello_led_tb.vhd"])
+    steps: list[str | int] = [
+        "#RLC\n",
+        "#W:0000000005\n",
+        "#R:00\n",
+        "#RM:03000102\n",
+        "#W:010000000A\n",  # a READ
+        "#R:03\n",  # the hole beside the words
+        "#R:04\n",
+        "#WSA:00020102\n",
+        "#WSR:000001\n",
+        "#EPS\n",
+        24_000,  # 2 ms at 1000 Hz
+        "#DPS\n",
+    ]
+    answers = play(library, "hello_led_tb", tmp_path, steps)
+    assert answers[0] == told(BoardConfiguration.for_spec(spec))
+    assert answers[1:9] == [
+        b"#S_W\n",
+        b"#S_R:00000005\n",
+        b"#S_RM:00000005fffffffa00000001\n",
+        b"#?E_FBW\n",
+        b"#?E_FBR\n",
+        b"#?E_FBR\n",
+        b"#S_WSA\n",
+        b"#S_WSR\n",
+    ]
+    publish = b"%PUB:0002fffffffa00000001\n"
+    assert answers[9].replace(publish, b"") == b"#S_EPS\n"
+    assert 1 <= answers[10].count(publish) == len(answers[10]) / len(publish)
+
+
+NAMES = ["Led", "led", "LED_2", "led_2", "_", "__", "a__b", "a_b_", "_2nd", "n2nd", "signal", "Process"]
+NAMES += ["end", "words", "to_pc", "std_ulogic", "unsigned", "address", "x_t", "wire", "null", "work", "ieee"]
+TEXTS = [
+    "",
+    "*/ end;",
+    "--",
+    "synthesis translate_off",
+    "pragma translate_off",
+    r"\u00b5\u2028",
+    r"\n;",
+    r"\"",
+]
+
+
+def random_spec(random: Random) -> Spec:
+    """Constructors, expansions and words whose names and texts are chosen for what they could break."""
+    constructors = random.sample(NAMES, 3)
+    free = iter(random.sample(range(0x600), 400))
+
+    def element(name: str) -> str:
+        kind = random.choice(["READ", "WRITE"])
+        text = random.choice(TEXTS)
+        return f'@^{name} = 0x{next(free):X}: {random.choice(["", "signed "])}{kind}(ID="{text}");'
+
+    bodies = []
+    for number, constructor in enumerate(constructors):
+        names = random.sample(NAMES, random.randint(1, 8))
+        members = [element(name) for name in names]
+        if number < 2:  # it expands the next one, which has no addresses to bind: once only
+            part = random.choice([name for name in NAMES if name not in names])
+            members.append(f"^{part}: ^{constructors[number + 1]}();")
+        public = "public " if number == 0 else ""
+        bodies.append(f"{public}^{constructor}() {{ {' '.join(members)} }}")
+    return spec_of("\n".join(bodies), f"{random.choice(NAMES)}.ul")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_name_and_no_text_can_break_a_design(design: Make, seed: int) -> None:
+    spec = random_spec(Random(seed))
+    files = generate_vhdl(spec)
+    assert files == generate_vhdl(spec), "the same spec gives the same text"
+    assert all(text.isascii() and text.isprintable() for file in files.values() for text in file.splitlines())
+    design(spec)._call("-m", "--std=08", "-Wno-hide", f"{design_name(spec)}_top")
+    words = word_map(spec)
+    assert sorted(words.read.values()) == list(range(len(words.read)))
+    user = files[f"vhdl/{design_name(spec)}_user_pkg.vhd"]
+    fields = re.findall(r"std_ulogic_vector\(to_pc\.|\(words\(\d+ downto \d+\)\);", user)
+    assert len(fields) == len(list(spec.walk())), "every element has its field"

@@ -111,6 +111,16 @@ class Plan:
     functions: tuple[Function, ...]
 
     @property
+    def generic_width(self) -> int:
+        """Characters of the longest generic's name."""
+        return max(len(generic.name) for generic in self.generics)
+
+    @property
+    def address_width(self) -> int:
+        """Characters of the longest address's name."""
+        return max(len(address.name) for address in self.addresses)
+
+    @property
     def trees(self) -> tuple[records.Tree, ...]:
         return self.to_pc, self.from_pc, self.written
 
@@ -314,7 +324,13 @@ def _offsets(addresses: Iterable[int], base: int) -> list[str]:
 
 
 def _aggregate(values: list[str], none: str) -> str:
-    return f"({', '.join(f'{n} => {value}' for n, value in enumerate(values))})" if values else none
+    """Return an aggregate, eight values a line where they are many."""
+    rows = [values[start : start + 8] for start in range(0, len(values), 8)]
+    lines = [
+        ", ".join(f"{8 * row + n} => {value}" for n, value in enumerate(rows[row]))
+        for row in range(len(rows))
+    ]
+    return f"({(',' + chr(10) + ' ' * 12).join(lines)})" if values else none
 
 
 def _facts(element: Element) -> str:

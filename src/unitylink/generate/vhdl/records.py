@@ -26,6 +26,11 @@ class Record:
     name: str
     fields: tuple[Field, ...]
 
+    @property
+    def width(self) -> int:
+        """Characters of the longest field name."""
+        return max(len(field.name) for field in self.fields)
+
 
 @dataclass(frozen=True)
 class Leaf:

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The plan of a generated design: names, words, blocks, the text. GHDL judges it in tests/gateware."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import BindingError
+from unitylink.generate import generate, generate_vhdl
+from unitylink.generate.vhdl import design_name, word_map
+from unitylink.generate.vhdl.blocks import WINDOW, blocks
+from unitylink.generate.vhdl.names import KEYWORDS, Names, remark
+from unitylink.spec import compile_text, load
+from unitylink.spec.model import Spec
+
+ROOT = Path(__file__).resolve().parents[3]
+GOLDEN = ROOT / "tests" / "golden"
+SPECS = [ROOT / "examples" / name / f"{name}.ul" for name in ("scara",)]
+
+
+def spec_of(text: str, file: str = "robot.ul") -> Spec:
+    result = compile_text(text, file)
+    assert result.spec is not None, result.diagnostics
+    return result.spec
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_golden(path: Path) -> None:
+    for name, text in generate(load(path), "vhdl").items():
+        if os.environ.get("UPDATE_GOLDEN"):
+            (GOLDEN / name).write_text(text, encoding="utf-8")
+        assert text == (GOLDEN / name).read_text(encoding="utf-8"), name
+    assert generate(load(path), "vhdl") == generate(load(path), "vhdl")
+
+
+@given(st.lists(st.text(max_size=12) | st.sampled_from(sorted(KEYWORDS)) | st.from_regex(r"\A\w{0,6}\Z")))
+def test_names_are_legal_and_distinct(texts: list[str]) -> None:
+    names = Names()
+    given_names = [names.claim(text) for text in texts]
+    assert len(set(given_names)) == len(texts)
+    for name in given_names:
+        assert re.fullmatch(r"[a-z]([a-z0-9]|_(?=[a-z0-9]))*", name), name
+        assert name not in KEYWORDS
+
+
+@given(st.text())
+def test_remarks_stay_on_their_line(text: str) -> None:
+    said = remark(text)
+    assert said.isascii() and (said.isprintable() or not said) and len(said) <= 200
+
+
+@given(st.sets(st.integers(0, 3000) | st.integers(0, 2**32 - 1), max_size=60), st.integers(0, 4000))
+def test_blocks_hold_every_address_once_and_keep_out(addresses: set[int], start: int) -> None:
+    keep_out = range(start, start + 700)
+    found = blocks(addresses - set(keep_out), keep_out)
+    assert sorted(a for block in found for a in block.addresses) == sorted(addresses - set(keep_out))
+    ends = [*(block.base for block in found[1:]), 2**32]
+    for block, end in zip(found, ends, strict=True):
+        assert block.words & (block.words - 1) == 0 and block.base % block.words == 0
+        assert block.words <= WINDOW
+        assert all(block.base <= address < block.base + block.words for address in block.addresses)
+        assert block.base >= keep_out.stop or block.base + block.words <= keep_out.start
+        assert block.base + block.words <= end
+
+
+def test_sparse_maps_make_few_slaves() -> None:
+    every_fourth = blocks(range(0, 1024, 4))
+    assert len(every_fourth) == 16
+    scattered = blocks(range(0, 1 << 20, 1 << 14))
+    assert [block.words for block in scattered] == [1] * 64
+
+
+def test_words_are_in_rising_order_for_each_direction() -> None:
+    text = "public a() { @x = 0x9: READ(); @y = 0x2: WRITE(); @z = 0x1: READ(); @w = 0x5: WRITE(); }"
+    words = word_map(spec_of(text))
+    assert (dict(words.read), dict(words.write)) == ({1: 0, 9: 1}, {2: 0, 5: 1})
+
+
+def test_a_word_of_several_devices_has_one_field_and_both_directions() -> None:
+    text = (
+        "public a() { @x = 0x7: READ(); } public b() { @y = 0x7: READ(); } public c() { @z = 0x7: WRITE(); }"
+    )
+    spec = spec_of(text)
+    words = word_map(spec)
+    assert (dict(words.read), dict(words.write)) == ({7: 0}, {7: 0})
+    user = generate_vhdl(spec)["vhdl/robot_user_pkg.vhd"]
+    assert "to_pc.a.x" in user and "to_pc.b" not in user and "from_pc.c.z" in user
+
+
+def test_tosnet_words_belong_to_whom_the_network_says() -> None:
+    members = {
+        "read_out": "@a = 0x80: READ();",  # node 2 drives it
+        "write_in": "@b = 0x84: WRITE();",  # the PC drives node 2's IN word
+        "write_own": "@c = 0x40: WRITE();",  # the PC is node 1
+        "read_in": "@d = 0x85: READ();",  # what the PC wrote: nothing for the user's logic to drive
+        "write_out": "@e = 0x81: WRITE();",  # TosNet refuses this
+        "status": "@f = 0x400: READ();",  # TosNet's own
+    }
+    spec = spec_of(f"public net(c) {{ TOSNET(CTRL=c, COMM=c, BASE=0x800); {' '.join(members.values())} }}")
+    words = word_map(spec)
+    assert dict(words.read) == {0x880: 0}
+    assert dict(words.write) == {0x840: 0, 0x884: 1, 0x885: 2}
+    user = generate_vhdl(spec)["vhdl/robot_user_pkg.vhd"]
+    assert "from_pc.b" in user and "from_pc.d" not in user and "from_pc.e" not in user
+
+
+def test_names_of_files_and_entities() -> None:
+    spec = spec_of("public a() { @x = 0x7: READ(); }", "My__Robot-2.ul")
+    assert design_name(spec) == "my_robot_2"
+    files = generate_vhdl(spec)
+    assert sorted(files) == [
+        f"vhdl/my_robot_2_{part}.vhd" for part in ("config_pkg", "design", "top", "user_pkg")
+    ]
+    assert "entity my_robot_2_top is" in files["vhdl/my_robot_2_top.vhd"]
+
+
+def test_comments_cannot_command_a_tool() -> None:
+    text = 'public a() { @x = 0x7: READ(ID="synthesis translate_off"); @y = 0x8: READ(ID="pragma x"); }'
+    for file in generate_vhdl(spec_of(text)).values():
+        for comment in re.findall(r"--\s*(\w+)", file):
+            assert comment not in ("synthesis", "pragma", "synopsys", "rtl_synthesis", "translate_off")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"bench_memory": True}, "bench_memory of a board configuration is for virtual boards"),
+        ({"groups": 0}, "groups is 0; the gateware takes 1 to 256"),
+        ({"data_bits": 33}, "data_bits is 33; the gateware takes 8 to 32"),
+        ({"address_bits": 4}, "x lies at 0x17; address_bits is 4"),
+    ],
+)
+def test_what_the_gateware_has_not_is_refused(overrides: dict[str, int], message: str) -> None:
+    spec = spec_of("public a() { @x = 0x17: READ(); }")
+    with pytest.raises(BindingError, match=message):
+        generate_vhdl(spec, BoardConfiguration.for_spec(spec, **overrides))
