@@ -2,7 +2,7 @@
 --
 -- The PC's end of a UART, for benches of whole designs: plays a file of steps, writes what came during each on a line.
 --
---   s 2352...   sends these bytes, then waits until nothing has come for quiet_clocks
+--   s 2352...   sends these bytes, then waits until nothing has come for 30 characters' time
 --   w 5000      waits so many clocks
 
 library ieee;
@@ -16,8 +16,7 @@ entity uart_player is
     clock_hz     : positive;
     baud_hz      : positive;
     steps_file   : string;
-    answers_file : string;
-    quiet_clocks : positive := 2000
+    answers_file : string
   );
   port (
     clock   : in  std_ulogic;
@@ -30,7 +29,8 @@ end entity;
 
 architecture test of uart_player is
 
-  constant clocks_most : positive := 2_000_000; -- of one step
+  constant clocks_most  : positive := 2_000_000; -- of one step
+  constant quiet_clocks : positive := 30 * 10 * (clock_hz / baud_hz);
 
   signal rx_valid : std_ulogic;
   signal rx_data  : std_ulogic_vector(7 downto 0);
@@ -101,6 +101,7 @@ begin
           end loop;
           tx_valid <= '0';
         end loop;
+        quiet := 0;
         while quiet < quiet_clocks loop
           one_clock;
         end loop;

@@ -103,6 +103,7 @@ begin
         write_addresses  => (0 => 16#08C#, 1 => 16#08D#, 2 => 16#08E#, 3 => 16#08F#, 4 => 16#094#, 5 => 16#095#, 6 => 16#096#, 7 => 16#097#),
         cycle_clocks     => maximum(1, clock_hz / 10000),
         whole_memory     => false, -- the words of the spec only
+        async_depth      => 0, -- nobody is there to listen
         max_skipped_writes => 0)
       port map (
         clock => clock, reset => reset,
