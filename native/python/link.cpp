@@ -113,9 +113,13 @@ void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle 
   raise_unless_ok(outcome);
 }
 
-std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring) {
+std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring,
+                        nb::handle group) {
   const std::vector<std::uint32_t> words = words_of(addresses, "address");
-  const SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
+  SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
+  if (!group.is_none()) {
+    request.group = word_of(group, "group");
+  }
   std::uint32_t id = 0;
   Outcome outcome;
   {
@@ -379,7 +383,7 @@ void bind_link(nb::module_& module) {
       .def("write_many", &write_many, "addresses"_a, "values"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a, "checked"_a.none(),
            "repeat"_a, "timeout_s"_a.none())
-      .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a)
+      .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a, "group"_a.none())
       .def("unsubscribe", &unsubscribe, "id"_a)
       .def("drain", &drain, "id"_a, "words"_a)
       .def("wait", &wait_publish, "id"_a, "timeout_s"_a)

@@ -58,7 +58,13 @@ class NativeLink:
         timeout_s: float | None,
     ) -> Pending: ...
     def subscribe(
-        self, addresses: _Integers, divisor: int, on_event: bool, verify: bool, ring: int
+        self,
+        addresses: _Integers,
+        divisor: int,
+        on_event: bool,
+        verify: bool,
+        ring: int,
+        group: int | None,
     ) -> int: ...
     def unsubscribe(self, id: int) -> None: ...
     def drain(self, id: int, words: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]: ...

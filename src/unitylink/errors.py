@@ -10,6 +10,7 @@
     │   ├── LinkNotFound           there is no such port, host or file
     │   ├── BusError               the device answered that its bus refused or did not answer the address
     │   ├── ProtocolError          the device answered something this protocol does not have
+    │   ├── UnexpectedValue        the device holds a number that its type in the spec does not have
     │   ├── NetworkError           the network behind the gateware is down, halted, or dropped a commit
     │   └── DeviceMismatch         the device cannot do what is asked (widths, groups, publishing)
     ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
@@ -100,6 +101,10 @@ class BusError(LinkError):
 
 class ProtocolError(LinkError):
     """The device answered something the protocol does not have, or refused a command."""
+
+
+class UnexpectedValue(LinkError):
+    """The device holds a number that its type in the spec does not have, such as 3 in an enum of 0 to 2."""
 
 
 class NetworkError(LinkError):

@@ -44,6 +44,7 @@ struct SubscriptionRequest {
   bool on_event = false;         // publish when the group's event input says so
   bool verify = true;            // read every address once before: on 2012 gateware a silent one would publish for ever
   std::size_t ring = 4096;       // publishes kept until they are fetched
+  std::optional<std::uint32_t> group = std::nullopt;  // of the gateware: the one with a certain event line; else any
 };
 
 class Link {

@@ -173,6 +173,10 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
   if (Outcome outcome = quiet_device(); !outcome.ok()) {
     return outcome;
   }
+  if (request.group && *request.group >= configuration_.groups) {
+    return cannot("group " + std::to_string(*request.group) + " is asked for, and this gateware has " +
+                  std::to_string(configuration_.groups) + ", numbered from 0");
+  }
   std::uint32_t free = configuration_.groups;
   bool first = true;
   const auto subscription = std::make_shared<Subscription>(request);
@@ -181,7 +185,10 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
     for (std::uint32_t index = configuration_.groups; index-- > 0;) {
       const bool taken = subscriptions_[index] && subscriptions_[index]->open;
       first = first && !taken;
-      free = taken ? free : index;
+      free = taken || index != request.group.value_or(index) ? free : index;
+    }
+    if (free == configuration_.groups && request.group) {
+      return cannot("group " + std::to_string(*request.group) + ", the one with the event line, is in use; close its subscription first");
     }
     if (free == configuration_.groups) {
       return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");

@@ -216,16 +216,18 @@ class Link:
         on_event: bool = False,
         verify: bool = True,
         ring: int = 4096,
+        group: int | None = None,
     ) -> Subscription:
         """Have the device publish the words at `addresses` together.
 
         It does so every `divisor` base periods, or (`on_event`) when the group's event input says so.
         `verify` reads each address once before: 2012 gateware never stops publishing an address where
         nothing answers. Say False where reading does something. `ring` publishes are kept until they are
-        fetched; then the newest win. Raises DeviceMismatch when the device has no group left, or none so
+        fetched; then the newest win. `group` asks for one of the device's groups, as `on_event` may need:
+        each has its own event input. Raises DeviceMismatch when the device has no group left, or none so
         large, or the line is too slow.
         """
-        identity = self._native.subscribe(addresses, divisor, on_event, verify, ring)
+        identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
         return Subscription(self, identity, words, divisor)
 

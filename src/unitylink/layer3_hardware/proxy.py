@@ -52,10 +52,13 @@ class HardwareProxy:
     def bus_addresses(self, addresses: Iterable[int]) -> list[int]:
         return [self.bus_address(address) for address in addresses]
 
-    def reader(self, address: int, *, checked: bool | None = None) -> Callable[..., int]:
+    def reader(self, address: int, *, checked: bool | None = None, repeat: bool = True) -> Callable[..., int]:
         """Return a function that reads one word with nothing left to look up, for whoever reads it often."""
         return partial(
-            self.link.read, self.bus_address(address), checked=checked, repeat=self.repeatable_reads
+            self.link.read,
+            self.bus_address(address),
+            checked=checked,
+            repeat=repeat and self.repeatable_reads,
         )
 
     def read(self, address: int, *, checked: bool | None = None, timeout_s: float | None = None) -> int:
@@ -70,14 +73,18 @@ class HardwareProxy:
         *,
         atomic: bool = False,
         checked: bool | None = None,
+        repeat: bool = True,
         timeout_s: float | None = None,
     ) -> NDArray[np.uint32]:
-        """Read many words; with `atomic` in one bus transaction, so that they belong together."""
+        """Read many words; with `atomic` in one bus transaction, so that they belong together.
+
+        `repeat` False is for words that reading changes.
+        """
         return self.link.read_many(
             self.bus_addresses(addresses),
             atomic=atomic,
             checked=checked,
-            repeat=self.repeatable_reads,
+            repeat=repeat and self.repeatable_reads,
             timeout_s=timeout_s,
         )
 
@@ -110,11 +117,19 @@ class HardwareProxy:
         )
 
     async def read_async(
-        self, address: int, *, checked: bool | None = None, timeout_s: float | None = None
+        self,
+        address: int,
+        *,
+        checked: bool | None = None,
+        repeat: bool = True,
+        timeout_s: float | None = None,
     ) -> int:
         """Read one word."""
         return await self.link.read_async(
-            self.bus_address(address), checked=checked, repeat=self.repeatable_reads, timeout_s=timeout_s
+            self.bus_address(address),
+            checked=checked,
+            repeat=repeat and self.repeatable_reads,
+            timeout_s=timeout_s,
         )
 
     async def read_many_async(
@@ -123,6 +138,7 @@ class HardwareProxy:
         *,
         atomic: bool = False,
         checked: bool | None = None,
+        repeat: bool = True,
         timeout_s: float | None = None,
     ) -> NDArray[np.uint32]:
         """Read many words; with `atomic` in one bus transaction."""
@@ -130,7 +146,7 @@ class HardwareProxy:
             self.bus_addresses(addresses),
             atomic=atomic,
             checked=checked,
-            repeat=self.repeatable_reads,
+            repeat=repeat and self.repeatable_reads,
             timeout_s=timeout_s,
         )
 

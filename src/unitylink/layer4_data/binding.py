@@ -6,18 +6,24 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 from unitylink.errors import BindingError
-from unitylink.layer3_hardware import HardwareProxy, MemoryProxy, TosNetProxy
+from unitylink.layer3_hardware import (
+    DoubleBufferProxy,
+    FifoProxy,
+    HardwareProxy,
+    MemoryProxy,
+    TosNetProxy,
+)
 
 from .publishing import Publisher
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-BINDING_VERSION = 1  # what generated code expects of this layer; raised when that changes
+BINDING_VERSION = 2  # what generated code expects of this layer; raised when that changes
 
 
 def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> None:
@@ -52,7 +58,11 @@ def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> No
 
 
 class Tree:
-    """What the nodes of one tree share: links by parameter name, addresses, display names, publisher."""
+    """What the nodes of one tree share: links by name, addresses, display names, classes, publisher.
+
+    `links` has the links that are not `link`, by the name of a COMM or CTRL parameter or of a declared link;
+    `classes` the Python classes of enumerations and packed values.
+    """
 
     def __init__(
         self,
@@ -61,33 +71,54 @@ class Tree:
         *,
         addresses: Mapping[str, int],
         names: Mapping[str, str] | None = None,
+        classes: Mapping[str, type[Any]] | None = None,
     ) -> None:
         self.link = link
         self.links = dict(links or {})
         self.addresses = addresses
         self.names = names or {}
+        self.classes = classes or {}
         self.publisher = Publisher()
 
     def hardware(
-        self, kind: str, *, base: int = 0, ctrl: str | None = None, comm: str | None = None
+        self,
+        kind: str,
+        *,
+        base: int = 0,
+        ctrl: str | None = None,
+        comm: str | None = None,
+        size: int = 0,
+        link: str = "",
     ) -> HardwareProxy:
         """Return the proxy of a link binding; `comm` carries the data, `ctrl` what controls the module."""
-        return hardware_for(kind, self._named(comm), base, self._named(ctrl))
+        return hardware_for(kind, self._named(comm, link), base, self._named(ctrl, link), size)
 
-    def _named(self, parameter: str | None) -> Link:
-        chosen = self.links.get(parameter) if parameter is not None else None
-        return chosen if chosen is not None else self.link
+    def _named(self, parameter: str | None, declared: str) -> Link:
+        for name in (parameter, declared):
+            chosen = self.links.get(name) if name else None
+            if chosen is not None:
+                return chosen
+        return self.link
 
 
-# A TosNet module has one shadow of its outputs, however many trees reach it: living proxies are shared.
+# A module has one shadow of its outputs, however many trees reach it: living proxies are shared.
 _lock = threading.Lock()
-_shared: WeakValueDictionary[tuple[str, int, int, int], HardwareProxy] = WeakValueDictionary()
+_shared: WeakValueDictionary[tuple[str, int, int, int, int], HardwareProxy] = WeakValueDictionary()
+KINDS = ("memory", "tosnet", "double_buffer", "fifo")
 
 
-def hardware_for(kind: str, link: Link, base: int = 0, control: Link | None = None) -> HardwareProxy:
-    """Return the one proxy for a module: `kind` is "memory" or "tosnet"."""
+def hardware_for(
+    kind: str, link: Link, base: int = 0, control: Link | None = None, size: int = 0
+) -> HardwareProxy:
+    """Return the one proxy for a module; `kind` is one of KINDS, `size` the words of a double buffer."""
     control = control if control is not None else link
-    key = (kind, id(link), base, id(control))  # a living proxy keeps its links, so their ids stay theirs
+    key = (
+        kind,
+        id(link),
+        base,
+        id(control),
+        size,
+    )  # a living proxy keeps its links, so their ids stay theirs
     with _lock:
         proxy = _shared.get(key)
         if proxy is None:
@@ -95,7 +126,11 @@ def hardware_for(kind: str, link: Link, base: int = 0, control: Link | None = No
                 proxy = TosNetProxy(link, base, control=control)
             elif kind == "memory":
                 proxy = MemoryProxy(link, base)
+            elif kind == "double_buffer":
+                proxy = DoubleBufferProxy(link, base, size=size)
+            elif kind == "fifo":
+                proxy = FifoProxy(link, base)
             else:
-                raise BindingError(f"no hardware proxy is called {kind!r}; there are memory and tosnet")
+                raise BindingError(f"no hardware proxy is called {kind!r}; there are {', '.join(KINDS)}")
             _shared[key] = proxy
         return proxy

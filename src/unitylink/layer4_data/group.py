@@ -4,25 +4,29 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
 
 from .listeners import Listeners
+from .publication import join
+from .read_value import ReadValue
 from .snapshot import Snapshot
-from .value import ReadValue, Value, WriteValue
+from .value import Value
+from .write_value import WriteValue
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.layer3_hardware import HardwareProxy
 
 R = TypeVar("R")
-Writes = dict["HardwareProxy", tuple[list[WriteValue], list[int]]]
+Writes = dict["HardwareProxy", list[tuple[WriteValue[Any], int]]]  # values and their raw numbers
 
 
 class ValueGroup:
@@ -36,10 +40,10 @@ class ValueGroup:
     >>> targets.write({"j1.pos_sp": 100}); targets.write(j2_pos_sp=-200) # doctest: +SKIP
     """
 
-    def __init__(self, values: Mapping[str, Value] | Iterable[Value], path: str = "group") -> None:
+    def __init__(self, values: Mapping[str, Value[Any]] | Iterable[Value[Any]], path: str = "group") -> None:
         pairs = values.items() if isinstance(values, Mapping) else [(value.path, value) for value in values]
         self.path = path
-        self.values: dict[str, Value] = {}
+        self.values: dict[str, Value[Any]] = {}
         for key, value in pairs:
             if key in self.values:
                 raise ValueRangeError(f"{path}: two values are called {key}; give a mapping with other keys")
@@ -48,9 +52,9 @@ class ValueGroup:
         self.writes = {k: v for k, v in self.values.items() if isinstance(v, WriteValue)}
         self.listeners: Listeners[Snapshot] = Listeners(path)
         self._lock = threading.Lock()
-        self._fresh: dict[ReadValue, int] = {}
+        self._fresh: dict[ReadValue[Any], Any] = {}
         self._times_s: dict[str, float] = {}
-        self._by_link: dict[Link, dict[str, ReadValue]] = {}
+        self._by_link: dict[Link, dict[str, ReadValue[Any]]] = {}
         for key, value in self.reads.items():
             self._by_link.setdefault(value.hardware.link, {})[key] = value
         self._labels: dict[Link, str] = {}  # two links may have the same URL
@@ -58,13 +62,13 @@ class ValueGroup:
             number = sum(other.url == link.url for other in self._labels) + 1
             self._labels[link] = link.url if number == 1 else f"{link.url}#{number}"
 
-    def __iter__(self) -> Iterator[Value]:
+    def __iter__(self) -> Iterator[Value[Any]]:
         return iter(self.values.values())
 
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, key: str) -> Value:
+    def __getitem__(self, key: str) -> Value[Any]:
         return self.values[key]
 
     def __repr__(self) -> str:
@@ -79,15 +83,19 @@ class ValueGroup:
         """
         self._check_snapshot(consistent)
 
-        def fetch(link: Link, values: dict[str, ReadValue]) -> tuple[float, list[int]]:
+        def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
             started = time.monotonic()
-            words = link.read_many(
-                [value.address for value in values.values()],
-                atomic=consistent and len(values) > 1,
-                checked=_any_checked(values.values()),
-                timeout_s=timeout_s,
-            )
-            return (started + time.monotonic()) / 2, [int(word) for word in words]
+            words: list[int] = []
+            for addresses, atomic in _portions(list(values.values()), consistent):
+                read = link.read_many(
+                    addresses,
+                    atomic=atomic,
+                    checked=_any_checked(values.values()),
+                    repeat=_all_repeatable(values.values()),
+                    timeout_s=timeout_s,
+                )
+                words += read.tolist()
+            return (started + time.monotonic()) / 2, words
 
         try:
             fetched = _at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
@@ -99,15 +107,19 @@ class ValueGroup:
         """Read all READs: per link one atomic read, the links at the same time."""
         self._check_snapshot(consistent)
 
-        async def fetch(link: Link, values: dict[str, ReadValue]) -> tuple[float, list[int]]:
+        async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
             started = time.monotonic()
-            words = await link.read_many_async(
-                [value.address for value in values.values()],
-                atomic=consistent and len(values) > 1,
-                checked=_any_checked(values.values()),
-                timeout_s=timeout_s,
-            )
-            return (started + time.monotonic()) / 2, [int(word) for word in words]
+            words: list[int] = []
+            for addresses, atomic in _portions(list(values.values()), consistent):
+                read = await link.read_many_async(
+                    addresses,
+                    atomic=atomic,
+                    checked=_any_checked(values.values()),
+                    repeat=_all_repeatable(values.values()),
+                    timeout_s=timeout_s,
+                )
+                words += read.tolist()
+            return (started + time.monotonic()) / 2, words
 
         try:
             fetched = await _all(fetch(link, values) for link, values in self._by_link.items())
@@ -120,36 +132,39 @@ class ValueGroup:
             raise ValueRangeError(f"{self.path}: there is no READ to take a snapshot of")
         for link, values in self._by_link.items():
             limit = max(1, link.configuration.read_many)
-            if consistent and len(values) > limit:
+            words = sum(value.codec.words for value in values.values())
+            if words > limit and consistent:
+                few = "" if words == len(values) else f" of {words} words"
                 raise DeviceMismatch(
-                    f"{self.path}: {len(values)} values do not fit one atomic read of {limit} words "
+                    f"{self.path}: {len(values)} values{few} do not fit one atomic read of {limit} words "
                     f"at {link.url}; take smaller groups, or snapshot(consistent=False)"
                 )
 
     def _snapshot(self, fetched: Sequence[tuple[float, list[int]]]) -> Snapshot:
-        numbers: dict[str, int] = {}
+        numbers: dict[str, Any] = {}
         times_s: dict[str, float] = {}
         for (link, values), (time_s, words) in zip(self._by_link.items(), fetched, strict=True):
             times_s[self._labels[link]] = time_s
-            for (key, value), word in zip(values.items(), words, strict=True):
-                value.latest = numbers[key] = (word ^ value.sign) - value.sign
+            taken = join(list(values.values()), words)
+            for key, value, raw in zip(values, values.values(), taken, strict=True):
+                numbers[key] = value.take(raw)
         return Snapshot({key: numbers[key] for key in self.reads}, times_s)
 
     # Writing
 
     def write(
         self,
-        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None = None,
+        values: Mapping[str, Any] | Sequence[Any] | None = None,
         /,
         *,
         timeout_s: float | None = None,
-        **named: SupportsIndex,
+        **named: Any,
     ) -> None:
         """Write WRITEs together: a sequence for all of them in order, a mapping or keywords for some.
 
-        A keyword is a key with "_" for ".", or its last step where that is unique. All values are checked
-        before the first is sent. Per hardware proxy it is one burst (on TosNet: with one commit), the links
-        at the same time.
+        A keyword is a key with "_" for what no name can have ("j[2].pos" is j_2_pos), or its last step where
+        that is unique. All values are checked before the first is sent. Per hardware proxy it is one burst
+        (on TosNet: with one commit), the links at the same time.
         """
         writes = self._words(values, named)
         batched = [hardware for hardware in writes if hardware.collects_here]
@@ -160,14 +175,15 @@ class ValueGroup:
 
         def send(proxies: list[HardwareProxy]) -> None:
             for hardware in proxies:
-                targets, words = writes[hardware]
+                items = writes[hardware]
                 hardware.write_many(
-                    [value.relative_address for value in targets],
-                    words,
-                    checked=_any_checked(targets),
+                    [address for value, _ in items for address in value.relative_addresses],
+                    [word for value, raw in items for word in value.codec.split(raw)],
+                    checked=_any_checked(value for value, _ in items),
                     timeout_s=timeout_s,
                 )
-                self._written(targets, words)
+                for value, raw in items:
+                    value.take(raw)
 
         try:
             send(batched)  # here, for a batch is its thread's
@@ -177,24 +193,25 @@ class ValueGroup:
 
     async def write_async(
         self,
-        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None = None,
+        values: Mapping[str, Any] | Sequence[Any] | None = None,
         /,
         *,
         timeout_s: float | None = None,
-        **named: SupportsIndex,
+        **named: Any,
     ) -> None:
         """Write WRITEs together, as `write`."""
         writes = self._words(values, named)
 
         async def send(hardware: HardwareProxy) -> None:
-            targets, words = writes[hardware]
+            items = writes[hardware]
             await hardware.write_many_async(
-                [value.relative_address for value in targets],
-                words,
-                checked=_any_checked(targets),
+                [address for value, _ in items for address in value.relative_addresses],
+                [word for value, raw in items for word in value.codec.split(raw)],
+                checked=_any_checked(value for value, _ in items),
                 timeout_s=timeout_s,
             )
-            self._written(targets, words)
+            for value, raw in items:
+                value.take(raw)
 
         try:
             await _all(send(hardware) for hardware in writes)
@@ -203,10 +220,10 @@ class ValueGroup:
 
     def _words(
         self,
-        values: Mapping[str, SupportsIndex] | Sequence[SupportsIndex] | None,
-        named: Mapping[str, SupportsIndex],
+        values: Mapping[str, Any] | Sequence[Any] | None,
+        named: Mapping[str, Any],
     ) -> Writes:
-        chosen: dict[WriteValue, SupportsIndex] = {}
+        chosen: dict[WriteValue[Any], Any] = {}
         if isinstance(values, Mapping):
             for key, number in values.items():
                 if key not in self.writes:
@@ -228,25 +245,18 @@ class ValueGroup:
             chosen[self._by_keyword(name)] = number
         writes: Writes = {}
         for value, number in chosen.items():
-            targets, words = writes.setdefault(value.hardware, ([], []))
-            targets.append(value)
-            words.append(value.word(number))
+            writes.setdefault(value.hardware, []).append((value, value.encode(number)))
         return writes
 
-    def _by_keyword(self, name: str) -> WriteValue:
-        full = [value for key, value in self.writes.items() if key.replace(".", "_") == name]
+    def _by_keyword(self, name: str) -> WriteValue[Any]:
+        full = [value for key, value in self.writes.items() if _keyword(key) == name]
         short = [value for key, value in self.writes.items() if key.rpartition(".")[2] == name]
         for matches in (full, short):
             if len(matches) == 1:
                 return matches[0]
-        known = ", ".join(key.replace(".", "_") for key in self.writes)
+        known = ", ".join(map(_keyword, self.writes))
         trouble = "is more than one WRITE" if full or short else "is not a WRITE"
         raise ValueRangeError(f"{self.path}: {name} {trouble}; there are {known}")
-
-    @staticmethod
-    def _written(targets: list[WriteValue], words: list[int]) -> None:
-        for value, word in zip(targets, words, strict=True):
-            value.latest = (word ^ value.sign) - value.sign
 
     # Publishing
 
@@ -284,7 +294,7 @@ class ValueGroup:
         for value in self.reads.values():
             value.publisher.require(value)
 
-    def take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
+    def take(self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]) -> None:
         """Take a publish that carries some of our values; tell the listeners when it completes a set."""
         with self._lock:
             for value, number in zip(values, numbers, strict=True):
@@ -301,7 +311,29 @@ class ValueGroup:
         return error.with_item(self.path)
 
 
-def _any_checked(values: Iterable[Value]) -> bool | None:
+def _keyword(key: str) -> str:
+    return re.sub(r"\W+", "_", key)
+
+
+def _portions(values: Sequence[Value[Any]], consistent: bool) -> list[tuple[list[int], bool]]:
+    """Return what is read at once: (addresses, atomic); no value of several words is ever torn."""
+    whole = [address for value in values for address in value.addresses]
+    if consistent or len(whole) == len(values):
+        return [(whole, consistent and len(whole) > 1)]
+    limit = max(1, values[0].hardware.link.configuration.read_many)
+    portions: list[tuple[list[int], bool]] = [([], True)]
+    for value in values:
+        if portions[-1][0] and len(portions[-1][0]) + value.codec.words > limit:
+            portions.append(([], True))
+        portions[-1][0].extend(value.addresses)
+    return portions
+
+
+def _all_repeatable(values: Iterable[ReadValue[Any]]) -> bool:
+    return all(value.pollable and value.hardware.repeatable_reads for value in values)
+
+
+def _any_checked(values: Iterable[Value[Any]]) -> bool | None:
     return True if any(value.checked for value in values) else None
 
 

@@ -6,13 +6,17 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .binding import Tree
 from .group import ValueGroup
+from .read_value import ReadClearValue, ReadValue
 from .recording import Recording
 from .snapshot import Snapshot
-from .value import ReadValue, Value, WriteValue
+from .value import Value
+from .write_value import ClearValue, PulseValue, ReadWriteValue, WriteValue
+
+V = TypeVar("V", bound=Value[Any])
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -44,55 +48,50 @@ class Node:
             self.path = ""
         self.display = self._tree.names.get(self.path, self.path or name)
         self.publisher = self._tree.publisher
-        self._members: dict[str, Value | ValueGroup | Node] = {}
+        self._members: dict[str, Value[Any] | ValueGroup | Node] = {}
         self._whole: ValueGroup | None = None
         self._feed: ValueGroup | None = None
 
     # What generated classes and trees from a Spec are built with
 
-    def _bind(self, kind: str, *, base: int = 0, ctrl: str | None = None, comm: str | None = None) -> None:
-        self._hardware = self._tree.hardware(kind, base=base, ctrl=ctrl, comm=comm)
+    def _bind(self, kind: str, **binding: Any) -> None:
+        self._hardware = self._tree.hardware(kind, **binding)
 
-    def _read(
-        self,
-        name: str,
-        *,
-        signed: bool = False,
-        checked: bool = False,
-        publish: tuple[int, int] | None = None,
-        unit: str = "",
-    ) -> ReadValue:
+    def _read(self, name: str, **facts: Any) -> ReadValue[Any]:
+        return self._value(ReadValue, name, facts)
+
+    def _write(self, name: str, **facts: Any) -> WriteValue[Any]:
+        return self._value(WriteValue, name, facts)
+
+    def _read_write(self, name: str, **facts: Any) -> ReadWriteValue[Any]:
+        return self._value(ReadWriteValue, name, facts)
+
+    def _read_clear(self, name: str, **facts: Any) -> ReadClearValue[Any]:
+        return self._value(ReadClearValue, name, facts)
+
+    def _clear(self, name: str, **facts: Any) -> ClearValue[Any]:
+        return self._value(ClearValue, name, facts)
+
+    def _pulse(self, name: str, **facts: Any) -> PulseValue[Any]:
+        return self._value(PulseValue, name, facts)
+
+    def _value(self, kind: type[V], name: str, facts: dict[str, Any]) -> V:
         path = self._path(name)
-        value = ReadValue(
+        facts.setdefault("words", 1)
+        value = kind(
             path,
             self._hardware,
             self._tree.addresses[path],
-            signed=signed,
-            checked=checked,
-            publish=publish,
-            unit=unit,
             display=self._tree.names.get(path, path),
             publisher=self.publisher,
-        )
-        self._members[name] = value
-        return value
-
-    def _write(self, name: str, *, signed: bool = False, checked: bool = False, unit: str = "") -> WriteValue:
-        path = self._path(name)
-        value = WriteValue(
-            path,
-            self._hardware,
-            self._tree.addresses[path],
-            signed=signed,
-            checked=checked,
-            unit=unit,
-            display=self._tree.names.get(path, path),
+            classes=self._tree.classes,
+            **facts,
         )
         self._members[name] = value
         return value
 
     def _group(self, name: str, *paths: str) -> ValueGroup:
-        members: dict[str, Value] = {}
+        members: dict[str, Value[Any]] = {}
         for path in paths:
             member = self[path]
             if isinstance(member, Value):
@@ -106,16 +105,16 @@ class Node:
 
     # Finding
 
-    def __iter__(self) -> Iterator[Value]:
+    def __iter__(self) -> Iterator[Value[Any]]:
         for member in self._members.values():
             if isinstance(member, Value):
                 yield member
             elif isinstance(member, Node):
                 yield from member
 
-    def __getitem__(self, path: str) -> Value | ValueGroup | Node:
+    def __getitem__(self, path: str) -> Value[Any] | ValueGroup | Node:
         """Return the value, group or part at a path of the spec's names; KeyError says what is near."""
-        here: Value | ValueGroup | Node = self
+        here: Value[Any] | ValueGroup | Node = self
         for step in path.split("."):
             if not isinstance(here, Node) or step not in here._members:
                 start = len(self.path) + 1 if self.path else 0
@@ -131,8 +130,31 @@ class Node:
     # Doing
 
     def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read every READ below at once; keys are paths relative to this node. See ValueGroup.snapshot."""
+        """Read every READ below at once; keys are paths relative to this node. See ValueGroup.snapshot.
+
+        Values that reading would change (READCLEAR) are left out.
+        """
         return self._all().snapshot(consistent=consistent, timeout_s=timeout_s)
+
+    def apply_initial(self, *, timeout_s: float | None = None) -> None:
+        """Write the initial value of everything below that has one: together, on TosNet with one commit.
+
+        Nothing is written by itself when a link is opened: a robot that is running must not jump.
+        """
+        self._apply("initial", timeout_s)
+
+    def apply_safe(self, *, timeout_s: float | None = None) -> None:
+        """Write the safe value of everything below that has one, together; others stay as they are."""
+        self._apply("safe", timeout_s)
+
+    def _apply(self, which: str, timeout_s: float | None) -> None:
+        known = {
+            key: getattr(value.quantity, which)
+            for key, value in self._all().writes.items()
+            if getattr(value.quantity, which) is not None
+        }
+        if known:
+            self._all().write(known, timeout_s=timeout_s)
 
     def on_publish(self, callback: Callable[[float, Snapshot], object]) -> Callable[[], None]:
         """Call `callback(time_s, snapshot)` once per set of fresh samples of all published values below."""
@@ -167,11 +189,17 @@ class Node:
     def _all(self) -> ValueGroup:
         if self._whole is None:
             start = len(self.path) + 1 if self.path else 0
-            self._whole = ValueGroup({value.path[start:]: value for value in self}, self.path or self.name)
+            values = {value.path[start:]: value for value in self if value.pollable or value.writable}
+            self._whole = ValueGroup(values, self.path or self.name)
         return self._whole
 
     def _published(self) -> ValueGroup:
         if self._feed is None:
-            values = {key: value for key, value in self._all().reads.items() if value.publish is not None}
+            start = len(self.path) + 1 if self.path else 0
+            values = {
+                value.path[start:]: value
+                for value in self
+                if isinstance(value, ReadValue) and value.publish is not None
+            }
             self._feed = ValueGroup(values, self.path or self.name)
         return self._feed

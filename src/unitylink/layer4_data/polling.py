@@ -47,7 +47,9 @@ class Poller:
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             started = time.monotonic()
             try:
-                words = [int(word) for word in link.read_many(addresses, atomic=atomic, checked=checked)]
+                words = link.read_many(
+                    addresses, atomic=atomic, checked=checked, repeat=self._plan.repeatable
+                ).tolist()
             except LinkClosed as error:
                 logger.error("%s: polling ends: %s", self._plan.values[0].path, error)
                 return

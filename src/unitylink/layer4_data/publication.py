@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
 
 from unitylink import protocol
+from unitylink.errors import UnexpectedValue
+from unitylink.spec.model import Publish
+
+from .listeners import logger
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
     from .group import ValueGroup
-    from .value import ReadValue
+    from .read_value import ReadValue
+    from .value import Value
 
 HARDWARE, SOFTWARE = 1, 2  # the modes of PUBLISH(mode, divisor)
 
@@ -25,29 +30,51 @@ def base_hz(link: Link) -> int:
 
 @dataclass(frozen=True)
 class PublishPlan:
-    """Values of one link, one rate and one mode that fit one gateware group (mode 1) or one poll (mode 2)."""
+    """Values of one link that are published together: by one gateware group (mode 1) or one poll (mode 2).
+
+    `number` is the gateware's group where it matters which: the one whose event line triggers it.
+    """
 
     link: Link
-    mode: int
-    divisor: int
-    values: tuple[ReadValue, ...]
+    publish: Publish
+    values: tuple[ReadValue[Any], ...]
+    number: int | None = None
+
+    @property
+    def mode(self) -> int:
+        return self.publish.mode
+
+    @property
+    def divisor(self) -> int:
+        return self.publish.divisor
 
     @property
     def addresses(self) -> list[int]:
-        return [value.address for value in self.values]
+        return [address for value in self.values for address in value.addresses]
 
     @property
     def checked(self) -> bool | None:
         return True if any(value.checked for value in self.values) else None
 
     @property
+    def repeatable(self) -> bool:
+        """Whether reading the words once more does no harm."""
+        return all(value.pollable and value.hardware.repeatable_reads for value in self.values)
+
+    @property
     def rate_hz(self) -> float:
-        return base_hz(self.link) / self.divisor
+        """The rate; 0 where an event triggers and not the clock."""
+        return base_hz(self.link) / self.divisor if self.divisor else 0.0
+
+    def polled(self) -> PublishPlan:
+        """Return the same, polled by the PC."""
+        return replace(self, publish=replace(self.publish, mode=SOFTWARE), number=None)
 
 
 @dataclass(frozen=True)
 class PublishReport:
-    """What one publish has done so far; `lost` were overwritten before they were taken, or not polled."""
+    """What one publish has done so far; `lost` were overwritten before they were taken, not polled, or held
+    a number that their type does not have. `rate_hz` is 0 where an event triggers."""
 
     url: str
     hardware: bool
@@ -57,7 +84,8 @@ class PublishReport:
     lost: int
 
 
-Taker = Callable[[float, Sequence["ReadValue"], Sequence[int]], None]
+# time_s, the values, what they are in engineering units, their raw numbers
+Taker = Callable[[float, Sequence["ReadValue[Any]"], Sequence[Any], Sequence[int]], None]
 
 
 class Source(Protocol):
@@ -66,6 +94,17 @@ class Source(Protocol):
     @property
     def lost(self) -> int: ...
     def close(self) -> None: ...
+
+
+def join(values: Sequence[Value[Any]], words: Sequence[int]) -> list[int]:
+    """Return the raw numbers of values from their words, one value after the other."""
+    if len(words) == len(values):
+        return list(words)
+    raws, start = [], 0
+    for value in values:
+        raws.append(value.codec.join(words[start : start + value.codec.words]))
+        start += value.codec.words
+    return raws
 
 
 class Publication:
@@ -80,14 +119,32 @@ class Publication:
         self.received = 0
         self.source: Source | None = None
         self._takers = takers
-        self._signs = [value.sign for value in plan.values]
+        codecs = [value.codec for value in plan.values]
+        self._simple = all(codec.integer_sign is not None and codec.words == 1 for codec in codecs)
+        self._signs = [(codec.mask, codec.sign) for codec in codecs]
+        self._unexpected = 0
 
     def deliver(self, time_s: float, words: Sequence[int]) -> None:
         """Take one publish: raw words in the order of the plan's values."""
         values = self.plan.values
-        numbers = [(word ^ sign) - sign for word, sign in zip(words, self._signs, strict=True)]
-        for value, number in zip(values, numbers, strict=True):
-            value.latest = number
+        raws: Sequence[int]
+        numbers: list[Any]
+        if self._simple:
+            raws = words
+            numbers = [((w & m) ^ sign) - sign for w, (m, sign) in zip(words, self._signs, strict=True)]
+            for value, raw, number in zip(values, raws, numbers, strict=True):
+                value.raw, value.latest = raw, number
+        else:
+            raws = join(values, words)
+            try:
+                numbers = [value.codec.decode(raw) for value, raw in zip(values, raws, strict=True)]
+            except UnexpectedValue as error:
+                self._unexpected += 1
+                if self._unexpected == 1:
+                    logger.error("a publish was dropped, and so will be all like it: %s", error)
+                return
+            for value, raw, number in zip(values, raws, numbers, strict=True):
+                value.raw, value.latest = raw, number
         self.received += 1
         groups: dict[ValueGroup, None] = {}  # a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
@@ -96,7 +153,7 @@ class Publication:
         for group in groups:
             group.take(time_s, values, numbers)
         for take in self._takers():
-            take(time_s, values, numbers)
+            take(time_s, values, numbers, raws)
 
     def close(self) -> None:
         if self.source is not None:
@@ -110,5 +167,5 @@ class Publication:
             rate_hz=plan.rate_hz,
             paths=tuple(value.path for value in plan.values),
             received=self.received,
-            lost=self.source.lost if self.source is not None else 0,
+            lost=(self.source.lost if self.source is not None else 0) + self._unexpected,
         )

@@ -6,9 +6,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import DeviceMismatch, ValueRangeError
+from unitylink.spec.model import Publish
 
 from .polling import Poller
 from .publication import HARDWARE, SOFTWARE, Publication, PublishPlan, PublishReport, Taker, base_hz
@@ -16,57 +17,103 @@ from .publication import HARDWARE, SOFTWARE, Publication, PublishPlan, PublishRe
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-    from .value import ReadValue
+    from .read_value import ReadValue
 
 
-def plan(items: Iterable[tuple[ReadValue, int, int]], *, fallback: bool = False) -> list[PublishPlan]:
-    """Allocate publishes: (value, mode, divisor) with the same link, mode and divisor share one, a snapshot.
+def plan(items: Iterable[tuple[ReadValue[Any], Publish]], *, fallback: bool = False) -> list[PublishPlan]:
+    """Allocate publishes: what has the same link, mode, trigger, rate and group name shares one, a snapshot.
 
     A gateware group that is full is continued in the next; where there are more than the gateware has, raise
-    DeviceMismatch with the counts, or with `fallback` let the PC poll the rest.
+    DeviceMismatch with the counts, or with `fallback` let the PC poll the rest. What an event triggers comes
+    first, for it needs the group of that event line.
     """
-    shared: dict[tuple[Link, int, int], list[ReadValue]] = {}
-    for value, mode, divisor in items:
-        shared.setdefault((value.hardware.link, mode, divisor), []).append(value)
+    shared: dict[tuple[Link, int, str, int, str, str], list[ReadValue[Any]]] = {}
+    for value, publish in items:
+        key = (publish.mode, publish.trigger, publish.divisor, publish.event, publish.group)
+        shared.setdefault((value.hardware.link, *key), []).append(value)
     plans: list[PublishPlan] = []
-    used: dict[Link, int] = {}
-    wanted: dict[Link, list[str]] = {}
-    for (link, mode, divisor), values in shared.items():
+    allocations: dict[Link, _Allocation] = {}
+    # False is before True: events first
+    for (link, mode, trigger, divisor, event, group), values in sorted(
+        shared.items(), key=lambda item: item[0][2] == "rate"
+    ):
+        publish = Publish(mode, divisor, None, trigger, event, group)
         if mode == SOFTWARE:
-            plans.append(PublishPlan(link, SOFTWARE, divisor, tuple(values)))
+            plans.append(PublishPlan(link, publish, tuple(values)))
             continue
+        allocation = allocations.setdefault(link, _Allocation(link))
+        plans += allocation.plans(publish, values, fallback)
+    for allocation in allocations.values():
+        allocation.check(fallback)
+    return plans
+
+
+class _Allocation:
+    """The groups of one gateware as they are given away."""
+
+    def __init__(self, link: Link) -> None:
         configuration = link.configuration
-        slowest = (1 << 8 * configuration.rate_bytes) - 1
-        if divisor > slowest and configuration.publish_mode:
+        self.link = link
+        self.used = 0
+        self.groups = configuration.groups if configuration.publish_mode else 0
+        self.size = max(1, configuration.usable_group_size)
+        self.slowest = (1 << 8 * configuration.rate_bytes) - 1 if configuration.publish_mode else None
+        self.wanted: list[str] = []
+
+    def plans(self, publish: Publish, values: list[ReadValue[Any]], fallback: bool) -> list[PublishPlan]:
+        link = self.link
+        if self.slowest is not None and publish.divisor > self.slowest:
             if not fallback:
                 raise DeviceMismatch(
-                    f"{values[0].path}: {link.url} cannot publish at the base rate / {divisor}; its rates "
-                    f"have {configuration.rate_bytes} byte(s), / {slowest} at most. Publish faster, poll it "
-                    "with PUBLISH(2, ..), or start_publishing(fallback=True)"
+                    f"{values[0].path}: {link.url} cannot publish at the base rate / {publish.divisor}; its "
+                    f"rates have {link.configuration.rate_bytes} byte(s), / {self.slowest} at most. Publish "
+                    "faster, poll it with PUBLISH(2, ..), or start_publishing(fallback=True)"
                 )
-            plans.append(PublishPlan(link, SOFTWARE, divisor, tuple(values)))
-            continue
-        groups = configuration.groups if configuration.publish_mode else 0
-        size = max(1, configuration.usable_group_size)
-        parts = [tuple(values[i : i + size]) for i in range(0, len(values), size)]
-        wanted.setdefault(link, []).append(
-            f"{len(values)} values at {base_hz(link) / divisor:g} Hz need {len(parts)}"
-        )
+            return [PublishPlan(link, publish, tuple(values)).polled()]
+        parts = self._parts(values)
+        clocked = publish.trigger == "rate"
+        how = f"at {base_hz(link) / publish.divisor:g} Hz" if clocked else f"on {publish.event or 'change'}"
+        self.wanted.append(f"{len(values)} values {how} need {len(parts)}")
+        made = []
         for part in parts:
-            used[link] = used.get(link, 0) + 1
-            where = HARDWARE if used[link] <= groups else SOFTWARE
-            plans.append(PublishPlan(link, where, divisor, part))
-    for link, count in used.items():
-        configuration = link.configuration
-        groups = configuration.groups if configuration.publish_mode else 0
-        if count > groups and not fallback:
+            item = PublishPlan(link, publish, part, None if clocked else part[0].line)
+            self.used += 1
+            if self.used > self.groups and clocked:
+                item = item.polled()
+            made.append(item)
+        if not clocked and (len(parts) > 1 or self.used > self.groups):
             raise DeviceMismatch(
-                f"{link.url} has {groups} publish groups of {configuration.usable_group_size} values, "
-                f"{count} are needed ({'; '.join(wanted[link])}). "
+                f"{values[0].path}: {len(values)} values {how} do not fit a group of {link.url}, which has "
+                f"{self.groups} of {self.size} words; and what an event triggers cannot be polled"
+            )
+        return made
+
+    def _parts(self, values: list[ReadValue[Any]]) -> list[tuple[ReadValue[Any], ...]]:
+        """Fill groups in order; a value of several words is never torn."""
+        parts: list[list[ReadValue[Any]]] = []
+        room = 0
+        for value in values:
+            words = value.codec.words
+            if words > self.size:
+                raise DeviceMismatch(
+                    f"{value.path} takes {words} words, a group of {self.link.url} has {self.size}; "
+                    "poll it with PUBLISH(2, ..)"
+                )
+            if words > room:
+                parts.append([])
+                room = self.size
+            parts[-1].append(value)
+            room -= words
+        return [tuple(part) for part in parts]
+
+    def check(self, fallback: bool) -> None:
+        if self.used > self.groups and not fallback:
+            raise DeviceMismatch(
+                f"{self.link.url} has {self.groups} publish groups of {self.size} values, "
+                f"{self.used} are needed ({'; '.join(self.wanted)}). "
                 "Publish fewer rates, poll some with PUBLISH(2, ..), or "
                 "start_publishing(fallback=True)"
             )
-    return plans
 
 
 class Publisher:
@@ -79,7 +126,7 @@ class Publisher:
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
-        self._items: dict[ReadValue, tuple[int, int]] = {}  # value -> (mode, divisor)
+        self._items: dict[ReadValue[Any], Publish] = {}
         self._running: list[Publication] = []
         self._takers: tuple[Taker, ...] = ()
         self._fallback = False
@@ -88,12 +135,12 @@ class Publisher:
     def active(self) -> bool:
         return bool(self._running)
 
-    def add(self, value: ReadValue) -> None:
+    def add(self, value: ReadValue[Any]) -> None:
         """Plan a value as its spec says; it is published from the next start on."""
         if value.publish is not None:
             self._items[value] = value.publish
 
-    def require(self, value: ReadValue, rate_hz: float | None = None) -> None:
+    def require(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
         """Make sure that a value is published, polled at `rate_hz` where the spec has no PUBLISH for it."""
         self.demand(value, rate_hz)
         with self._lock:
@@ -103,7 +150,7 @@ class Publisher:
             self.stop()
             self.start(fallback=fallback)
 
-    def demand(self, value: ReadValue, rate_hz: float | None = None) -> None:
+    def demand(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
         """Plan a value as `require` does, without starting yet; ValueRangeError where it has no rate."""
         if value.publish is not None:
             if rate_hz is not None:
@@ -115,7 +162,7 @@ class Publisher:
                     f"{value.path}: rate_hz {rate_hz} is not above 0 and at most {base} Hz (the base rate)"
                 )
             with self._lock:
-                self._items[value] = (SOFTWARE, round(base / rate_hz))
+                self._items[value] = Publish(SOFTWARE, round(base / rate_hz))
         elif value not in self._items:
             raise ValueRangeError(
                 f"{value.path} has no PUBLISH in the spec; add one, or give rate_hz to have it polled"
@@ -129,7 +176,7 @@ class Publisher:
                 if self._running:
                     return
                 self._fallback = fallback
-                items = [(value, mode, divisor) for value, (mode, divisor) in self._items.items()]
+                items = list(self._items.items())
                 try:
                     for item in plan(items, fallback=fallback):
                         self._running.append(self._launch(item))
@@ -144,13 +191,18 @@ class Publisher:
     def _launch(self, item: PublishPlan) -> Publication:
         if item.mode == HARDWARE:
             publication = Publication(item, self._current_takers)
-            verify = all(value.hardware.repeatable_reads for value in item.values)
             try:
-                subscription = item.link.subscribe(item.addresses, divisor=item.divisor, verify=verify)
+                subscription = item.link.subscribe(
+                    item.addresses,
+                    divisor=item.divisor,
+                    on_event=not item.divisor,
+                    verify=item.repeatable,
+                    group=item.number,
+                )
             except DeviceMismatch:  # another user of the link holds the groups
-                if not self._fallback:
+                if not self._fallback or not item.divisor:
                     raise
-                item = PublishPlan(item.link, SOFTWARE, item.divisor, item.values)
+                item = item.polled()
             else:
                 publication.source = subscription
                 subscription.on_publish(publication.deliver)
@@ -181,7 +233,7 @@ class Publisher:
             return [publication.report() for publication in self._running]
 
     def take_with(self, taker: Taker) -> None:
-        """Hand every publish to `taker(time_s, values, numbers)` from now on."""
+        """Hand every publish to `taker(time_s, values, numbers, raws)` from now on."""
         with self._lock:
             self._takers += (taker,)
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from .publishing import Publisher
-    from .value import ReadValue
+    from .read_value import ReadValue
 
 
 class Recording:
@@ -21,15 +21,17 @@ class Recording:
 
     >>> with robot.publishing(), robot.record() as recording:     # doctest: +SKIP
     ...     run()
-    >>> times_s, counts = recording.series("j1.cpos")             # doctest: +SKIP
+    >>> times_s, angles = recording.series("j1.cpos")             # doctest: +SKIP
     """
 
     def __init__(self, publisher: Publisher) -> None:
         self._publisher = publisher
-        self._parts: dict[tuple[ReadValue, ...], list[tuple[float, Sequence[int]]]] = {}
+        self._parts: dict[tuple[ReadValue[Any], ...], list[tuple[float, Sequence[int]]]] = {}
 
-    def _take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
-        self._parts.setdefault(tuple(values), []).append((time_s, numbers))
+    def _take(
+        self, time_s: float, values: Sequence[ReadValue[Any]], _: Sequence[Any], raws: Sequence[int]
+    ) -> None:
+        self._parts.setdefault(tuple(values), []).append((time_s, raws))
 
     def __enter__(self) -> Self:
         self._publisher.take_with(self._take)
@@ -38,14 +40,18 @@ class Recording:
     def __exit__(self, *_: object) -> None:
         self._publisher.take_no_more(self._take)
 
-    def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Return (times in s, values) of one path, both of shape (n,); KeyError where nothing came."""
+    def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
+        """Return (times in s, values) of one path, both of shape (n,); KeyError where nothing came.
+
+        Values are float64, int64, uint64 or bool as the type asks; of enumerations and packed values the
+        numbers.
+        """
         for values, samples in self._parts.items():
             for column, value in enumerate(values):
                 if value.path == path:
                     rows = list(samples)  # the publishing may still be going on
                     return (
                         np.array([time_s for time_s, _ in rows], np.float64),
-                        np.array([numbers[column] for _, numbers in rows], np.int64),
+                        value.codec.decode_array(np.array([raws[column] for _, raws in rows], np.uint64)),
                     )
         raise KeyError(f"nothing was published for {path!r}")

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 
-class Snapshot(Mapping[str, int]):
-    """A read-only mapping from path to value, with the time of the sample.
+class Snapshot(Mapping[str, Any]):
+    """A read-only mapping from path to value in engineering units, with the time of the sample.
 
     `time_s` is monotonic host time of the newest part; `times_s` has one time per link (by URL), for a group
     across several links is consistent within each.
@@ -19,7 +20,7 @@ class Snapshot(Mapping[str, int]):
 
     __slots__ = ("_values", "times_s")
 
-    def __init__(self, values: Mapping[str, int], times_s: Mapping[str, float]) -> None:
+    def __init__(self, values: Mapping[str, Any], times_s: Mapping[str, float]) -> None:
         self._values = dict(values)
         self.times_s = dict(times_s)
 
@@ -27,7 +28,7 @@ class Snapshot(Mapping[str, int]):
     def time_s(self) -> float:
         return max(self.times_s.values())
 
-    def __getitem__(self, path: str) -> int:
+    def __getitem__(self, path: str) -> Any:
         return self._values[path]
 
     def __iter__(self) -> Iterator[str]:

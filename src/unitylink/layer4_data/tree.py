@@ -4,14 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import BindingError
-from unitylink.spec.model import Element, Instance, Spec
+from unitylink.spec.model import Element, Group, Instance, Spec
+from unitylink.values import Quantity
 
 from .binding import Tree
 from .names import python_names
 from .node import Node
+from .read_value import ReadClearValue, ReadValue
+from .value import Value
+from .write_value import ClearValue, PulseValue, ReadWriteValue, WriteValue
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -27,8 +31,8 @@ def load_spec_objects(
     """Build the objects of a spec's public constructor: `node.j1.cpos.read()`.
 
     With several public constructors `root` chooses one; without it each becomes a part of the returned node,
-    and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM parameters by name where
-    they are not `link`.
+    and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM parameters, and the links
+    which the spec declares, by name where they are not `link`.
 
     >>> robot = load_spec_objects(unitylink.spec.load("scara.ul"), link)   # doctest: +SKIP
     >>> robot["j1.cpos"].read()                                            # doctest: +SKIP
@@ -39,6 +43,7 @@ def load_spec_objects(
     except KeyError as error:
         raise BindingError(f"{spec.source}: {error.args[0]}") from None
     known = {parameter for item in roots for parameter in item.parameters}
+    known |= {element.link.link for item in roots for element in item.walk()} - {""}
     for name in links or {}:
         if name not in known:
             raise BindingError(
@@ -53,13 +58,13 @@ def load_spec_objects(
     tree = Tree(link, links, addresses=addresses, names=names)
     if not several:
         node = Node(tree, roots[0].name)
-        _fill(node, roots[0], None)
+        _Builder(spec, roots[0]).fill(node, roots[0], None)
         return node
     top = Node(tree, spec.name)
     attributes = python_names([item.name for item in roots])
     for item in roots:
         child = Node(top, item.name)
-        _fill(child, item, None)
+        _Builder(spec, item).fill(child, item, None)
         setattr(top, attributes[item.name], child)
     return top
 
@@ -74,35 +79,78 @@ def _tables(instance: Instance, prefix: str, addresses: dict[str, int], names: d
             _tables(member, prefix, addresses, names)
 
 
-def _fill(node: Node, instance: Instance, above: Instance | None) -> None:
-    """Give a node the members of an instance: parts and values first, then the groups that refer to them."""
-    link = instance.link
-    if above is None or link != above.link:
-        node._bind(link.kind, base=link.base, ctrl=link.ctrl, comm=link.comm)
-    attributes = python_names([member.name for member in instance.members])
-    for member in instance.members:
-        attribute = attributes[member.name]
-        if isinstance(member, Instance):
-            child = Node(node, member.name)
-            _fill(child, member, instance)
-            setattr(node, attribute, child)
-        elif isinstance(member, Element):
-            if member.access == "READ":
-                publish = (member.publish.mode, member.publish.divisor) if member.publish else None
-                value = node._read(
-                    member.name,
-                    signed=member.signed,
-                    checked=member.checked,
-                    publish=publish,
-                    unit=member.unit,
-                )
-                setattr(node, attribute, value)
+class _Builder:
+    """Fills the nodes of one public constructor."""
+
+    def __init__(self, spec: Spec, root: Instance) -> None:
+        self.lines = event_lines(spec, root)
+
+    def fill(self, node: Node, instance: Instance, above: Instance | None) -> None:
+        """Give a node the members of an instance: parts and values first, then the groups that refer to
+        them. Members of an array are a tuple under the array's name."""
+        link = instance.link
+        if above is None or link != above.link:
+            node._bind(
+                link.kind, base=link.base, ctrl=link.ctrl, comm=link.comm, size=link.size, link=link.link
+            )
+        attributes = python_names(dict.fromkeys(attribute_of(member) for member in instance.members))
+        arrays: dict[str, list[object]] = {}
+        for member in instance.members:
+            if isinstance(member, Group):
+                continue
+            made: object
+            if isinstance(member, Instance):
+                made = child = Node(node, member.name)
+                self.fill(child, member, instance)
             else:
-                written = node._write(
-                    member.name, signed=member.signed, checked=member.checked, unit=member.unit
-                )
-                setattr(node, attribute, written)
-    start = len(instance.path) + 1 if instance.path else 0
-    for group in instance.groups:
-        paths = [element.path[start:] for element in group.elements]
-        setattr(node, attributes[group.name], node._group(group.name, *paths))
+                made = self._value(node, member)
+            if member.array:
+                arrays.setdefault(member.array, []).append(made)
+            else:
+                setattr(node, attributes[member.name], made)
+        for name, parts in arrays.items():
+            setattr(node, attributes[name], tuple(parts))
+        start = len(instance.path) + 1 if instance.path else 0
+        for group in instance.groups:
+            paths = [element.path[start:] for element in group.elements]
+            setattr(node, attributes[group.name], node._group(group.name, *paths))
+
+    def _value(self, node: Node, element: Element) -> Value[Any]:
+        return node._value(
+            KINDS_OF_ACCESS[element.access],
+            element.name,
+            {
+                "quantity": Quantity.of(element),
+                "words": None if element.type.bus else element.words,
+                "checked": element.checked,
+                "publish": element.publish,
+                "line": self.lines.get(element.path),
+            },
+        )
+
+
+KINDS_OF_ACCESS: dict[str, type[Value[Any]]] = {
+    "READ": ReadValue,
+    "WRITE": WriteValue,
+    "READWRITE": ReadWriteValue,
+    "READCLEAR": ReadClearValue,
+    "W1C": ClearValue,
+    "PULSE": PulseValue,
+}
+
+
+def attribute_of(member: Instance | Element | Group) -> str:
+    """Return the name under which a node has a member: for one of an array that of the array."""
+    return member.name if isinstance(member, Group) else member.array or member.name
+
+
+def event_lines(spec: Spec, root: Instance) -> dict[str, int]:
+    """Return the event line of each value that an event publishes, by path."""
+    return {
+        element.path: group.number
+        for device in spec.devices
+        if device.root == root.name
+        for group in device.groups
+        if group.trigger != "rate"
+        for element in group.elements
+    }

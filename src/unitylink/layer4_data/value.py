@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One typed word of the gateware, by name."""
+"""One typed value of the gateware, by name: what reading and writing have in common."""
 
 from __future__ import annotations
 
-import operator
-from collections.abc import AsyncIterator, Callable
-from typing import TYPE_CHECKING, SupportsIndex
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from unitylink.errors import BindingError, LinkError, ValueRangeError
+from unitylink.errors import BindingError
+from unitylink.spec.model import Publish
+from unitylink.spec.types import INT32
+from unitylink.values import Codec, Quantity
 
 from .listeners import Listeners
 from .publishing import Publisher
@@ -17,14 +20,22 @@ if TYPE_CHECKING:
 
     from .group import ValueGroup
 
+T = TypeVar("T")
 
-class Value:
-    """A word at a final bus address, reached through a hardware proxy; signed ones are two's complement.
 
-    `latest` is the value last read, published or written, None before.
+class Value(Generic[T]):
+    """A value at a final bus address, reached through a hardware proxy.
+
+    `quantity` says what the value is to its user; without one it is an integer as wide as the bus, two's
+    complement if `signed`. A value wider than the bus takes `words` consecutive words, the low one first.
+    `latest` is the value last read, published or written, `raw` its number on the wire; None before.
+
+    Raises BindingError where the board is not the one the spec is for.
     """
 
     access = ""
+    pollable = False  # may be read without anybody having asked for it
+    writable = False  # keeps what is written
 
     def __init__(
         self,
@@ -32,190 +43,83 @@ class Value:
         hardware: HardwareProxy,
         address: int,
         *,
+        quantity: Quantity | None = None,
         signed: bool = False,
+        words: int | None = None,
         checked: bool = False,
         display: str = "",
-        unit: str = "",
-        publish: tuple[int, int] | None = None,
+        publish: Publish | tuple[int, int] | None = None,
+        line: int | None = None,
         publisher: Publisher | None = None,
+        classes: Mapping[str, type[Any]] | None = None,
     ) -> None:
         configuration = hardware.link.configuration
-        if address >> 8 * configuration.address_bytes:
+        if quantity is None:
+            quantity = Quantity(INT32) if signed else Quantity()
+        self.codec = Codec(path, quantity, configuration.data_bits, classes)
+        if words is not None and words != self.codec.words:
+            raise BindingError(
+                f"{path} takes {words} word(s) in the spec and {self.codec.words} on {hardware.link.url}, "
+                f"whose words have {configuration.data_bits} bits: this is not the board the spec is for"
+            )
+        if (address + self.codec.words - 1) >> 8 * configuration.address_bytes:
             raise BindingError(
                 f"{path} lies at {address:#06x}, beyond the {configuration.address_bytes} address byte(s) of "
                 f"{hardware.link.url}: this is not the board the spec is for"
             )
-        bits = configuration.data_bits
         self.path = path
         self.hardware = hardware
         self.address = address
-        self.signed = signed
+        self.addresses = tuple(range(address, address + self.codec.words))
+        self.quantity = quantity
         self.checked = True if checked else None  # None: as the link does
         self.display = display or path
-        self.unit = unit
-        self.publish = publish  # (mode, divisor) as in the spec
+        given = Publish(*publish) if isinstance(publish, tuple) else publish
+        # The rate follows from the base rate of the device, which need not be the spec's.
+        self.publish = replace(given, rate_hz=None) if given is not None else None
+        self.line = line  # the gateware's group whose event line triggers the publish
         self.publisher = publisher if publisher is not None else Publisher()
-        self.sign = 1 << bits - 1 if signed else 0  # (word ^ sign) - sign is the value
-        self.mask = (1 << bits) - 1
-        self.minimum = -self.sign
-        self.maximum = self.mask ^ self.sign
-        self.latest: int | None = None
-        self.listeners: Listeners[int] = Listeners(path)
+        self.latest: T | None = None
+        self.raw: int | None = None
+        self.listeners: Listeners[T] = Listeners(path)
+        self.groups: tuple[ValueGroup, ...] = ()  # those that have listeners
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Do what a kind of access needs at first; kinds that are two at once do both."""
+
+    @property
+    def unit(self) -> str:
+        return self.quantity.unit
+
+    @property
+    def signed(self) -> bool:
+        return self.quantity.type.signed
+
+    @property
+    def minimum(self) -> Any:
+        """The smallest value that can be written, in `unit`: the spec's limit, else the type's."""
+        return self.codec.minimum
+
+    @property
+    def maximum(self) -> Any:
+        """The largest value that can be written, in `unit`."""
+        return self.codec.maximum
 
     @property
     def relative_address(self) -> int:
         return self.address - self.hardware.base
 
+    @property
+    def relative_addresses(self) -> list[int]:
+        return [address - self.hardware.base for address in self.addresses]
+
+    def take(self, raw: int) -> T:
+        """Make a raw number that was read or published the latest value, and return it."""
+        value: T = self.codec.decode(raw)
+        self.raw, self.latest = raw, value
+        return value
+
     def __repr__(self) -> str:
-        return f"<{self.access} {self.path} at {self.address:#06x}: {self.latest}>"
-
-
-class ReadValue(Value):
-    """A word the PC reads.
-
-    >>> robot.j1.cpos.read()                      # doctest: +SKIP
-    -1204
-    >>> robot.j1.cpos.on_change(print)   # at each publish that brings a new value  # doctest: +SKIP
-    """
-
-    access = "READ"
-
-    def __init__(
-        self,
-        path: str,
-        hardware: HardwareProxy,
-        address: int,
-        *,
-        signed: bool = False,
-        checked: bool = False,
-        display: str = "",
-        unit: str = "",
-        publish: tuple[int, int] | None = None,
-        publisher: Publisher | None = None,
-    ) -> None:
-        super().__init__(
-            path,
-            hardware,
-            address,
-            signed=signed,
-            checked=checked,
-            display=display,
-            unit=unit,
-            publish=publish,
-            publisher=publisher,
-        )
-        self.groups: tuple[ValueGroup, ...] = ()  # those that have listeners
-        self._read = hardware.reader(self.relative_address, checked=self.checked)
-        if publish is not None:
-            self.publisher.add(self)
-
-    def read(self, timeout_s: float | None = None) -> int:
-        """Read the value; raise LinkError naming it where that fails."""
-        try:
-            word = self._read() if timeout_s is None else self._read(timeout_s=timeout_s)
-        except LinkError as error:
-            raise error.with_item(self.path)  # noqa: B904  the same error, now with its name
-        self.latest = value = (word ^ self.sign) - self.sign
-        return value
-
-    async def read_async(self, timeout_s: float | None = None) -> int:
-        """Read the value."""
-        try:
-            word = await self.hardware.read_async(
-                self.relative_address, checked=self.checked, timeout_s=timeout_s
-            )
-        except LinkError as error:
-            raise error.with_item(self.path)  # noqa: B904
-        self.latest = value = (word ^ self.sign) - self.sign
-        return value
-
-    def on_publish(
-        self, callback: Callable[[float, int], object], *, rate_hz: float | None = None
-    ) -> Callable[[], None]:
-        """Call `callback(time_s, value)` at each publish, and start publishing; return what takes it back.
-
-        A value without PUBLISH in the spec needs `rate_hz`: the PC then polls it. `time_s` is monotonic host
-        time. The callback runs in the link's callback thread; what it raises is logged and does not stop the
-        others.
-        """
-        self.publisher.require(self, rate_hz)
-        return self.listeners.on_publish(callback)
-
-    def on_change(
-        self, callback: Callable[[int], object], *, rate_hz: float | None = None
-    ) -> Callable[[], None]:
-        """Call `callback(value)` when a publish brings another value than before; else as `on_publish`."""
-        self.publisher.require(self, rate_hz)
-        return self.listeners.on_change(callback)
-
-    def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, int]]:
-        """Iterate over publishes: `async for time_s, value in robot.j1.cpos.publishes():`.
-
-        Starts publishing as `on_publish` does; ends when publishing is stopped or the link is closed.
-        """
-        self.publisher.require(self, rate_hz)
-        return self.listeners.stream(self.is_published)
-
-    def is_published(self) -> bool:
-        """Say whether publishes can come: publishing was started, and the link is open."""
-        return self.publisher.active and not self.hardware.link.closed
-
-
-class WriteValue(Value):
-    """A word the PC writes.
-
-    >>> robot.j1.pos_sp.write(-500)               # doctest: +SKIP
-    >>> robot.j1.spd_sp.write(-1)                 # doctest: +SKIP
-    Traceback (most recent call last):
-    unitylink.errors.ValueRangeError: j1.spd_sp: -1 is not in 0 to 4294967295; nothing was sent
-    """
-
-    access = "WRITE"
-
-    def __init__(
-        self,
-        path: str,
-        hardware: HardwareProxy,
-        address: int,
-        *,
-        signed: bool = False,
-        checked: bool = False,
-        display: str = "",
-        unit: str = "",
-    ) -> None:
-        super().__init__(path, hardware, address, signed=signed, checked=checked, display=display, unit=unit)
-        hardware.declare_outputs([self.relative_address])
-
-    def word(self, value: SupportsIndex) -> int:
-        """Return the raw word for `value`; raise ValueRangeError naming the item and its range."""
-        try:
-            number = operator.index(value)
-        except TypeError:
-            raise ValueRangeError(
-                f"{self.path}: {value!r} is not an integer; round it first. Nothing was sent"
-            ) from None
-        if not self.minimum <= number <= self.maximum:
-            raise ValueRangeError(
-                f"{self.path}: {number} is not in {self.minimum} to {self.maximum}; nothing was sent"
-            )
-        return number & self.mask
-
-    def write(self, value: SupportsIndex, timeout_s: float | None = None) -> None:
-        """Write the value (on TosNet: with a commit); raise ValueRangeError before anything is sent."""
-        word = self.word(value)
-        try:
-            self.hardware.write(self.relative_address, word, checked=self.checked, timeout_s=timeout_s)
-        except LinkError as error:
-            raise error.with_item(self.path)  # noqa: B904
-        self.latest = operator.index(value)
-
-    async def write_async(self, value: SupportsIndex, timeout_s: float | None = None) -> None:
-        """Write the value."""
-        word = self.word(value)
-        try:
-            await self.hardware.write_async(
-                self.relative_address, word, checked=self.checked, timeout_s=timeout_s
-            )
-        except LinkError as error:
-            raise error.with_item(self.path)  # noqa: B904
-        self.latest = operator.index(value)
+        shown = None if self.latest is None else self.quantity.text(self.latest)
+        return f"<{self.access} {self.path} at {self.address:#06x}: {shown}>"

@@ -54,6 +54,7 @@ class ValueType:
     name: str = ""  # of an enumeration or of packed bits
     documentation: str = ""
     annotations: tuple[Annotation, ...] = ()
+    bus: bool = False  # as wide as the data bus of the device, whatever `width` the link has declared
 
     @property
     def signed(self) -> bool:
@@ -70,6 +71,8 @@ class ValueType:
         """The type as a spec writes it."""
         if self.name:
             return self.name
+        if self.bus:
+            return "signed" if self.signed else "unsigned"
         if self.kind in ("fixed", "ufixed"):
             return f"{self.kind}({self.width - self.fraction},{self.fraction})"
         letter = {"uint": "u", "int": "i", "float": "f"}.get(self.kind)
@@ -92,5 +95,5 @@ class Field:
     maximum: Number | None = None
 
 
-UINT32 = ValueType("uint", 32)
-INT32 = ValueType("int", 32)
+UINT32 = ValueType("uint", 32, bus=True)
+INT32 = ValueType("int", 32, bus=True)

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from unitylink.protocol import ADDRESS_BITS_MAX
+from unitylink.values import format_value
 
 from .failure import Failure
 from .link_option import is_link, load_names, spec_option
@@ -53,7 +54,11 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
         print_json({**spec, "items": entries, "groups": groups})
         return
     columns = list(
-        zip(("name", "address", "access", "type", "publish", "unit", "id"), *map(_row, entries), strict=True)
+        zip(
+            ("name", "address", "access", "type", "publish", "unit", "limits", "id"),
+            *map(_row, entries),
+            strict=True,
+        )
     )
     used = [column for column in columns if any(column[1:])]
     headers, *rows = zip(*used, strict=True)
@@ -72,15 +77,22 @@ def entry(item: Item, base_hz: int, address_bits: int) -> dict[str, Any]:
         "name": item.name,
         "address": element.address,
         "access": element.access,
-        "type": "signed" if element.signed else "unsigned",
+        "type": element.type.text,
         "publish": None
         if publish is None
         else {
             "by": _BY.get(publish.mode, f"mode {publish.mode}"),
             "divisor": publish.divisor,
-            "rate_hz": base_hz / publish.divisor,
+            "rate_hz": base_hz / publish.divisor if publish.divisor else None,
+            "on": None if publish.trigger == "rate" else publish.event or publish.trigger,
+            "group": publish.group,
         },
         "unit": element.unit,
+        "words": element.words,
+        "minimum": element.minimum,
+        "maximum": element.maximum,
+        "initial": element.initial,
+        "safe": element.safe,
         "id": element.display,
         "checked": element.checked,
         "link": element.link.kind,
@@ -90,11 +102,18 @@ def entry(item: Item, base_hz: int, address_bits: int) -> dict[str, Any]:
 
 
 def _row(e: dict[str, Any]) -> tuple[str, ...]:
-    publish = f"{e['publish']['rate_hz']:g} Hz, {e['publish']['by']}" if e["publish"] else ""
+    publish = _published(e["publish"]) if e["publish"] else ""
     if not e["reachable"]:
         publish = "beyond the address bus of the device"
     shown_id = e["id"] if e["id"] != e["name"] else ""
-    return e["name"], f"0x{e['address']:04X}", e["access"], e["type"], publish, e["unit"], shown_id
+    low, high = (format_value(e[end]) if e[end] is not None else "" for end in ("minimum", "maximum"))
+    limits = f"{low} to {high}" if low and high else f">= {low}" if low else f"<= {high}" if high else ""
+    return e["name"], f"0x{e['address']:04X}", e["access"], e["type"], publish, e["unit"], limits, shown_id
+
+
+def _published(publish: dict[str, Any]) -> str:
+    when = f"on {publish['on']}" if publish["on"] else f"{publish['rate_hz']:g} Hz"
+    return f"{when}, {publish['by']}" + (f", {publish['group']}" if publish["group"] else "")
 
 
 def _ask(link: str) -> tuple[int, int]:

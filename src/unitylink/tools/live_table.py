@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console
@@ -16,6 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from .names import Item
+from .typed import shown
 
 if TYPE_CHECKING:
     from unitylink.layer4_data import Publisher
@@ -28,19 +30,26 @@ _BARS = "▁▂▃▄▅▆▇█"
 
 
 class Track:
-    """What is shown of one item: its last values, extremes, and rate."""
+    """What is shown of one item: its last value and numbers, extremes, and rate.
+
+    Of a packed value, and of what is not a finite number, only the last one is kept.
+    """
 
     def __init__(self) -> None:
-        self.values: deque[int] = deque(maxlen=_TREND)
+        self.latest: Any = None
+        self.values: deque[float] = deque(maxlen=_TREND)
         self.times_s: deque[float] = deque(maxlen=200)
-        self.minimum = self.maximum = 0
+        self.minimum = self.maximum = 0.0
 
-    def take(self, time_s: float, number: int) -> None:
-        if not self.values:
-            self.minimum = self.maximum = number
-        self.minimum, self.maximum = min(self.minimum, number), max(self.maximum, number)
-        self.values.append(number)
+    def take(self, time_s: float, value: Any) -> None:
+        self.latest = value
         self.times_s.append(time_s)
+        if not isinstance(value, (int, float)) or not math.isfinite(value):
+            return
+        if not self.values:
+            self.minimum = self.maximum = value
+        self.minimum, self.maximum = min(self.minimum, value), max(self.maximum, value)
+        self.values.append(value)
 
     @property
     def rate_hz(self) -> float:
@@ -49,7 +58,7 @@ class Track:
         return (len(self.times_s) - 1) / span_s if span_s > 0 else 0.0
 
 
-def trend(values: Sequence[int]) -> str:
+def trend(values: Sequence[float]) -> str:
     """Draw values as bars between their smallest and largest.
 
     >>> trend([0, 5, 10])
@@ -58,7 +67,7 @@ def trend(values: Sequence[int]) -> str:
     if not values:
         return ""
     low, span = min(values), max(values) - min(values) or 1
-    return "".join(_BARS[(value - low) * (len(_BARS) - 1) // span] for value in values)
+    return "".join(_BARS[int((value - low) * (len(_BARS) - 1) / span)] for value in values)
 
 
 class _LastMessage(logging.Handler):
@@ -133,12 +142,13 @@ def draw(
     origin = {path: "gateware" if r.hardware else "polled" for r in publisher.reports() for path in r.paths}
     for item in items:
         track = tracks[item.name]
-        known = bool(track.values)
+        known = bool(track.times_s)
+        ends = [shown(end, item.quantity) if track.values else "" for end in (track.minimum, track.maximum)]
         table.add_row(
             Text(item.name),
-            str(track.values[-1]) if known else "-",
+            Text(shown(track.latest, item.quantity)) if known else "-",
             *([Text(item.unit)] if units else []),
-            *([str(track.minimum), str(track.maximum)] if known else ["", ""])[: 2 * extremes],
+            *ends[: 2 * extremes],
             f"{track.rate_hz:.0f} Hz" if track.rate_hz else "",
             *([origin.get(item.name, "")] if extremes else []),
             *([trend(track.values)] if bars else []),

@@ -8,11 +8,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-import click
-
 from unitylink.protocol import ADDRESS_BITS_MAX
 from unitylink.spec.model import Element, Instance, Spec
 from unitylink.spec.suggest import nearest
+from unitylink.values import Quantity
 
 from .failure import Failure
 
@@ -27,10 +26,20 @@ class Item:
     name: str
     address: int
     element: Element | None = None
+    line: int | None = None  # the event line that publishes it
 
     @property
     def unit(self) -> str:
         return self.element.unit if self.element else ""
+
+    @property
+    def pollable(self) -> bool:
+        """Whether it may be read without being named: not where reading changes something."""
+        return self.element is None or self.element.pollable
+
+    @property
+    def quantity(self) -> Quantity:
+        return Quantity.of(self.element) if self.element else Quantity()
 
 
 class Names:
@@ -42,7 +51,13 @@ class Names:
         self.elements: dict[str, Element] = dict(spec.walk()) if spec else {}
         self.instances: dict[str, list[str]] = {}  # name -> names of all elements below
         self.groups: dict[str, list[str]] = {}  # name -> names of its elements
+        self.lines: dict[str, int] = {}  # name -> event line
         if spec:
+            for device in spec.devices:
+                prefix = f"{device.root}." if len(spec.roots) > 1 else ""
+                for group in device.groups:
+                    if group.trigger != "rate":
+                        self.lines |= {prefix + element.path: group.number for element in group.elements}
             for root in spec.roots:
                 self._collect(root, f"{root.name}." if len(spec.roots) > 1 else "")
 
@@ -65,12 +80,19 @@ class Names:
                 found.setdefault(item.name, item)
         return list(found.values())
 
+    def find_readable(self, words: Sequence[str]) -> list[Item]:
+        """Resolve as `find`, without what reading changes unless it is named itself."""
+        return [item for item in self.find(words) if item.pollable or item.name in words]
+
     def all(self) -> list[Item]:
         """Return every element of the spec, in source order."""
         return self._items(self.elements)
 
     def _items(self, names: Iterable[str]) -> list[Item]:
-        return [Item(name, self.elements[name].address, self.elements[name]) for name in names]
+        return [
+            Item(name, self.elements[name].address, self.elements[name], self.lines.get(name))
+            for name in names
+        ]
 
     def _find_one(self, word: str) -> list[Item]:
         if _ADDRESS.fullmatch(word):
@@ -98,15 +120,3 @@ class Names:
         meant = nearest(word, [*self.elements, *self.groups, *self.instances])
         listing = f"`unitylink list --spec {self.source}` shows all names"
         return f"did you mean '{meant}'? {listing}" if meant else listing
-
-
-def parse_number(text: str, what: str) -> int:
-    """Return the integer of a decimal, 0x, 0o or 0b literal; a usage error names `what` otherwise.
-
-    >>> parse_number("-0x10", "j1.pos_sp")
-    -16
-    """
-    try:
-        return int(text, 0)
-    except ValueError:
-        raise click.UsageError(f"{what}: '{text}' is no integer; write 30, -30, 0x1E or 0b11110") from None

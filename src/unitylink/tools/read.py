@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
+from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import json_option, print_json, print_table
+from .typed import plain, shown
 
 
 @click.command()
@@ -23,7 +27,9 @@ def command(
     """Read items and print their values.
 
     NAME is a name of the spec, an instance or group (all its items), a pattern, or a word address like 0x88.
-    What fits one message of the device is one consistent snapshot.
+    Values are in the units of the
+    spec. What fits one message of the device is one consistent snapshot. What reading changes (READCLEAR) is
+    only read by its full name.
 
     \b
     Examples:
@@ -36,13 +42,17 @@ def command(
     from .readable import readable
 
     with open_target(link, spec_file) as target:
-        items = target.names.find(names)
+        items = target.names.find_readable(names)
+        if not items:
+            raise Failure(
+                f"{' '.join(names)}: reading changes what is there, so it must be named itself",
+                "give its full name",
+            )
         values = readable(target.link, items)
         snapshot = ValueGroup(values).snapshot(consistent=len(items) <= target.link.configuration.read_many)
-    bits = target.link.configuration.data_bits
-    words = [snapshot[item.name] & values[item.name].mask for item in items]
+    words = [values[item.name].raw or 0 for item in items]
     texts = [
-        f"0x{word:0{bits // 4}X}" if as_hex else str(snapshot[i.name])
+        f"0x{word:0{-(-values[i.name].codec.width // 4)}X}" if as_hex else shown(snapshot[i.name], i.quantity)
         for i, word in zip(items, words, strict=True)
     ]
     if as_json:
@@ -60,5 +70,11 @@ def command(
         print_table(("name", "value", "unit")[: 2 + units], rows, right=[1])
 
 
-def _entry(item: Item, value: int, word: int) -> dict[str, object]:
-    return {"name": item.name, "address": item.address, "value": value, "word": word, "unit": item.unit}
+def _entry(item: Item, value: Any, word: int) -> dict[str, object]:
+    return {
+        "name": item.name,
+        "address": item.address,
+        "value": plain(value, item.quantity),
+        "word": word,
+        "unit": item.unit,
+    }

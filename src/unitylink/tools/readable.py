@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import ValueRangeError
 from unitylink.layer3_hardware import MemoryProxy
-from unitylink.layer4_data import Publisher, ReadValue
+from unitylink.layer4_data import Publisher, ReadClearValue, ReadValue
+from unitylink.values import Quantity
 
 from .names import Item
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
 
-def readable(link: Link, items: Sequence[Item], publisher: Publisher | None = None) -> dict[str, ReadValue]:
+def readable(
+    link: Link, items: Sequence[Item], publisher: Publisher | None = None
+) -> dict[str, ReadValue[Any]]:
     """Make a value of each item; unlike those of the spec's own tree also of WRITE items and bare addresses.
 
     Addresses of items are final, so that plain memory reaches all of them. Raises BindingError for an item of
@@ -25,18 +28,22 @@ def readable(link: Link, items: Sequence[Item], publisher: Publisher | None = No
     check_bare(link, items)
     memory = MemoryProxy(link)
     publisher = publisher if publisher is not None else Publisher()
-    values = {}
+    values: dict[str, ReadValue[Any]] = {}
     for item in items:
         element = item.element
-        publish = element.publish if element is not None else None
-        values[item.name] = ReadValue(
+        if element is None:
+            values[item.name] = ReadValue(item.name, memory, item.address, publisher=publisher)
+            continue
+        kind = ReadValue if element.access != "READCLEAR" else ReadClearValue
+        values[item.name] = kind(
             item.name,
             memory,
             item.address,
-            signed=element is not None and element.signed,
-            checked=element is not None and element.checked,
-            unit=item.unit,
-            publish=(publish.mode, publish.divisor) if publish is not None else None,
+            quantity=Quantity.of(element),
+            words=None if element.type.bus else element.words,
+            checked=element.checked,
+            publish=element.publish,
+            line=item.line,
             publisher=publisher,
         )
     return values

@@ -6,7 +6,7 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import LinkClosed, LinkError, LinkTimeout
 from unitylink.layer4_data import Publisher, ReadValue
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from unitylink.layer2_message import Link
 
-Sample = tuple[float, Sequence[ReadValue], Sequence[int]]  # host time in s, values, their numbers
+Sample = tuple[float, Sequence[ReadValue[Any]], Sequence[Any]]  # host time in s, values, their numbers
 
 TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up
 _WAITING = 100_000  # samples that wait for whoever takes them; more are lost, and counted
@@ -45,7 +45,9 @@ class Sampler:
                 self.publisher.demand(value, rate_hz)
         self.publisher.take_with(self._take)
 
-    def _take(self, time_s: float, values: Sequence[ReadValue], numbers: Sequence[int]) -> None:
+    def _take(
+        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], _: Sequence[int]
+    ) -> None:
         try:
             self._arrived.put_nowait((time_s, values, numbers))
         except queue.Full:

@@ -6,9 +6,9 @@ from __future__ import annotations
 import json
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,6 +16,7 @@ from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import terminal
+from .typed import plain, shown
 
 if TYPE_CHECKING:
     from .sampler import Sample
@@ -70,7 +71,7 @@ def command(
       unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
     """
     with _ended_by_signals(), open_target(link, spec_file) as target:
-        items = target.names.find(names) if names else [i for i in target.names.all() if _is_read(i)]
+        items = target.names.find_readable(names) if names else [i for i in target.names.all() if _is_read(i)]
         if not items:
             raise Failure(
                 f"there is nothing to watch on {link}", "name items of a spec (--spec FILE.ul), or an address"
@@ -84,7 +85,7 @@ def command(
 
                 show(samples, items, sampler.publisher, link)
             else:
-                _print_lines(samples, as_json, changes)
+                _print_lines(samples, items, as_json, changes)
         if sampler.lost:
             click.echo(
                 f"{sampler.lost:,} samples were lost: overwritten before they were taken, or read too late",
@@ -104,12 +105,15 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 def _is_read(item: Item) -> bool:
-    return item.element is not None and item.element.access == "READ"
+    return item.element is not None and item.pollable
 
 
-def _print_lines(samples: Iterator[Sample | None], as_json: bool, changes: bool) -> None:
+def _print_lines(
+    samples: Iterator[Sample | None], items: Sequence[Item], as_json: bool, changes: bool
+) -> None:
     start = time.monotonic()
-    before: dict[str, int] = {}
+    quantities = {item.name: item.quantity for item in items}
+    before: dict[str, Any] = {}
     for sample in samples:
         if sample is None:
             continue
@@ -121,6 +125,8 @@ def _print_lines(samples: Iterator[Sample | None], as_json: bool, changes: bool)
             continue
         since_s = round(time_s - start, 6)
         if as_json:
-            click.echo(json.dumps({"time_s": since_s, "values": named}))
+            values_of = {path: plain(number, quantities[path]) for path, number in named.items()}
+            click.echo(json.dumps({"time_s": since_s, "values": values_of}, ensure_ascii=False))
         else:
-            click.echo(f"{since_s:12.6f}  " + "  ".join(f"{path}={number}" for path, number in named.items()))
+            parts = (f"{path}={shown(number, quantities[path])}" for path, number in named.items())
+            click.echo(f"{since_s:12.6f}  " + "  ".join(parts))

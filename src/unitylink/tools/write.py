@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .failure import Failure
 from .link_option import Target, link_argument, open_target, spec_option
-from .names import Item, Names, parse_number
+from .names import Item, Names
 from .output import json_option, print_json
+from .typed import parse_value, plain, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,8 +26,10 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
     """Write items; several in one go take effect together where the hardware can do that.
 
     NAME is a WRITE item of the spec, a group or pattern of them (all get VALUE), or a word address such as
-    0x8C, which is written after the named ones, as a raw unsigned word and without a commit. VALUE is an
-    integer: 30, -30, 0x1E. Every value is checked against its item's range before anything is sent.
+    0x8C, which is written after the named ones, as a raw unsigned word and without a commit. VALUE is
+    in the unit of the spec, or has another one that measures the same: 30, -0.5, 0x1E, 30deg; the name of an
+    enumeration's member; true or false; {ready=1, mode=run} for packed values. A PULSE is written once, a W1C
+    clears the flags given. Every value is checked against its item's range before anything is sent.
 
     \b
     Examples:
@@ -39,38 +42,40 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
         wanted = _resolve(target.names, parsed)
         _write(target, wanted)
     if as_json:
-        print_json([{"name": item.name, "address": item.address, "value": value} for item, value in wanted])
+        print_json(
+            [{"name": i.name, "address": i.address, "value": plain(value, i.quantity)} for i, value in wanted]
+        )
     else:
         for item, value in wanted:
-            click.echo(f"{item.name} = {value} {item.unit}".rstrip())
+            click.echo(f"{item.name} = {shown(value, item.quantity)} {item.unit}".rstrip())
 
 
-def _split(assignment: str) -> tuple[str, int]:
+def _split(assignment: str) -> tuple[str, str]:
     name, equals, value = assignment.partition("=")
     if not equals or not name:
         raise click.UsageError(f"'{assignment}' is no NAME=VALUE; write for example j1.pos_sp=30")
-    return name, parse_number(value, name)
+    return name, value
 
 
-def _resolve(names: Names, parsed: Sequence[tuple[str, int]]) -> list[tuple[Item, int]]:
+def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item, Any]]:
     """Return (item, value) in the order typed; refuse READ items and an item that is given twice."""
-    wanted: dict[str, tuple[Item, int]] = {}
-    for word, value in parsed:
+    wanted: dict[str, tuple[Item, Any]] = {}
+    for word, text in parsed:
         for item in names.find([word]):
-            if item.element is not None and item.element.access != "WRITE":
+            if item.element is not None and not item.element.writable:
                 raise Failure(
                     f"{item.name} is a {item.element.access} item: the gateware writes it, the PC reads it",
                     f"`unitylink list --spec {names.source}` shows what can be written",
                 )
             if item.name in wanted:
                 raise click.UsageError(f"{item.name} is given two values; give it one")
-            wanted[item.name] = (item, value)
+            wanted[item.name] = (item, parse_value(text, item))
     return list(wanted.values())
 
 
-def _write(target: Target, wanted: Sequence[tuple[Item, int]]) -> None:
+def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> None:
     from unitylink.errors import ValueRangeError
-    from unitylink.layer4_data import ValueGroup, load_spec_objects
+    from unitylink.layer4_data import ClearValue, PulseValue, ValueGroup, load_spec_objects
 
     from .readable import check_bare
 
@@ -85,6 +90,16 @@ def _write(target: Target, wanted: Sequence[tuple[Item, int]]) -> None:
     if named and target.spec is not None:
         # The whole tree: a TosNet proxy has to know all outputs of the spec to commit some of them.
         tree = load_spec_objects(target.spec, target.link)
-        ValueGroup({v.path: v for v in tree if v.path in named}, "write").write(named)
+        values = {value.path: value for value in tree if value.path in named}
+        for path, value in values.items():
+            value.codec.encode(named[path])  # all of them before anything is sent
+        kept = {path: value for path, value in values.items() if value.writable}
+        if kept:
+            ValueGroup(kept, "write").write({path: named[path] for path in kept})
+        for path, value in values.items():
+            if isinstance(value, PulseValue):
+                value.pulse(named[path])
+            elif isinstance(value, ClearValue):
+                value.clear(named[path])
     if bare:
         target.link.write_many([item.address for item in bare], list(bare.values()))

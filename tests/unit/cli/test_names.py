@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from unitylink.spec.model import Element, Group, Instance, LinkBinding, Span, Spec
 from unitylink.spec.types import INT32, UINT32
 from unitylink.tools.failure import Failure
-from unitylink.tools.names import Names, parse_number
+from unitylink.tools.names import Item, Names
+from unitylink.tools.typed import parse_value
 
 SPAN = Span("arm.ul", 1, 1, 0, 1)
 MEMORY = LinkBinding("memory")
@@ -91,13 +92,13 @@ def test_a_name_without_a_spec() -> None:
     ("text", "number"), [("30", 30), ("-30", -30), ("0x1E", 30), ("0b11", 3), ("1_000", 1000)]
 )
 def test_numbers(text: str, number: int) -> None:
-    assert parse_number(text, "x") == number
+    assert parse_value(text, Item("x", 1)) == number
 
 
 @pytest.mark.parametrize("text", ["", "ten", "1.5", "0x", "--1", "1e3"])
 def test_what_is_no_number(text: str) -> None:
     with pytest.raises(click.UsageError, match=r"j1: '.*' is no integer"):
-        parse_number(text, "j1")
+        parse_value(text, Item("j1", 1))
 
 
 @given(st.text(max_size=30))

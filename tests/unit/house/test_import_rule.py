@@ -18,15 +18,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "protocol": set(),
     "_native": set(),
     "spec": SHARED,
+    "values": {"spec", "errors"},
     "board_configuration": {"spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
-    "generate": {"board_configuration", "spec", "layer4_data", *SHARED},
+    "generate": {"board_configuration", "spec", "values", "layer4_data", *SHARED},
     "layer0_driver": {"_native", *SHARED},
     "layer1_stream": {"layer0_driver", "_native", *SHARED},
     "layer2_message": {"layer1_stream", "_native", *SHARED},
     "layer3_hardware": {"layer2_message", *SHARED},
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
-    "layer4_data": {"layer3_hardware", "layer2_message", "spec", *SHARED},
+    "layer4_data": {"layer3_hardware", "layer2_message", "spec", "values", *SHARED},
     "simulate": {"board_configuration", "spec", "_native", *SHARED},
     "resources": SHARED,
     "gateware": {"resources", *SHARED},

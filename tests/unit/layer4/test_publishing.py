@@ -16,6 +16,7 @@ from unitylink.errors import DeviceMismatch, LinkClosed, LinkTimeout, ValueRange
 from unitylink.layer3_hardware import MemoryProxy
 from unitylink.layer4_data import Publisher, ReadValue, Recording, ValueGroup
 from unitylink.layer4_data.publishing import plan
+from unitylink.spec.model import Publish
 
 
 def values(
@@ -31,11 +32,11 @@ def values(
 def test_plan_keeps_what_belongs_together(fake: ModuleType, publishes: list[tuple[int, int]]) -> None:
     link = fake.FakeLink(configuration=fake.Configuration(groups=200, group_size=9))
     items = values(MemoryProxy(link), Publisher(), list(publishes))
-    plans = plan((value, *publish) for value, publish in zip(items, publishes, strict=True))
+    plans = plan((value, Publish(*publish)) for value, publish in zip(items, publishes, strict=True))
     seen = [value for item in plans for value in item.values]
     assert sorted(seen, key=lambda value: value.address) == items, "each value exactly once"
     for item in plans:
-        assert all(value.publish == (item.mode, item.divisor) for value in item.values)
+        assert all(value.publish == Publish(item.mode, item.divisor) for value in item.values)
         assert item.mode == 2 or len(item.values) <= 8
     for mode, divisor in set(publishes):
         count = publishes.count((mode, divisor))
@@ -200,6 +201,6 @@ def test_a_rate_too_slow_for_the_gateware_is_named_or_polled(fake: ModuleType) -
     link = fake.FakeLink(configuration=fake.Configuration(rate_bytes=1))
     (value,) = values(MemoryProxy(link), Publisher(), [(1, 256)])
     with pytest.raises(DeviceMismatch, match=r"v0: .* base rate / 256; its rates have 1 byte"):
-        plan([(value, 1, 256)])
-    assert [item.mode for item in plan([(value, 1, 256)], fallback=True)] == [2]
-    assert [item.mode for item in plan([(value, 1, 255)])] == [1]
+        plan([(value, Publish(1, 256))])
+    assert [item.mode for item in plan([(value, Publish(1, 256))], fallback=True)] == [2]
+    assert [item.mode for item in plan([(value, Publish(1, 255))])] == [1]

@@ -9,14 +9,30 @@ import re
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 
-from unitylink import protocol
 from unitylink.layer4_data.binding import BINDING_VERSION
 from unitylink.layer4_data.names import ATTRIBUTE_NAMES, MODULE_NAMES, python_names
-from unitylink.spec.model import Element, Group, Instance, LinkBinding, Spec
+from unitylink.layer4_data.tree import attribute_of, event_lines
+from unitylink.spec.model import Element, Group, Instance, LinkBinding, Publish, Spec
+from unitylink.spec.model import Member as SpecMember
+from unitylink.spec.types import INT32, UINT32
+from unitylink.values import Quantity
 
-from .text import WIDTH, call, docstring, quoted
+from .said import places as _places
+from .said import shown as _shown
+from .said import value_facts
+from .text import WIDTH, Call, call, docstring, quoted
+from .types import TypeClass, Types
 
-PLACES_SHOWN = 6  # expansions named in a docstring; the address table has them all
+# Access in the spec -> class of layer 4, and the method of Node that makes one.
+VALUE_CLASSES_OF_ACCESS = {
+    "READ": ("ReadValue", "_read"),
+    "WRITE": ("WriteValue", "_write"),
+    "READWRITE": ("ReadWriteValue", "_read_write"),
+    "READCLEAR": ("ReadClearValue", "_read_clear"),
+    "W1C": ("ClearValue", "_clear"),
+    "PULSE": ("PulseValue", "_pulse"),
+}
+VALUE_CLASSES = ("ValueGroup", *(name for name, _ in VALUE_CLASSES_OF_ACCESS.values()))
 
 
 @dataclass(frozen=True)
@@ -56,6 +72,8 @@ class Module:
     check: str
     binding_version: int
     imports: str
+    standard: tuple[str, ...]  # imports of the standard library
+    types: tuple[TypeClass, ...]
     tables: tuple[Table, ...]
     classes: tuple[Class, ...]
 
@@ -71,8 +89,11 @@ class _Planner:
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
         self.taken: set[str] = set(MODULE_NAMES)
+        self.types = Types(spec, self._claim, _camel)
+        self.lines = {root.name: event_lines(spec, root) for root in spec.roots}
         self.root_class = {root.name: self._claim(_camel(root.name)) for root in spec.roots}
         self.table_names = {root.name: self._claim_tables(self.root_class[root.name]) for root in spec.roots}
+        self.class_table = self._claim("_CLASSES")
         self.shape_class: dict[Hashable, str] = {}
         self.expansions: dict[str, list[tuple[Instance, LinkBinding]]] = {}  # class -> (where, link above)
         for root in spec.roots:
@@ -105,8 +126,14 @@ class _Planner:
         roots = [self._root(root) for root in spec.roots]
         parts = [self._part(name, places) for name, places in self.expansions.items()]
         classes = (*roots, *parts)
-        used = {member.type for item in classes for member in item.members}
-        imports = {"Node", "Tree", "binding"} | (used & {"ReadValue", "WriteValue", "ValueGroup"})
+        kinds = {member.type for item in classes for member in item.members}
+        used = {name for name in VALUE_CLASSES for kind in kinds if re.search(rf"\b{name}\b", kind)}
+        imports = {"Node", "Tree", "binding"} | used
+        statements = [member.statement for item in classes for member in item.members]
+        if self.types.classes or any("facts." in statement for statement in statements):
+            imports.add("facts")
+        standard = ["from dataclasses import dataclass"] if spec.bits else []
+        standard += ["from enum import IntEnum"] if spec.enums else []
         package = f"{spec.package}." if spec.package else ""
         publics = ", ".join(f"`{name}`" for name in self.root_class.values())
         check = [
@@ -125,7 +152,9 @@ class _Planner:
             check=call(0, "binding.check", check),
             binding_version=BINDING_VERSION,
             imports=_imports(sorted(imports, key=lambda name: (name.islower(), name))),
-            tables=tuple(table for root in spec.roots for table in self._tables(root)),
+            standard=tuple(standard),
+            types=tuple(self.types.classes),
+            tables=tuple(table for root in spec.roots for table in self._tables(root)) + self._class_table(),
             classes=classes,
         )
 
@@ -135,6 +164,11 @@ class _Planner:
         where = tuple((quoted(e.path), f"0x{e.address:0{digits}X}") for e in root.walk())
         shown = tuple((quoted(i.path), quoted(i.display)) for i in _named(root) if i.display != i.path)
         return Table(addresses, "dict[str, int]", where), Table(names, "dict[str, str]", shown)
+
+    def _class_table(self) -> tuple[Table, ...]:
+        names = self.types.names
+        rows = tuple((quoted(name), python) for name, python in names.items())
+        return (Table(self.class_table, "dict[str, type]", rows),) if rows else ()
 
     def _root(self, root: Instance) -> Class:
         name = self.root_class[root.name]
@@ -153,7 +187,13 @@ class _Planner:
         tree = call(
             8,
             "tree = Tree",
-            ["link", f"{{{given}}}", f"addresses={addresses}", f"names={names}"],
+            [
+                "link",
+                f"{{{given}}}",
+                f"addresses={addresses}",
+                f"names={names}",
+                *([f"classes={self.class_table}"] if self.types.names else []),
+            ],
         )
         signature = call(
             4,
@@ -185,51 +225,93 @@ class _Planner:
             arguments.append(f"base=0x{link.base:X}")
         arguments += [f"ctrl={quoted(link.ctrl)}"] if link.ctrl is not None else []
         arguments += [f"comm={quoted(link.comm)}"] if link.comm is not None else []
+        arguments += [f"size={link.size}"] if link.size else []
+        arguments += [f"link={quoted(link.link)}"] if link.link else []
         return call(8, "self._bind", arguments)
 
     def _members(self, places: list[tuple[Instance, LinkBinding]]) -> tuple[Member, ...]:
         """Plan the members of a class: parts and values in source order, then the groups of them."""
         instance = places[0][0]
-        attributes = python_names([m.name for m in instance.members], ATTRIBUTE_NAMES | self.taken)
+        names = dict.fromkeys(attribute_of(member) for member in instance.members)
+        attributes = python_names(names, ATTRIBUTE_NAMES | self.taken)
         members = []
-        for index, member in enumerate(instance.members):
-            attribute = attributes[member.name]
-            here = [place.members[index] for place, _ in places]
-            if isinstance(member, Instance):
-                kind = self.shape_class[_shape(member, instance.link)]
-                text = _places([_shown(item) for item in here if isinstance(item, Instance)])
-                statement = call(8, f"self.{attribute} = {kind}", ["self", quoted(member.name)])
-                members.append(Member(attribute, kind, docstring(4, f"{text}."), statement))
-            elif isinstance(member, Element):
-                elements = [item for item in here if isinstance(item, Element)]
-                members.append(_value(attribute, member, elements))
+        for name, positions in _arrays(instance).items():
+            first = instance.members[positions[0]]
+            here = [place.members[position] for place, _ in places for position in positions]
+            attribute = attributes[name]
+            if isinstance(first, Instance):
+                members.append(self._instances(attribute, instance, positions, here))
+            elif isinstance(first, Element):
+                members.append(self._value(attribute, first, len(positions), here))
         for group in instance.groups:
             members.append(_group(attributes[group.name], group, instance))
         return tuple(members)
 
+    def _instances(
+        self, attribute: str, instance: Instance, positions: list[int], here: list[SpecMember]
+    ) -> Member:
+        parts = [item for item in here if isinstance(item, Instance)]
+        own = [m for m in (instance.members[p] for p in positions) if isinstance(m, Instance)]
+        kinds = [self.shape_class[_shape(part, instance.link)] for part in own]
+        text = docstring(4, parts[0].documentation, f"{_places([_shown(part) for part in parts])}.")
+        if not own[0].array:
+            statement = call(8, f"self.{attribute} = {kinds[0]}", ["self", quoted(own[0].name)])
+            return Member(attribute, kinds[0], text, statement)
+        if len(set(kinds)) == 1:
+            made = f'{kinds[0]}(self, f"{own[0].array}[{{i}}]") for i in range({len(own)})'
+            return Member(
+                attribute, f"tuple[{kinds[0]}, ...]", text, call(8, f"self.{attribute} = tuple", [made])
+            )
+        each = [Call(kind, ["self", quoted(part.name)]) for kind, part in zip(kinds, own, strict=True)]
+        return Member(attribute, f"tuple[{', '.join(kinds)}]", text, call(8, f"self.{attribute} = ", each))
 
-def _value(attribute: str, element: Element, here: list[Element]) -> Member:
-    arguments = [quoted(element.name)]
-    facts = [element.access, "signed" if element.signed else "unsigned"]
-    if element.signed:
-        arguments.append("signed=True")
-    if element.checked:
-        arguments.append("checked=True")
-        facts.append("checksummed")
-    if element.unit:
-        arguments.append(f"unit={quoted(element.unit)}")
-        facts.append(f"in {element.unit}")
-    if element.publish is not None:
-        if element.access == "READ":
-            arguments.append(f"publish=({element.publish.mode}, {element.publish.divisor})")
-        who = "by the gateware" if element.publish.mode == 1 else "by polling"
-        rate = protocol.BASE_HZ_DEFAULT / element.publish.divisor
-        base = f"the base rate / {element.publish.divisor} ({rate:g} Hz of {protocol.BASE_HZ_DEFAULT} Hz)"
-        facts.append(f"published {who} at {base}")
-    where = _places([f"{e.path} at 0x{e.address:03X}{_called(e)}" for e in here])
-    kind, maker = ("ReadValue", "_read") if element.access == "READ" else ("WriteValue", "_write")
-    documentation = docstring(4, element.documentation, f"{', '.join(facts)}: {where}.")
-    return Member(attribute, kind, documentation, call(8, f"self.{attribute} = self.{maker}", arguments))
+    def _value(self, attribute: str, element: Element, count: int, here: list[SpecMember]) -> Member:
+        elements = [item for item in here if isinstance(item, Element)]
+        quantity = Quantity.of(element)
+        cls, maker = VALUE_CLASSES_OF_ACCESS[element.access]
+        kind = f"{cls}[{self.types.python(quantity)}]"
+        arguments: list[str | Call] = [quoted(element.name)]
+        if element.array:
+            arguments = [f'f"{element.array}[{{i}}]"']
+        if quantity == Quantity(INT32):
+            arguments.append("signed=True")
+        elif quantity != Quantity(UINT32):
+            arguments.append(self.types.quantity(quantity))
+        if element.words > 1:
+            arguments.append(f"words={element.words}")
+        if element.checked:
+            arguments.append("checked=True")
+        if element.publish is not None and element.readable:
+            arguments.append(_publish(element.publish))
+            line = next((lines[element.path] for lines in self.lines.values() if element.path in lines), None)
+            if line is not None and element.publish.trigger != "rate":
+                arguments.append(f"line={line}")
+        documentation = docstring(4, element.documentation, value_facts(element, quantity, elements))
+        if not element.array:
+            statement = call(8, f"self.{attribute} = self.{maker}", arguments)
+            return Member(attribute, kind, documentation, statement)
+        flat = Call(f"self.{maker}", arguments).flat()
+        statement = call(8, f"self.{attribute} = tuple", [f"{flat} for i in range({count})"])
+        return Member(attribute, f"tuple[{kind}, ...]", documentation, statement)
+
+
+def _arrays(instance: Instance) -> dict[str, list[int]]:
+    """Return the positions of the members by attribute: several for the parts of an array."""
+    found: dict[str, list[int]] = {}
+    for position, member in enumerate(instance.members):
+        if not isinstance(member, Group):
+            found.setdefault(attribute_of(member), []).append(position)
+    return found
+
+
+def _publish(publish: Publish) -> str | Call:
+    if publish.trigger == "rate" and not publish.group:
+        return f"publish=({publish.mode}, {publish.divisor})"
+    facts = [str(publish.mode), str(publish.divisor)]
+    facts += [f"trigger={quoted(publish.trigger)}"] if publish.trigger != "rate" else []
+    facts += [f"event={quoted(publish.event)}"] if publish.event else []
+    facts += [f"group={quoted(publish.group)}"] if publish.group else []
+    return Call("facts.Publish", facts, "publish=")
 
 
 def _group(attribute: str, group: Group, instance: Instance) -> Member:
@@ -246,10 +328,17 @@ def _shape(instance: Instance, above: LinkBinding) -> Hashable:
     members: list[Hashable] = []
     for member in instance.members:
         if isinstance(member, Instance):
-            members.append((member.name, _shape(member, instance.link)))
+            members.append((member.name, member.array, member.documentation, _shape(member, instance.link)))
         elif isinstance(member, Element):
-            publish = (member.publish.mode, member.publish.divisor) if member.publish else None
-            facts = (member.access, member.signed, member.checked, publish, member.unit, member.documentation)
+            facts = (
+                member.access,
+                Quantity.of(member),
+                member.words,
+                member.checked,
+                member.publish,
+                member.documentation,
+                member.array,
+            )
             members.append((member.name, facts))
         else:
             members.append((member.name, _relative(member, instance)))
@@ -269,20 +358,6 @@ def _named(instance: Instance) -> Iterator[Instance | Element]:
         elif isinstance(member, Instance):
             yield member
             yield from _named(member)
-
-
-def _places(texts: list[str]) -> str:
-    more = len(texts) - PLACES_SHOWN
-    shown = texts if more <= 1 else [*texts[:PLACES_SHOWN], f"... ({len(texts)} in all)"]
-    return ", ".join(shown)
-
-
-def _shown(instance: Instance) -> str:
-    return f"`{instance.path}`{_called(instance)}"
-
-
-def _called(item: Instance | Element) -> str:
-    return f" ({item.display})" if item.display != item.path else ""
 
 
 def _one_line(text: str) -> str:

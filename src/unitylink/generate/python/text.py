@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 WIDTH = 88
 
@@ -67,14 +68,33 @@ def _clean(text: str) -> str:
     return " ".join(printable.replace("\\", "\\\\").replace('"""', "'''").split())
 
 
-def call(indent: int, head: str, arguments: Sequence[str], tail: str = "") -> str:
+@dataclass(frozen=True)
+class Call:
+    """`keyword=head(arguments)`; without a head a tuple."""
+
+    head: str
+    arguments: Sequence[str | Call]
+    keyword: str = ""
+
+    def flat(self) -> str:
+        inner = ", ".join(a if isinstance(a, str) else a.flat() for a in self.arguments)
+        alone = "," if not self.head and len(self.arguments) == 1 else ""
+        return f"{self.keyword}{self.head}({inner}{alone})"
+
+
+def call(indent: int, head: str, arguments: Sequence[str | Call], tail: str = "") -> str:
     """Return `head(arguments)` and `tail` on one line where it fits, else one argument a line.
 
     >>> print(call(8, "self.led = self._write", ['"led"']))
     self.led = self._write("led")
     """
-    line = f"{head}({', '.join(arguments)}){tail}"
-    if indent + len(line) <= WIDTH:
+    return _laid_out(indent, Call(head, arguments), tail).lstrip()
+
+
+def _laid_out(indent: int, item: str | Call, tail: str) -> str:
+    space = " " * indent
+    line = f"{space}{item if isinstance(item, str) else item.flat()}{tail}"
+    if isinstance(item, str) or len(line) <= WIDTH:
         return line
-    inner = "".join(f"{' ' * (indent + 4)}{argument},\n" for argument in arguments)
-    return f"{head}(\n{inner}{' ' * indent}){tail}"
+    inner = "".join(_laid_out(indent + 4, argument, ",") + "\n" for argument in item.arguments)
+    return f"{space}{item.keyword}{item.head}(\n{inner}{space}){tail}"

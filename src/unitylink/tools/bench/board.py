@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -21,7 +21,7 @@ ADDRESS = 0x88
 SPEC = f'link bench;\npublic bench() {{\n   @word = {ADDRESS:#x}: READ(ID="word");\n}}\n'
 
 
-def layer4_word(link: Link) -> ReadValue:
+def layer4_word(link: Link) -> ReadValue[Any]:
     """Return the word at ADDRESS as layer 4 has it, read once."""
     from unitylink.layer4_data import ReadValue, load_spec_objects
     from unitylink.spec import compile_text

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Enumerations and packed values as Python classes, and what describes them to the codec."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from unitylink.spec.model import Spec
+from unitylink.spec.types import EnumType, Field, ValueType
+from unitylink.values import Quantity, field_names, member_names
+
+from .text import Call, call, docstring, quoted
+
+
+@dataclass(frozen=True)
+class TypeMember:
+    """A line of an IntEnum (`run = 1`) or of a record (`mode: Mode`), and what is said about it."""
+
+    text: str
+    documentation: str
+
+
+@dataclass(frozen=True)
+class TypeClass:
+    """A class of the generated module that is no Node."""
+
+    name: str
+    head: str  # decorators and the class line
+    documentation: str
+    members: tuple[TypeMember, ...]
+    constant: str  # the statement that describes it to the codec
+
+
+@dataclass
+class Types:
+    """The types of a spec under the names the module gives them; `claim` takes a free name."""
+
+    spec: Spec
+    claim: Callable[[str], str]
+    camel: Callable[[str], str]
+    classes: list[TypeClass] = field(default_factory=list)
+    names: dict[str, str] = field(default_factory=dict)  # type in the spec -> class
+    constants: dict[str, str] = field(default_factory=dict)  # type in the spec -> constant
+
+    def __post_init__(self) -> None:
+        for enum in self.spec.enums:
+            self._name(enum.name)
+            self.classes.append(self._enum(enum))
+        for bits in self.spec.bits:
+            self._name(bits.name)
+            self.classes.append(self._bits(bits))
+
+    def _name(self, name: str) -> None:
+        self.names[name] = self.claim(self.camel(name))
+        self.constants[name] = self.claim(f"_{name.upper().lstrip('_')}_TYPE")
+
+    def python(self, quantity: Quantity) -> str:
+        """Return the Python type of a value."""
+        kind = quantity.type
+        if kind.kind == "enum" and kind.enum is not None:
+            name = self.names[kind.enum.name]
+            return f"{name} | int" if kind.enum.open else name
+        if kind.kind == "bits":
+            return self.names[kind.name]
+        if kind.kind == "bool":
+            return "bool"
+        return "float" if quantity.scaled or kind.kind == "float" else "int"
+
+    def expression(self, kind: ValueType) -> str | Call:
+        """Return what makes the type in the generated module."""
+        if kind.kind == "enum" and kind.enum is not None:
+            return self.constants[kind.enum.name]
+        if kind.kind == "bits":
+            return self.constants[kind.name]
+        if kind.bus:
+            return "facts.INT32" if kind.signed else "facts.UINT32"
+        fraction = [f"fraction={kind.fraction}"] if kind.fraction else []
+        return Call("facts.ValueType", [quoted(kind.kind), str(kind.width), *fraction])
+
+    def quantity(self, quantity: Quantity, keyword: str = "quantity=") -> Call:
+        """Return what makes a quantity in the generated module."""
+        arguments: list[str | Call] = [self.expression(quantity.type)]
+        standard = Quantity()
+        for name in ("scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe"):
+            given = getattr(quantity, name)
+            if given != getattr(standard, name):
+                arguments.append(f"{name}={quoted(given) if isinstance(given, str) else repr(given)}")
+        return Call("facts.Quantity", arguments, keyword)
+
+    def _enum(self, enum: EnumType) -> TypeClass:
+        names = member_names(enum)
+        name, constant = self.names[enum.name], self.constants[enum.name]
+        members = [
+            TypeMember(f"{names[item.name]} = {item.value}", _said(item.documentation))
+            for item in enum.values
+        ]
+        values = [Call("facts.EnumValue", [quoted(item.name), str(item.value)]) for item in enum.values]
+        described: list[str | Call] = [quoted(enum.name), str(enum.width), Call("", values)]
+        described += ["open=True"] if enum.open else []
+        arguments: list[str | Call] = [
+            '"enum"',
+            str(enum.width),
+            Call("facts.EnumType", described, "enum="),
+            f"name={quoted(enum.name)}",
+        ]
+        other = "; other numbers stay numbers" if enum.open else ""
+        return TypeClass(
+            name,
+            f"class {name}(IntEnum):",
+            docstring(4, enum.documentation, f"The enumeration `{enum.name}` of {enum.width} bits{other}."),
+            tuple(members),
+            call(0, f"{constant} = facts.ValueType", arguments),
+        )
+
+    def _bits(self, bits: ValueType) -> TypeClass:
+        names = field_names(bits)
+        name, constant = self.names[bits.name], self.constants[bits.name]
+        members = [
+            TypeMember(
+                f"{names[one.name]}: {self.python(Quantity.of(one))}",
+                _said(one.documentation, f"Bits {one.high} to {one.low}{_in_unit(one)}."),
+            )
+            for one in bits.fields
+        ]
+        fields = [self._field(one) for one in bits.fields]
+        arguments: list[str | Call] = [
+            '"bits"',
+            str(bits.width),
+            Call("", fields, "fields="),
+            f"name={quoted(bits.name)}",
+        ]
+        return TypeClass(
+            name,
+            f"@dataclass(frozen=True)\nclass {name}:",
+            docstring(4, bits.documentation, f"The packed value `{bits.name}` of {bits.width} bits."),
+            tuple(members),
+            call(0, f"{constant} = facts.ValueType", arguments),
+        )
+
+    def _field(self, one: Field) -> Call:
+        arguments = [quoted(one.name), self.expression(one.type), str(one.low), str(one.high)]
+        standard = Field("", one.type, 0, 0)
+        for name in ("unit", "scale", "offset", "minimum", "maximum"):
+            given = getattr(one, name)
+            if given != getattr(standard, name):
+                arguments.append(f"{name}={quoted(given) if isinstance(given, str) else repr(given)}")
+        return Call("facts.Field", arguments)
+
+
+def _said(*paragraphs: str) -> str:
+    return docstring(4, *paragraphs) if any(paragraphs) else ""
+
+
+def _in_unit(one: Field) -> str:
+    return f", in {one.unit}" if one.unit else ""

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What generated code says about its values, under one name: `facts.Quantity(facts.ValueType("int", 16))`."""
+
+from __future__ import annotations
+
+from unitylink.spec.model import Publish
+from unitylink.spec.types import INT32, UINT32, EnumType, EnumValue, Field, ValueType
+from unitylink.values import Quantity
+
+__all__ = ["INT32", "UINT32", "EnumType", "EnumValue", "Field", "Publish", "Quantity", "ValueType"]

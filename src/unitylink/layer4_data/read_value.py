@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values the PC reads."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from typing import TypeVar
+
+from unitylink.errors import LinkError
+
+from .value import Value
+
+T = TypeVar("T")
+
+
+class ReadValue(Value[T]):
+    """A value the PC reads, in engineering units.
+
+    >>> robot.j1.cpos.read()                      # doctest: +SKIP
+    -1.204
+    >>> robot.j1.cpos.on_change(print)   # at each publish that brings a new value  # doctest: +SKIP
+    """
+
+    access = "READ"
+    pollable = True
+
+    def _prepare(self) -> None:
+        super()._prepare()
+        self._repeat = self.pollable and self.hardware.repeatable_reads
+        self._sign = self.codec.integer_sign  # the fast way: one word that needs no more than a sign
+        self._mask = self.codec.mask
+        self._many = self.codec.words > 1
+        self._reader = self.hardware.reader(self.relative_address, checked=self.checked, repeat=self._repeat)
+        if self.publish is not None:
+            self.publisher.add(self)
+
+    def read(self, timeout_s: float | None = None) -> T:
+        """Read the value; raise LinkError naming it where that fails.
+
+        A value of several words is read in one bus transaction, so that they belong together.
+        """
+        try:
+            if self._many:
+                words = self.hardware.read_many(
+                    self.relative_addresses,
+                    atomic=True,
+                    checked=self.checked,
+                    repeat=self._repeat,
+                    timeout_s=timeout_s,
+                )
+                return self.take(self.codec.join(words.tolist()))
+            word = self._reader() if timeout_s is None else self._reader(timeout_s=timeout_s)
+        except LinkError as error:
+            raise error.with_item(self.path)  # noqa: B904  the same error, now with its name
+        sign = self._sign
+        if sign is None:
+            return self.take(word)
+        self.raw = word
+        self.latest = value = ((word & self._mask) ^ sign) - sign  # type: ignore[assignment]  # T is int
+        return value  # type: ignore[return-value]
+
+    async def read_async(self, timeout_s: float | None = None) -> T:
+        """Read the value, as `read`."""
+        try:
+            if not self._many:
+                return self.take(
+                    await self.hardware.read_async(
+                        self.relative_address,
+                        checked=self.checked,
+                        repeat=self._repeat,
+                        timeout_s=timeout_s,
+                    )
+                )
+            words = await self.hardware.read_many_async(
+                self.relative_addresses,
+                atomic=True,
+                checked=self.checked,
+                repeat=self._repeat,
+                timeout_s=timeout_s,
+            )
+        except LinkError as error:
+            raise error.with_item(self.path)  # noqa: B904
+        return self.take(self.codec.join(words.tolist()))
+
+    def on_publish(
+        self, callback: Callable[[float, T], object], *, rate_hz: float | None = None
+    ) -> Callable[[], None]:
+        """Call `callback(time_s, value)` at each publish, and start publishing; return what takes it back.
+
+        A value without PUBLISH in the spec needs `rate_hz`: the PC then polls it. `time_s` is monotonic host
+        time. The callback runs in the link's callback thread; what it raises is logged and does not stop the
+        others.
+        """
+        self.publisher.require(self, rate_hz)
+        return self.listeners.on_publish(callback)
+
+    def on_change(
+        self, callback: Callable[[T], object], *, rate_hz: float | None = None
+    ) -> Callable[[], None]:
+        """Call `callback(value)` when a publish brings another value than before; else as `on_publish`."""
+        self.publisher.require(self, rate_hz)
+        return self.listeners.on_change(callback)
+
+    def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, T]]:
+        """Iterate over publishes: `async for time_s, value in robot.j1.cpos.publishes():`.
+
+        Starts publishing as `on_publish` does; ends when publishing is stopped or the link is closed.
+        """
+        self.publisher.require(self, rate_hz)
+        return self.listeners.stream(self.is_published)
+
+    def is_published(self) -> bool:
+        """Say whether publishes can come: publishing was started, and the link is open."""
+        return self.publisher.active and not self.hardware.link.closed
+
+
+class ReadClearValue(ReadValue[T]):
+    """A value that reading changes, such as a counter that is then zero: read only when asked for by name.
+
+    No read is repeated by itself: a LinkTimeout may have taken the value with it. Snapshots of a node and
+    `watch` leave it out.
+    """
+
+    access = "READCLEAR"
+    pollable = False

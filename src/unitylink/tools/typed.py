@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values as people type and read them: numbers with units, names of enumerations, fields of packed values."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import fields, is_dataclass
+from enum import IntEnum
+from typing import Any
+
+import click
+
+from unitylink.spec.types import ValueType
+from unitylink.values import Quantity, field_names, format_value, member_text
+
+from .names import Item
+
+_NUMBER = re.compile(
+    r"([+-]?(?:0[xXoObB][0-9a-fA-F_]+|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf|nan))\s*(.*)"
+)
+_TRUTH = {"true": True, "on": True, "1": True, "false": False, "off": False, "0": False}
+
+
+def parse_value(text: str, item: Item) -> Any:
+    """Return the value that `text` means for an item, in the item's unit.
+
+    Numbers may have a unit (`30deg`), enumerations are given by name or number, packed values as
+    `{ready=1, mode=run}` or as one number. A usage error names the item and what may be written.
+    """
+    if item.element is None:
+        return _integer(text, item.name)
+    return _parse(text, item.name, Quantity.of(item.element))
+
+
+def _parse(text: str, name: str, quantity: Quantity) -> Any:
+    kind = quantity.type
+    if kind.kind == "bool":
+        if text.lower() not in _TRUTH:
+            raise click.UsageError(f"{name}: '{text}' is no truth value; write {', '.join(_TRUTH)}")
+        return _TRUTH[text.lower()]
+    if kind.kind == "enum":
+        return _integer(text, name) if text[:1].isdigit() else text  # the codec knows the names
+    if kind.kind == "bits":
+        return _fields(text, name, kind) if "=" in text else _integer(text, name)
+    if kind.kind == "float" or quantity.scaled:
+        return _real(text, name, quantity)
+    match = _NUMBER.fullmatch(text)
+    return _real(text, name, quantity) if match and match[2] else _integer(text, name)
+
+
+def _fields(text: str, name: str, kind: ValueType) -> dict[str, Any]:
+    types = {field.name: field for field in kind.fields}
+    given: dict[str, Any] = {}
+    for part in text.strip().removeprefix("{").removesuffix("}").split(","):
+        field, _, value = (side.strip() for side in part.partition("="))
+        if field not in types or field in given or not value:
+            raise click.UsageError(
+                f"{name}: '{part.strip()}' is not one of its fields once; write "
+                f"{{{', '.join(f'{known}=…' for known in types)}}}"
+            )
+        given[field] = _parse(value, f"{name}.{field}", Quantity.of(types[field]))
+    return given
+
+
+def _integer(text: str, name: str) -> int:
+    try:
+        return int(text, 0)
+    except ValueError:
+        raise click.UsageError(f"{name}: '{text}' is no integer; write 30, -30, 0x1E or 0b11110") from None
+
+
+def _real(text: str, name: str, quantity: Quantity) -> Any:
+    match = _NUMBER.fullmatch(text.strip())
+    if match is None:
+        unit = f" or {30}{quantity.unit}" if quantity.unit else ""
+        raise click.UsageError(f"{name}: '{text}' is no number; write 1.5, -30, 2e-3{unit}")
+    digits, unit = match[1], match[2].strip()
+    whole = digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b")
+    number: Any = int(digits, 0) if whole else float(digits)
+    if not unit or unit == quantity.unit:
+        return number if quantity.scaled or quantity.type.kind == "float" else _whole(number, text, name)
+    converted = _converted(number, unit, name, quantity)
+    return converted if quantity.scaled or quantity.type.kind == "float" else _whole(converted, text, name)
+
+
+def _whole(number: float, text: str, name: str) -> int:
+    if number != round(number):
+        raise click.UsageError(f"{name}: '{text}' is {number:g} and no integer; it counts whole steps")
+    return round(number)
+
+
+def _converted(number: float, unit: str, name: str, quantity: Quantity) -> float:
+    stored = f"it is in {quantity.unit}" if quantity.unit else "it has no unit"
+    raise click.UsageError(f"{name}: '{number:g} {unit}' cannot be converted; {stored}")
+
+
+def shown(value: Any, quantity: Quantity) -> str:
+    """Return a value for a table, without its unit."""
+    kind = quantity.type
+    if kind.enum is not None:
+        return member_text(kind, value)
+    if kind.kind == "bits" and is_dataclass(value):
+        attributes = field_names(kind)
+        parts = (f"{f.name}={shown(getattr(value, attributes[f.name]), Quantity.of(f))}" for f in kind.fields)
+        return "{" + ", ".join(parts) + "}"
+    return format_value(value)
+
+
+def plain(value: Any, quantity: Quantity) -> Any:
+    """Return a value for JSON: members by name, packed values as objects, NaN and infinities as strings."""
+    kind = quantity.type
+    if isinstance(value, IntEnum):
+        return member_text(kind, value)
+    if is_dataclass(value):
+        names = {attribute: spec for spec, attribute in field_names(kind).items()}
+        types = {field.name: field for field in kind.fields}
+        return {
+            names[one.name]: plain(getattr(value, one.name), Quantity.of(types[names[one.name]]))
+            for one in fields(value)
+        }
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a value of the gateware means to its user: type, scale, unit and limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from unitylink.spec.types import UINT32, Number, ValueType
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a value is to its user: engineering value = raw number * `scale` + `offset`, in `unit`.
+
+    `minimum`, `maximum`, `initial` and `safe` are engineering values, None where there are none. `overflow`
+    says what a write beyond the limits is: "error", or "saturate" (the limit is written).
+
+    >>> Quantity(ValueType("int", 16), scale=0.001, unit="rad").text(1.5)
+    '1.5 rad'
+    """
+
+    type: ValueType = UINT32
+    scale: Number = 1
+    offset: Number = 0
+    unit: str = ""
+    minimum: Number | None = None
+    maximum: Number | None = None
+    overflow: str = "error"
+    initial: Any = None
+    safe: Any = None
+
+    @classmethod
+    def of(cls, element: Any) -> Quantity:
+        """Return the quantity of a model element (or a field): what it has of ours."""
+        names = ("type", "scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe")
+        given = {name: getattr(element, name) for name in names if hasattr(element, name)}
+        return cls(**given)
+
+    @property
+    def scaled(self) -> bool:
+        """Say whether values are floats made from whole raw numbers."""
+        return self.type.kind in ("fixed", "ufixed") or self.scale != 1 or self.offset != 0
+
+    def text(self, value: Any) -> str:
+        """Return the value for people, with its unit."""
+        shown = format_value(value)
+        return f"{shown} {self.unit}" if self.unit else shown
+
+
+def format_value(value: Any) -> str:
+    """Return a value for people: floats with the digits that count, members and records by name.
+
+    >>> format_value(0.1 + 0.2), format_value(-12), format_value(True)
+    ('0.3', '-12', 'true')
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    if isinstance(value, int):
+        name = getattr(value, "name", None)
+        return name if isinstance(name, str) else str(value)
+    if hasattr(value, "__dataclass_fields__"):
+        shown = (f"{name}={format_value(getattr(value, name))}" for name in value.__dataclass_fields__)
+        return "{" + ", ".join(shown) + "}"
+    return str(value)
