@@ -46,6 +46,7 @@ docs: $(VENV)/.built
 	@tools/setup.sh group test
 	$(BIN)/python protocol/generate.py
 	$(BIN)/python tests/unit/spec/test_docs.py
+	$(BIN)/python -c "from unitylink.ports.findings import page; print(page(), end='')" > docs/troubleshooting.md
 	$(BIN)/python -m pytest tests/unit/docs -q
 
 fuzz: $(NATIVE)/.built

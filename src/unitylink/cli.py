@@ -34,6 +34,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "read": ("read", "Read items by name, pattern or address."),
     "write": ("write", "Write items: NAME=VALUE."),
     "watch": ("watch", "Watch items change, live."),
+    "discover": ("discover", "List the ports of this machine, and what answers on them."),
+    "doctor": ("doctor", "Find what stands between you and a board, and what mends it."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),

@@ -30,6 +30,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "layer4_data": {"layer3_hardware", "layer2_message", "spec", "values", *SHARED},
     "simulate": {"board_configuration", "spec", "_native", *SHARED},
     "resources": SHARED,
+    # The doctor tries what a link would do, below it and through it.
+    "ports": {"layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
     "capture": {"layer1_stream", *SHARED},

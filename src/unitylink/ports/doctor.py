@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The doctor: a link in, findings out, the worst first.
+
+What the operating system knows is asked before the port is opened, and the port is tried before the link: the
+first that fails is the cause of all that would follow.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+from typing import TYPE_CHECKING, Protocol
+from urllib.parse import parse_qsl
+
+from unitylink import protocol
+from unitylink.errors import BusError, LinkError
+from unitylink.layer0_driver import Driver
+from unitylink.layer2_message import Link
+
+from .findings import Finding, finding
+from .machine import Machine
+from .probe import WAIT_S, Answer, find_polynomial, probe
+from .probe import request as configuration_request
+
+if TYPE_CHECKING:
+    from unitylink.spec.model import Element, Spec
+
+BAUD_RATES_HZ = (
+    3_000_000,
+    115_200,
+    1_000_000,
+    12_000_000,
+    2_000_000,
+    921_600,
+    460_800,
+    6_000_000,
+    230_400,
+    9_600,
+    57_600,
+    500_000,
+)
+_ROUND_TRIPS = 50
+_SLACK_S = 0.005  # what an operating system may take on its own
+_SAMPLE_BYTES = 24
+
+
+class OpenedDriver(Protocol):
+    def send(self, data: bytes, *, timeout_s: float = ...) -> None: ...
+    def receive(self, *, timeout_s: float = ...) -> bytes: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A link URL, taken apart."""
+
+    url: str
+    scheme: str
+    path: str
+    options: dict[str, str]
+
+    @classmethod
+    def of(cls, url: str) -> _Place:
+        scheme, _, rest = url.partition(":")
+        path, _, query = rest.partition("?")
+        return cls(url, scheme, path, dict(parse_qsl(query)))
+
+    @property
+    def baud_hz(self) -> int:
+        return int(self.options.get("baud") or "0", 0)
+
+    @property
+    def polynomial(self) -> int | None:
+        text = self.options.get("polynomial", str(protocol.CRC8_POLYNOMIAL))
+        return None if text == "xor" else int(text, 0)
+
+    def with_option(self, name: str, value: object) -> str:
+        options = {**self.options, name: str(value)}
+        return f"{self.scheme}:{self.path}?" + "&".join(f"{key}={text}" for key, text in options.items())
+
+
+def examine(
+    url: str,
+    *,
+    spec: Spec | None = None,
+    machine: Machine | None = None,
+    open_driver: Callable[[str], OpenedDriver] = Driver,
+    open_link: Callable[[str], Link] = Link,
+    wait_s: float = WAIT_S,
+    clock: Callable[[], float] = time.monotonic,
+    say: Callable[[str], None] = lambda message: None,
+) -> list[Finding]:
+    """Return what stands between a user and the board at `url`; empty when nothing does.
+
+    `say` is told what is being tried. Raises UrlError for what is no link URL.
+    """
+    return _Doctor(
+        _Place.of(url), spec, machine or Machine(), open_driver, open_link, wait_s, clock, say
+    ).examine()
+
+
+@dataclass
+class _Doctor:
+    place: _Place
+    spec: Spec | None
+    machine: Machine
+    open_driver: Callable[[str], OpenedDriver]
+    open_link: Callable[[str], Link]
+    wait_s: float
+    clock: Callable[[], float]
+    say: Callable[[str], None]
+
+    def examine(self) -> list[Finding]:
+        found = self.port() if self.place.scheme == "serial" else []
+        if not _stopped(found):
+            found += self.device()
+        return sorted(found, key=lambda f: ("error", "warning", "note").index(f.severity))
+
+    # ---- the port, as the operating system sees it
+
+    def port(self) -> list[Finding]:
+        device, machine = self.place.path, self.machine
+        self.say(f"looking at {device}")
+        if not machine.exists(device):
+            ports = ", ".join(port.device for port in machine.serial_ports()) or "none"
+            return [finding("no-port", device=device, ports=ports)]
+        found = []
+        if not machine.may_open(device):
+            found.append(finding("permission", device=device, group=machine.group_of(device)))
+        if holders := machine.holders(device):
+            names = ", ".join(f"{holder.command} (process {holder.pid})" for holder in holders)
+            pids = " ".join(str(holder.pid) for holder in holders)
+            found.append(finding("busy-port", device=device, holders=names, pids=pids))
+        if machine.modem_manager_probes(device):
+            found.append(finding("modem-manager", device=device, link=self.place.url))
+        latency_ms = machine.serial_port(device).latency_timer_ms
+        if latency_ms is not None and latency_ms > 1:
+            name = device.rpartition("/")[2]
+            found.append(finding("latency-timer", device=device, latency_ms=latency_ms, name=name))
+        return found
+
+    # ---- whatever is at the other end
+
+    def device(self) -> list[Finding]:
+        place = self.place
+        try:
+            driver = self.open_driver(place.url)
+        except LinkError as error:
+            if place.scheme in ("tcp", "udp"):
+                host = place.path.lstrip("/").rpartition(":")[0]
+                return [finding("unreachable", reason=error.message, host=host)]
+            raise
+        try:
+            self.say("asking for its configuration")
+            answer = self.probe(driver)
+            if answer.kind != "configuration":
+                return self.wrong_answer(driver, answer)
+            found = self.round_trips(driver)
+        except LinkError as error:
+            host = place.path.lstrip("/").rpartition(":")[0]
+            return [finding("unreachable", reason=error.message, host=host or place.path)]
+        finally:
+            driver.close()
+        if self.spec is not None and not _stopped(found):
+            found += self.against_spec(self.spec)
+        return found
+
+    def probe(self, driver: OpenedDriver, *, checked: bool = True) -> Answer:
+        polynomial = self.place.polynomial
+        return probe(driver, checked=checked, polynomial=polynomial, wait_s=self.wait_s, clock=self.clock)
+
+    def wrong_answer(self, driver: OpenedDriver, answer: Answer) -> list[Finding]:
+        place = self.place.path
+        if answer.kind == "busy":
+            return [finding("board-busy", place=place)]
+        if answer.kind == "line-errors":
+            shown = _sample(answer.received)
+            return [finding("line-errors", answer=shown, errors=answer.detail)]
+        if answer.kind == "echo":
+            return [finding("echo", place=place)]
+        self.say("asking without a checksum")
+        plain = self.probe(driver, checked=False)
+        if plain.kind == "configuration":
+            return self.without_checksum(driver, answer)
+        if plain.kind == "refused" or answer.kind == "refused":
+            link = self.place.with_option("address_bytes", 1) + "&data_bytes=4"
+            refusal = plain.detail if plain.kind == "refused" else answer.detail
+            return [finding("no-configuration", answer=refusal, link_with_widths=link)]
+        if right := self.other_baud_rate():
+            link = self.place.with_option("baud", right)
+            return [
+                finding(
+                    "wrong-baud", baud_hz=self.place.baud_hz, right_baud_hz=right, link_with_right_baud=link
+                )
+            ]
+        if answer.kind == "garbage":
+            shown = _sample(answer.received)
+            return [finding("garbage", place=place, count=len(answer.received), sample=shown)]
+        tried = " at any usual baud rate" if self.place.scheme == "serial" else ""
+        return [finding("silence", place=place, waited_s=self.wait_s, baud_rates_tried=tried)]
+
+    def without_checksum(self, driver: OpenedDriver, answer: Answer) -> list[Finding]:
+        if answer.kind == "checksum":
+            self.say("trying all checksums")
+            polynomial = find_polynomial(driver, wait_s=self.wait_s)
+            if polynomial is not None:
+                text = "xor" if polynomial == 0 else f"0x{polynomial:02X}"
+                link = self.place.with_option("polynomial", text)
+                return [finding("checksum", polynomial=text, link_with_polynomial=link)]
+        return [finding("no-checksum")]
+
+    def other_baud_rate(self) -> int | None:
+        """Return the baud rate at which there is an answer; only serial ports have one."""
+        if self.place.scheme != "serial":
+            return None
+        for baud_hz in BAUD_RATES_HZ:
+            if baud_hz == self.place.baud_hz:
+                continue
+            self.say(f"trying {baud_hz} baud")
+            try:
+                driver = self.open_driver(self.place.with_option("baud", baud_hz))
+            except LinkError:  # a rate this port cannot do
+                continue
+            try:
+                if self.probe(driver).kind == "configuration":
+                    return baud_hz
+            finally:
+                driver.close()
+        return None
+
+    # ---- how well it goes
+
+    def round_trips(self, driver: OpenedDriver) -> list[Finding]:
+        self.say(f"measuring {_ROUND_TRIPS} round trips")
+        times_s, failures = [], []
+        size = 0
+        for _ in range(_ROUND_TRIPS):
+            answer = self.probe(driver)
+            if answer.kind == "configuration":
+                times_s.append(answer.elapsed_s)
+                size = len(configuration_request()) + len(answer.received)
+            else:
+                failures.append(answer.kind)
+        found = []
+        if failures:
+            reasons = ", ".join(f"{kind} ({failures.count(kind)})" for kind in sorted(set(failures)))
+            found.append(finding("losses", bad=len(failures), count=_ROUND_TRIPS, reasons=reasons))
+        expected_s = self.expected_s(size)
+        if times_s and median(times_s) > expected_s + _SLACK_S:
+            measured_ms, expected_ms = median(times_s) * 1e3, expected_s * 1e3
+            found.append(finding("slow", measured_ms=measured_ms, expected_ms=expected_ms))
+        return found
+
+    def expected_s(self, size: int) -> float:
+        """Return what wire and USB chip take for `size` bytes."""
+        if self.place.scheme != "serial":
+            return 0.0
+        latency_ms = self.machine.serial_port(self.place.path).latency_timer_ms or 0
+        return 10 * size / (self.place.baud_hz or 115_200) + latency_ms / 1e3
+
+    # ---- what the spec says of it
+
+    def against_spec(self, spec: Spec) -> list[Finding]:
+        self.say(f"comparing with {spec.source}")
+        elements = [element for _, element in spec.walk()]
+        with self.open_link(self.place.url) as link:
+            configuration = link.configuration
+            beyond = [e for e in elements if e.address >> configuration.address_bits]
+            if beyond:
+                return [
+                    finding(
+                        "widths",
+                        count=len(beyond),
+                        spec=spec.source,
+                        bits=configuration.address_bits,
+                        example=_named(beyond[0]),
+                    )
+                ]
+            publishing = [e for e in elements if e.publish is not None and e.publish.mode == 1]
+            if publishing and (configuration.publish_mode == 0 or configuration.groups == 0):
+                asked = f"{len(publishing)} items"
+                known = {
+                    "spec": spec.source,
+                    "asked": asked,
+                    "has": "no publishing",
+                    "spec_file": spec.source,
+                }
+                return [finding("publishing", **known)]
+            readable = [e for e in elements if e.pollable and e.link.kind != "fifo"]
+            refused = [e for e in readable if not _reads(link, e.address)]
+        if refused:
+            count, total, example = len(refused), len(readable), _named(refused[0])
+            return [finding("wrong-spec", count=count, total=total, example=example)]
+        return []
+
+
+def _reads(link: Link, address: int) -> bool:
+    try:
+        link.read(address)
+    except BusError:
+        return False
+    return True
+
+
+def _named(element: Element) -> str:
+    return f"{element.path} at 0x{element.address:04X}"
+
+
+def _stopped(found: list[Finding]) -> bool:
+    return any(f.severity == "error" for f in found)
+
+
+def _sample(data: bytes) -> str:
+    return ascii(data[:_SAMPLE_BYTES].rstrip(b"\r\n").decode("latin-1"))

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything that can stand between a user and a board: one table, which the doctor and the docs both use.
+
+`page()` is docs/troubleshooting.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class FindingKind:
+    """One kind of trouble. `cause` and `remedy` are format strings over what the doctor knows of the case;
+    `remedy` is a command or an option, `severity` "error" where nothing works until it is mended."""
+
+    severity: str
+    title: str
+    cause: str
+    remedy: str
+    more: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A trouble that was found, in words about this very link."""
+
+    code: str
+    severity: str
+    title: str
+    cause: str
+    remedy: str
+
+
+FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
+    {
+        "no-port": FindingKind(
+            "error",
+            "The port does not exist",
+            "{device} is not there; ports on this machine: {ports}",
+            "unitylink discover",
+            "The board is not plugged in, has no power, or was given another number. Names that do not "
+            "change are in /dev/serial/by-id/. `dmesg -w` shows what the kernel says at plug-in.",
+        ),
+        "permission": FindingKind(
+            "error",
+            "The port may not be opened",
+            "{device} belongs to the group {group}, and this user is not in it",
+            "sudo usermod -aG {group} $USER    (then log in anew)",
+            "Or let the udev rule open it to whoever sits at the machine: "
+            "`sudo unitylink doctor LINK --install`.",
+        ),
+        "busy-port": FindingKind(
+            "error",
+            "Another program has the port",
+            "{device} is held by {holders}",
+            "kill {pids}    (or close that program)",
+            "Only one program can talk to a board. Programs of other users are only seen with sudo.",
+        ),
+        "modem-manager": FindingKind(
+            "warning",
+            "ModemManager talks to the port",
+            "ModemManager runs and sends modem commands to {device} whenever the board is plugged in",
+            "sudo unitylink doctor {link} --install",
+            "The rule sets ID_MM_DEVICE_IGNORE for this board; plug it in anew afterwards.",
+        ),
+        "latency-timer": FindingKind(
+            "warning",
+            "The latency timer of the USB chip is slow",
+            "{device} waits {latency_ms} ms before it hands on an answer; 1 ms is the least",
+            "echo 1 | sudo tee /sys/bus/usb-serial/devices/{name}/latency_timer",
+            "A read takes at least that long. `--install` writes the udev rule that sets it at every "
+            "plug-in. The driver asks for low latency itself where it may.",
+        ),
+        "unreachable": FindingKind(
+            "error",
+            "The network device cannot be reached",
+            "{reason}",
+            "ping {host}",
+            "Wrong address or port, a firewall, or a board that is off. UDP only finds out when it sends.",
+        ),
+        "wrong-baud": FindingKind(
+            "error",
+            "The baud rate is another one",
+            "nothing sensible at {baud_hz} baud, and a right answer at {right_baud_hz}",
+            "use {link_with_right_baud}",
+            "The gateware's baud rate is a generic of its UART, fixed when it was built.",
+        ),
+        "silence": FindingKind(
+            "error",
+            "Nothing answers",
+            "not a byte came from {place} in {waited_s:g} s{baud_rates_tried}",
+            "check power, RX and TX (crossed?), ground, and that the FPGA is configured",
+            "A loop from TX to RX at the board's connector shows whether bytes come back at all: "
+            "the doctor then reports an echo.",
+        ),
+        "echo": FindingKind(
+            "error",
+            "What is sent comes back",
+            "{place} sends back just what it is sent",
+            "connect the board instead of a loop; turn local echo off",
+            "RX and TX are connected to each other, or an RS-485 adapter hears itself.",
+        ),
+        "garbage": FindingKind(
+            "error",
+            "What comes is no Unity-Link",
+            "{place} sends {count} bytes that are no message, such as {sample}",
+            "check the baud rate and that this is the right port",
+            "At a wrong baud rate most bytes look like noise; another kind of device sends its own text.",
+        ),
+        "line-errors": FindingKind(
+            "error",
+            "The board hears parity or framing errors",
+            "the board answers {answer}: {errors} on its receive line",
+            "set parity and stop bits to 8N1 on both sides, and the same baud rate",
+            "The board's baud rate may be off by more than 3 %, or the line too long for it.",
+        ),
+        "checksum": FindingKind(
+            "error",
+            "The checksums do not agree",
+            "the board refuses our checksum and takes polynomial {polynomial}",
+            "use {link_with_polynomial}",
+            "The polynomial of the CRC is a generic of the gateware.",
+        ),
+        "no-checksum": FindingKind(
+            "note",
+            "The gateware has no checksums",
+            "plain messages are answered, messages with a checksum are not",
+            "leave crc=1 and publish_crc=1 out of the link",
+            "Lite datalinks have no checks: a flipped bit on the wire is a wrong value.",
+        ),
+        "board-busy": FindingKind(
+            "error",
+            "The board serves another program",
+            "{place} answers ?busy",
+            "close the program that is connected to it",
+            "A board talks to one program at a time.",
+        ),
+        "no-configuration": FindingKind(
+            "error",
+            "The gateware does not tell its configuration",
+            "RLC is refused with {answer}",
+            "add address_bytes= and data_bytes= to the link, such as {link_with_widths}",
+            "RLC was left out when the gateware was built; its widths stand in its source.",
+        ),
+        "widths": FindingKind(
+            "error",
+            "The device is too narrow for the spec",
+            "{count} items of {spec} lie beyond the {bits} address bits of the device, such as {example}",
+            "give the spec of this gateware (--spec), or build the gateware from this spec",
+        ),
+        "publishing": FindingKind(
+            "error",
+            "The device cannot publish what the spec asks for",
+            "{spec} publishes {asked}; the device has {has}",
+            "unitylink generate {spec_file} --only vhdl    (and build the gateware from it)",
+        ),
+        "wrong-spec": FindingKind(
+            "error",
+            "The device does not have the spec's words",
+            "reading {count} of {total} items gives a bus error, such as {example}",
+            "give the spec of this gateware (--spec), or build the gateware from this spec",
+            "Nothing is at those addresses of the board's bus. TosNet words need a running network: see "
+            "`unitylink info`.",
+        ),
+        "slow": FindingKind(
+            "warning",
+            "Answers take longer than the wire needs",
+            "a request takes {measured_ms:.2f} ms; bytes and USB account for {expected_ms:.2f} ms",
+            "look for a hub, a virtual machine, or a busy processor between program and board",
+        ),
+        "losses": FindingKind(
+            "error",
+            "Messages get lost or damaged",
+            "{bad} of {count} requests failed: {reasons}",
+            "lower the baud rate, shorten the cable, and ask for checksums (crc=1)",
+            "With 16-byte buffers in the gateware, fifo=16 keeps the link from overrunning them.",
+        ),
+    }
+)
+
+
+def finding(code: str, **known: object) -> Finding:
+    """Return the finding `code`, filled in."""
+    kind = FINDINGS[code]
+    return Finding(code, kind.severity, kind.title, kind.cause.format(**known), kind.remedy.format(**known))
+
+
+def page() -> str:
+    """Return docs/troubleshooting.md.
+
+    >>> page().splitlines()[0]
+    '# Troubleshooting'
+    """
+    lines = [
+        "# Troubleshooting",
+        "",
+        "`unitylink doctor LINK` looks for all of these and names the command that mends what it finds. This",
+        "page is made from the same table, `src/unitylink/ports/findings.py`, by `make docs`; words in",
+        "braces are filled in by the doctor.",
+    ]
+    for code, kind in FINDINGS.items():
+        lines += [
+            "",
+            f"## {kind.title}",
+            "",
+            f"`{code}`, {kind.severity}: {kind.cause}.",
+            "",
+            f"    {kind.remedy}",
+        ]
+        if kind.more:
+            lines += ["", kind.more]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What this machine knows of its serial ports, read from /sys, /dev, /proc and /run/udev.
+
+Sources: Documentation/ABI/testing/sysfs-bus-usb and sysfs-tty of the Linux kernel; latency_timer is an
+attribute of the kernel's ftdi_sio driver.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+_CHANNELS = "ABCD"
+_PORT_NAMES = ("ttyUSB", "ttyACM", "ttyS", "ttyAMA", "ttyXR", "ttyO", "ttyTHS")
+
+
+@dataclass(frozen=True)
+class Holder:
+    """A process that has a port open."""
+
+    pid: int
+    command: str
+
+
+@dataclass(frozen=True)
+class SerialPort:
+    """A serial port. What is empty or None the operating system does not tell, as for ports that are not USB.
+
+    `latency_timer_ms` is how long an FTDI chip waits before it hands on what does not fill a USB packet.
+    """
+
+    device: str
+    vendor_id: int | None = None
+    product_id: int | None = None
+    manufacturer: str = ""
+    product: str = ""
+    serial_number: str = ""
+    channel: str = ""
+    driver: str = ""
+    latency_timer_ms: int | None = None
+
+    @property
+    def identity(self) -> str:
+        """`0403:6010 Dual RS232-HS (FTDI) serial FT1234 channel A`, as far as it is known."""
+        parts = []
+        if self.vendor_id is not None and self.product_id is not None:
+            parts.append(f"{self.vendor_id:04x}:{self.product_id:04x}")
+        if self.product:
+            parts.append(self.product)
+        if self.manufacturer:
+            parts.append(f"({self.manufacturer})")
+        if self.serial_number:
+            parts.append(f"serial {self.serial_number}")
+        if self.channel:
+            parts.append(f"channel {self.channel}")
+        return " ".join(parts)
+
+
+class Machine:
+    """The machine whose files are below `root`, seen by the user `uid` of the groups `gids`."""
+
+    def __init__(
+        self, root: str | Path = "/", *, uid: int | None = None, gids: Collection[int] | None = None
+    ) -> None:
+        self.root = Path(root)
+        self.uid = os.getuid() if uid is None else uid
+        self.gids = frozenset((*os.getgroups(), os.getgid()) if gids is None else gids)
+
+    def path(self, name: str) -> Path:
+        """Return where the file `name`, which begins with a slash, is below the root."""
+        return self.root / name.lstrip("/")
+
+    # ---- which ports there are
+
+    def serial_ports(self) -> list[SerialPort]:
+        """Return the ports that have hardware behind them, by name; one that goes meanwhile is left out."""
+        found = []
+        for entry in _entries(self.path("/sys/class/tty")):
+            hardware = entry / "device"
+            if entry.name.startswith(_PORT_NAMES) and hardware.exists() and _is_real(entry):
+                found.append(self._port(f"/dev/{entry.name}", hardware.resolve()))
+        return sorted(found, key=lambda port: (len(port.device), port.device))
+
+    def serial_port(self, device: str) -> SerialPort:
+        """Return what is known of one device file; links such as /dev/serial/by-id/... are followed."""
+        name = os.path.basename(os.path.realpath(self.path(device)))
+        hardware = self.path(f"/sys/class/tty/{name}/device")
+        return self._port(device, hardware.resolve()) if hardware.exists() else SerialPort(device)
+
+    def _port(self, device: str, hardware: Path) -> SerialPort:
+        usb = next(
+            (folder for folder in (hardware, *hardware.parents) if (folder / "idVendor").is_file()), None
+        )
+        interface = next(
+            (f for f in (hardware, *hardware.parents) if (f / "bInterfaceNumber").is_file()), None
+        )
+        driver = hardware / "driver"
+        latency = _text(hardware / "latency_timer")
+        vendor = _text(usb / "idVendor") if usb else ""
+        product_id = _text(usb / "idProduct") if usb else ""
+        number = _hex(_text(interface / "bInterfaceNumber")) if interface else None
+        several = usb is not None and (_hex(_text(usb / "bNumInterfaces")) or 1) > 1
+        return SerialPort(
+            device=device,
+            vendor_id=_hex(vendor),
+            product_id=_hex(product_id),
+            manufacturer=_text(usb / "manufacturer") if usb else "",
+            product=_text(usb / "product") if usb else "",
+            serial_number=_text(usb / "serial") if usb else "",
+            channel=_CHANNELS[number] if several and number is not None and number < len(_CHANNELS) else "",
+            driver=driver.resolve().name if driver.exists() else "",
+            latency_timer_ms=int(latency) if latency.isdigit() else None,
+        )
+
+    # ---- who may, and who does
+
+    def exists(self, device: str) -> bool:
+        return self.path(device).exists()
+
+    def may_open(self, device: str) -> bool:
+        """Tell whether the mode of the device file lets the user read and write it."""
+        if self.uid == 0:
+            return True
+        try:
+            status = self.path(device).stat()
+        except OSError:
+            return False
+        shift = 6 if status.st_uid == self.uid else 3 if status.st_gid in self.gids else 0
+        return status.st_mode >> shift & 0o6 == 0o6
+
+    def group_of(self, device: str) -> str:
+        """Return the name of the group that has the device file, its number where it has no name."""
+        import grp
+
+        gid = self.path(device).stat().st_gid
+        try:
+            return grp.getgrgid(gid).gr_name
+        except KeyError:
+            return str(gid)
+
+    def holders(self, device: str) -> list[Holder]:
+        """Return the processes that have the device open, but for this one; others' are seen by root."""
+        target = os.path.realpath(self.path(device))
+        found = []
+        for process in _entries(self.path("/proc")):
+            if not process.name.isdigit() or int(process.name) == os.getpid():
+                continue
+            if any(self._leads_to(descriptor, target) for descriptor in _entries(process / "fd")):
+                found.append(Holder(int(process.name), _text(process / "comm") or "?"))
+        return found
+
+    def _leads_to(self, descriptor: Path, target: str) -> bool:
+        try:
+            link = os.readlink(descriptor)
+        except OSError:
+            return False
+        return os.path.realpath(self.path(link) if link.startswith("/") else link) == target
+
+    def modem_manager_probes(self, device: str) -> bool:
+        """Tell whether ModemManager runs and has not been told to leave the device alone."""
+        runs = any(
+            process.name.isdigit() and _text(process / "comm") == "ModemManager"
+            for process in _entries(self.path("/proc"))
+        )
+        return runs and "E:ID_MM_DEVICE_IGNORE=1" not in self._udev_properties(device)
+
+    def _udev_properties(self, device: str) -> set[str]:
+        name = os.path.basename(os.path.realpath(self.path(device)))
+        numbers = _text(self.path(f"/sys/class/tty/{name}/dev"))
+        return set(_text(self.path(f"/run/udev/data/c{numbers}")).splitlines()) if numbers else set()
+
+
+def _is_real(entry: Path) -> bool:
+    """Leave out the ports a PC's serial driver offers without there being one (type 0)."""
+    kind = _text(entry / "type")
+    return kind != "0"
+
+
+def _entries(folder: Path) -> Iterator[Path]:
+    try:
+        yield from sorted(folder.iterdir())
+    except OSError:  # of another user, or gone since
+        return
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace").strip()
+    except OSError:
+        return ""
+
+
+def _hex(text: str) -> int | None:
+    try:
+        return int(text, 16)
+    except ValueError:
+        return None

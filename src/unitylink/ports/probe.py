@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ask what is at the other end of a port, believing nothing.
+
+The only request that is sent is RLC, which changes nothing, behind the fence that voids a half-received
+message.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from unitylink import protocol
+from unitylink.layer1_stream import (
+    ApplicationError,
+    Busy,
+    ClassicDecoder,
+    ClassicEncoder,
+    DatalinkError,
+    Publish,
+    Reply,
+)
+
+WAIT_S = 0.5  # for an answer; a board that is there needs a few ms
+
+
+class PortDriver(Protocol):
+    """What a probe needs of layer 0."""
+
+    def send(self, data: bytes, *, timeout_s: float = ...) -> None: ...
+
+    def receive(self, *, timeout_s: float = ...) -> bytes: ...
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came back.
+
+    `kind` is "configuration" (`fields` is the text of the CNF), "refused" (`detail` the E_xxx), "checksum",
+    "line-errors" (`detail` names them), "busy", "echo", "garbage" or "silence"; `elapsed_s` until then.
+    """
+
+    kind: str
+    received: bytes
+    detail: str = ""
+    fields: str = ""
+    elapsed_s: float = 0.0
+
+
+def request(*, checked: bool = True, polynomial: int | None = protocol.CRC8_POLYNOMIAL) -> bytes:
+    """Return RLC behind a fence.
+
+    >>> request()
+    b'!$RLC*9B\\n'
+    """
+    encoder = ClassicEncoder(checked=checked, polynomial=polynomial)
+    return b"!" + encoder.encode(protocol.COMMAND_READ_CONFIGURATION)
+
+
+def probe(
+    driver: PortDriver,
+    *,
+    checked: bool = True,
+    polynomial: int | None = protocol.CRC8_POLYNOMIAL,
+    wait_s: float = WAIT_S,
+    clock: Callable[[], float] = time.monotonic,
+) -> Answer:
+    """Ask for the configuration and return what came. Publishes that a board sends meanwhile do not count."""
+    sent = request(checked=checked, polynomial=polynomial)
+    return ask(driver, sent, checked=checked, polynomial=polynomial, wait_s=wait_s, clock=clock)
+
+
+def ask(
+    driver: PortDriver,
+    sent: bytes,
+    *,
+    checked: bool,
+    polynomial: int | None,
+    wait_s: float,
+    clock: Callable[[], float] = time.monotonic,
+) -> Answer:
+    """Send `sent`, which asks for the configuration, and return what came."""
+    while driver.receive(timeout_s=0.0):  # what was under way before
+        pass
+    driver.send(sent)
+    start_s = clock()
+    received = b""
+    decoder = ClassicDecoder(data_bytes=0, polynomial=polynomial)
+    complaint: Answer | None = None
+    while (left_s := start_s + wait_s - clock()) > 0:
+        chunk = driver.receive(timeout_s=left_s)
+        received += chunk
+        for event in decoder.feed(chunk):
+            elapsed_s = clock() - start_s
+            if isinstance(event, Reply) and event.letters == protocol.REPLY_READ_CONFIGURATION:
+                return Answer("configuration", received, fields=event.fields, elapsed_s=elapsed_s)
+            if isinstance(event, Busy):
+                return Answer("busy", received, elapsed_s=elapsed_s)
+            if isinstance(event, ApplicationError):
+                complaint = Answer("refused", received, event.error, elapsed_s=elapsed_s)
+            elif isinstance(event, DatalinkError):
+                complaint = _complaint(event, received, elapsed_s)
+        if complaint is not None and not received.endswith(b"f3\n"):  # the fence may bring an f3 of its own
+            return complaint
+    if complaint is not None:
+        return complaint
+    if sent.strip() in received:
+        return Answer("echo", received, elapsed_s=wait_s)
+    said = ClassicDecoder(data_bytes=0, polynomial=polynomial).feed(received)
+    if not received or (said and all(isinstance(event, Publish) for event in said)):
+        return Answer("silence", received, elapsed_s=wait_s)
+    return Answer("garbage", received, elapsed_s=wait_s)
+
+
+def _complaint(event: DatalinkError, received: bytes, elapsed_s: float) -> Answer:
+    if event.code >= protocol.DATALINK_ERROR_PHYSICAL:
+        flags = event.code - protocol.DATALINK_ERROR_PHYSICAL
+        names = [name for bit, name in enumerate(("parity", "framing", "overrun")) if flags >> bit & 1]
+        return Answer("line-errors", received, " and ".join(names), elapsed_s=elapsed_s)
+    if event.code == protocol.DATALINK_ERROR_CHECKSUM:
+        return Answer("checksum", received, elapsed_s=elapsed_s)
+    return Answer("refused", received, f"?{event.code:x}", elapsed_s=elapsed_s)
+
+
+def find_polynomial(driver: PortDriver, *, wait_s: float = WAIT_S) -> int | None:
+    """Return the CRC polynomial the device takes, 0 for the byte XOR, None when none of the 256 works.
+
+    The 256 possible checksums of RLC are tried; the checksum of the answer tells which polynomial it was.
+    """
+    for sum_ in range(256):
+        answer = ask(
+            driver, b"!$RLC*%02X\n" % sum_, checked=False, polynomial=protocol.CRC8_POLYNOMIAL, wait_s=wait_s
+        )
+        if answer.kind == "checksum":
+            continue
+        for polynomial in (None, *range(1, 256)):
+            if request(polynomial=polynomial) != b"!$RLC*%02X\n" % sum_:
+                continue
+            events = ClassicDecoder(data_bytes=0, polynomial=polynomial).feed(answer.received)
+            if any(isinstance(e, Reply) and e.letters == protocol.REPLY_READ_CONFIGURATION for e in events):
+                return polynomial or 0
+    return None

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink discover`: which ports there are, and what answers on them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .output import json_option, print_json, print_table
+
+if TYPE_CHECKING:
+    from unitylink.ports import Machine, SerialPort
+
+_BAUD_HZ = 3_000_000
+
+
+@click.command()
+@click.option("--ask", is_flag=True, help="Ask on every free port, and on the network, who is there.")
+@click.option(
+    "--baud", "baud_hz", type=click.IntRange(1), default=_BAUD_HZ, show_default=True, help="At this rate."
+)
+@click.option(
+    "--port", type=click.IntRange(1, 65535), default=5555, show_default=True, help="UDP port to ask."
+)
+@click.option(
+    "--broadcast", default="255.255.255.255", show_default=True, metavar="ADDRESS", help="Where to ask."
+)
+@json_option("the ports")
+def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool) -> None:
+    """List serial ports: what they are, who holds them, and with --ask what answers there.
+
+    Without --ask no byte is sent: other devices may be on those ports, and some reset when a port is opened.
+
+    \b
+    Examples:
+      unitylink discover
+      unitylink discover --ask --baud 1000000
+      unitylink discover --ask --json
+    """
+    from unitylink.ports import Machine
+    from unitylink.ports.network import broadcast as ask_everybody
+
+    machine = Machine()
+    entries = [_entry(machine, found, baud_hz if ask else None) for found in machine.serial_ports()]
+    if ask:
+        for url, answer in ask_everybody(port=port, address=broadcast):
+            said = answer.decode("ascii", "replace").strip()
+            entries.append({"link": url, "device": None, "identity": "", "holders": [], "answers": said})
+    if as_json:
+        print_json({"ports": entries})
+        return
+    if not entries:
+        click.echo("no serial ports" + ("" if not ask else ", and nobody answers on the network"))
+        return
+    rows = [(e["link"], e["identity"], _held(e), e["answers"] or "") for e in entries]
+    print_table(("link", "what it is", "held by", "answers"), rows)
+    if not ask:
+        click.echo(
+            "`unitylink discover --ask` asks each free port for a board; `unitylink doctor LINK` looks closer"
+        )
+
+
+def _entry(machine: Machine, port: SerialPort, baud_hz: int | None) -> dict[str, Any]:
+    holders = [f"{holder.command} ({holder.pid})" for holder in machine.holders(port.device)]
+    link = f"serial:{port.device}" + (f"?baud={baud_hz}" if baud_hz else "")
+    answers = None
+    if baud_hz is not None and not holders:
+        answers = _ask(link) if machine.may_open(port.device) else "no permission"
+    return {
+        "link": link,
+        "device": port.device,
+        "identity": port.identity or "no USB device",
+        "vendor_id": port.vendor_id,
+        "product_id": port.product_id,
+        "serial_number": port.serial_number,
+        "channel": port.channel,
+        "driver": port.driver,
+        "latency_timer_ms": port.latency_timer_ms,
+        "holders": holders,
+        "answers": answers,
+    }
+
+
+def _ask(link: str) -> str:
+    from unitylink.errors import LinkError
+    from unitylink.layer0_driver import Driver
+    from unitylink.ports import probe
+
+    try:
+        with Driver(link) as driver:
+            answer = probe(driver)
+    except LinkError as error:  # gone, or taken, since it was listed
+        return error.message
+    return f"a board: {answer.fields}" if answer.kind == "configuration" else answer.kind
+
+
+def _held(entry: dict[str, Any]) -> str:
+    return ", ".join(entry["holders"])

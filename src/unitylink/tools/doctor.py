@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink doctor`: what stands between a user and a board, and the command that mends it."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+
+import click
+
+from .failure import Failure
+from .link_option import link_argument, load_names, spec_option
+from .output import colours, json_option, print_json
+
+_MARKS = {"error": ("✗", "\x1b[1;31m"), "warning": ("!", "\x1b[1;33m"), "note": ("i", "\x1b[1;36m")}
+
+
+@click.command()
+@link_argument
+@spec_option
+@click.option(
+    "--install", "installing", is_flag=True, help="Write the udev rule for this board (needs sudo)."
+)
+@json_option("the findings")
+def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -> None:
+    """Find what stands between you and the board at LINK; each finding comes with the command that mends it.
+
+    Looks at the port (permission, other programs, ModemManager, latency timer), at what answers (silence,
+    noise, another baud rate or checksum), and with --spec whether the board has what the spec says. Exit code
+    1 where something keeps the link from working. docs/troubleshooting.md has all findings.
+
+    \b
+    Examples:
+      unitylink doctor "serial:/dev/ttyUSB0?baud=3000000"
+      unitylink doctor tcp://192.168.1.10:5555 --spec arm.ul
+      sudo unitylink doctor serial:/dev/ttyUSB0 --install
+    """
+    from unitylink.ports import Machine, examine
+    from unitylink.ports.udev import RELOAD, install
+
+    if installing:
+        if not link.startswith("serial:"):
+            raise Failure(f"{link} is no serial port", "--install is for serial:/dev/… links")
+        machine = Machine()
+        device = link.removeprefix("serial:").partition("?")[0]
+        click.echo(f"wrote {install(machine, machine.serial_port(device))}\nnow: {RELOAD}")
+        return
+    if link.startswith(("sim:", "rtl:")):
+        raise Failure(
+            f"{link} is a virtual board",
+            "the doctor is for real ports; `unitylink info` asks a virtual board",
+        )
+    spec = load_names(link, spec_file).spec
+    say = (lambda message: None) if as_json else (lambda message: click.echo(f"  {message}", err=True))
+    findings = examine(link, spec=spec, say=say)
+    healthy = not any(finding.severity == "error" for finding in findings)
+    if as_json:
+        print_json({"link": link, "healthy": healthy, "findings": [asdict(finding) for finding in findings]})
+    else:
+        for finding in findings:
+            mark, colour = _MARKS[finding.severity]
+            bold, off = (colour, "\x1b[0m") if colours(sys.stdout) else ("", "")
+            click.echo(f"{bold}{mark} {finding.title}{off} [{finding.code}]\n  {finding.cause}")
+            click.echo(f"  mend: {finding.remedy}")
+        if healthy:
+            click.echo("the board answers, in time and without a fault" if not findings else "the link works")
+    click.get_current_context().exit(0 if healthy else 1)

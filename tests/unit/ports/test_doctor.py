@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One test a finding: something is made wrong, and the doctor must say just that."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import pytest
+
+from unitylink.errors import LinkError, LinkNotFound
+from unitylink.layer2_message import Link
+from unitylink.ports import FINDINGS, Finding, examine
+from unitylink.ports.findings import page
+from unitylink.simulate import Board as Twin
+from unitylink.simulate import BoardConfiguration
+from unitylink.spec import compile_text
+from unitylink.spec.model import Spec
+
+from .conftest import Board, Clock, FakeMachine, healthy
+
+ROOT_PAGE = "docs/troubleshooting.md"
+LINK = "serial:/dev/ttyUSB0?baud=3000000"
+Reply = Callable[[bytes], bytes]
+
+
+@pytest.fixture
+def diagnose(fake: FakeMachine, clock: Clock) -> Callable[..., dict[str, Finding]]:
+    """Examine a board that answers like `reply`; the findings by code."""
+    fake.usb_port()
+
+    def examined(
+        reply: Reply = healthy,
+        *,
+        link: str = LINK,
+        delay_s: float = 0.0005,
+        boards: dict[str, Reply] | None = None,
+    ) -> dict[str, Finding]:
+        def open_driver(url: str) -> Board:
+            return Board((boards or {}).get(url, reply), clock, delay_s=delay_s)
+
+        found = examine(link, machine=fake.machine(), open_driver=open_driver, clock=clock)
+        assert len({f.code for f in found}) == len(found)
+        return {f.code: f for f in found}
+
+    return examined
+
+
+Diagnose = Callable[..., "dict[str, Finding]"]
+
+
+def test_a_healthy_board_has_no_findings(diagnose: Diagnose) -> None:
+    assert diagnose() == {}
+
+
+def test_no_port(diagnose: Diagnose) -> None:
+    found = diagnose(link="serial:/dev/ttyUSB7")
+    assert list(found) == ["no-port"] and "ports on this machine: /dev/ttyUSB0" in found["no-port"].cause
+
+
+def test_permission(diagnose: Diagnose, fake: FakeMachine) -> None:
+    (fake.root / "dev/ttyUSB0").chmod(0o600)
+    found = diagnose()
+    assert list(found) == ["permission"] and "sudo usermod -aG" in found["permission"].remedy
+
+
+def test_busy_port(diagnose: Diagnose, fake: FakeMachine) -> None:
+    fake.process(77, "minicom", holds="/dev/ttyUSB0")
+    found = diagnose()
+    assert "minicom (process 77)" in found["busy-port"].cause and found["busy-port"].remedy.startswith(
+        "kill 77"
+    )
+
+
+def test_modem_manager(diagnose: Diagnose, fake: FakeMachine) -> None:
+    fake.process(78, "ModemManager")
+    assert list(diagnose()) == ["modem-manager"]
+
+
+def test_latency_timer(diagnose: Diagnose, fake: FakeMachine) -> None:
+    path = next(fake.root.rglob("1-1:1.0/ttyUSB0/latency_timer"))
+    path.write_text("16\n")
+    found = diagnose()
+    assert "waits 16 ms" in found["latency-timer"].cause
+    assert "/sys/bus/usb-serial/devices/ttyUSB0/latency_timer" in found["latency-timer"].remedy
+
+
+def test_unreachable(fake: FakeMachine, clock: Clock) -> None:
+    def refuse(url: str) -> Board:
+        raise LinkNotFound(f"{url}: Connection refused")
+
+    (found,) = examine("tcp://10.1.2.3:5555", machine=fake.machine(), open_driver=refuse, clock=clock)
+    assert (found.code, found.remedy) == ("unreachable", "ping 10.1.2.3")
+
+
+def test_a_port_that_cannot_be_opened_for_another_reason_is_an_error(fake: FakeMachine, clock: Clock) -> None:
+    fake.usb_port()
+
+    def refuse(url: str) -> Board:
+        raise LinkError("Input/output error")
+
+    with pytest.raises(LinkError, match="Input/output"):
+        examine(LINK, machine=fake.machine(), open_driver=refuse, clock=clock)
+
+
+def test_wrong_baud(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: b"\x80\xf8\x00", boards={"serial:/dev/ttyUSB0?baud=115200": healthy})
+    assert list(found) == ["wrong-baud"] and "serial:/dev/ttyUSB0?baud=115200" in found["wrong-baud"].remedy
+
+
+def test_silence(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: b"")
+    assert list(found) == ["silence"] and "at any usual baud rate" in found["silence"].cause
+
+
+def test_publishes_are_no_answer(diagnose: Diagnose) -> None:
+    assert list(diagnose(lambda line: b"%PUB:000100000001\n")) == ["silence"]
+
+
+def test_echo(diagnose: Diagnose) -> None:
+    assert list(diagnose(lambda line: line)) == ["echo"]
+
+
+def test_garbage(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: b"ok T:21.3 /0.0\n")
+    assert list(found) == ["garbage"] and "T:21.3" in found["garbage"].cause
+
+
+def test_line_errors(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: b"?f7\n")
+    assert list(found) == ["line-errors"] and "framing" in found["line-errors"].cause
+
+
+def test_a_half_received_message_before_is_no_line_error(diagnose: Diagnose) -> None:
+    assert diagnose(lambda line: b"?f3\n" + healthy(line)) == {}
+
+
+@pytest.mark.parametrize(("polynomial", "text"), [(0x2F, "0x2F"), (None, "xor")])
+def test_checksum(diagnose: Diagnose, polynomial: int | None, text: str) -> None:
+    found = diagnose(lambda line: healthy(line, polynomial=polynomial))
+    assert list(found) == ["checksum"] and f"polynomial={text}" in found["checksum"].remedy
+
+
+def test_no_checksum(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: healthy(line) if b"#" in line else b"")
+    assert list(found) == ["no-checksum"] and found["no-checksum"].severity == "note"
+
+
+def test_board_busy(diagnose: Diagnose) -> None:
+    assert list(diagnose(lambda line: b"?busy\n")) == ["board-busy"]
+
+
+def test_no_configuration(diagnose: Diagnose) -> None:
+    found = diagnose(lambda line: b"$?E_ICC\n")
+    assert list(found) == ["no-configuration"] and "E_ICC" in found["no-configuration"].cause
+    assert "address_bytes=1&data_bytes=4" in found["no-configuration"].remedy
+
+
+def test_slow(diagnose: Diagnose) -> None:
+    found = diagnose(delay_s=0.02)
+    assert list(found) == ["slow"] and "takes 20.00 ms" in found["slow"].cause
+
+
+def test_losses(diagnose: Diagnose) -> None:
+    turns = itertools.count(1)
+    found = diagnose(lambda line: healthy(line) if next(turns) % 10 else b"")
+    assert list(found) == ["losses"] and "of 50 requests failed: silence" in found["losses"].cause
+
+
+# ---- what the spec says: against the twin
+
+
+def against(text: str, board: Twin) -> dict[str, Finding]:
+    spec = compile_text(text.encode(), "arm.ul").spec
+    assert isinstance(spec, Spec)
+    found = examine(board.url, spec=spec, open_link=Link)
+    return {f.code: f for f in found if f.code != "slow"}  # a loaded machine may well be
+
+
+def twin(**configuration: int) -> Twin:
+    return Twin(configuration=BoardConfiguration(**configuration), endpoint="tcp:0")
+
+
+NARROW = "public arm() { @far = 0x1234: READ(); }"
+PUBLISHING = "public arm() { @angle = 0x10: READ(PUBLISH(1,10)); }"
+
+
+def test_widths() -> None:
+    with twin(address_bits=8) as board:
+        found = against(NARROW, board)
+    assert list(found) == ["widths"] and "far at 0x1234" in found["widths"].cause
+
+
+def test_publishing() -> None:
+    with twin(publish_mode=0) as board:
+        found = against(PUBLISHING, board)
+    assert list(found) == ["publishing"]
+
+
+def test_wrong_spec() -> None:
+    other = compile_text(b"public lamp(c,u) { TOSNET(CTRL=c,COMM=u); @led = 0x40: READ(); }", "lamp.ul").spec
+    with Twin(other, endpoint="tcp:0") as board:
+        found = against(PUBLISHING.replace("0x10", "0x480"), board)
+    assert list(found) == ["wrong-spec"] and "angle at 0x0480" in found["wrong-spec"].cause
+
+
+def test_the_right_spec() -> None:
+    spec = compile_text(PUBLISHING.encode(), "arm.ul").spec
+    with Twin(spec, endpoint="tcp:0") as board:
+        assert against(PUBLISHING, board) == {}
+
+
+# ---- the table
+
+
+def test_every_finding_has_its_test() -> None:
+    tested = {name.removeprefix("test_").replace("_", "-") for name in globals() if name.startswith("test_")}
+    assert set(FINDINGS) <= tested
+
+
+def test_the_page_is_that_of_the_table(pytestconfig: pytest.Config) -> None:
+    assert (pytestconfig.rootpath / ROOT_PAGE).read_text() == page(), "make docs writes it anew"
