@@ -19,6 +19,27 @@ def test_a_broken_address_map_stops_elaboration(ghdl: Any) -> None:
     ghdl.refuse("wishbone_interconnect_tb", "slave 3 passes the last address", broken_map=2)
 
 
+@pytest.mark.parametrize(
+    ("address_width", "data_width", "wait_clocks_most", "seed"), [(8, 32, 0, 1), (8, 32, 6, 2), (30, 12, 3, 3)]
+)
+def test_axi_lite_master(ghdl: Any, address_width: int, data_width: int, wait_clocks_most: int, seed: int) -> None:
+    ghdl.run(
+        "axi_lite_master_tb",
+        address_width=address_width,
+        data_width=data_width,
+        wait_clocks_most=wait_clocks_most,
+        seed=seed,
+    )
+
+
+def test_an_address_too_wide_for_axi_stops_elaboration(ghdl: Any) -> None:
+    ghdl.refuse("axi_lite_master_tb", "an address_width of 31 does not fit", address_width=31)
+
+
+def test_axi_lite_master_netlist(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("axi_lite_master", tmp_path, timeout_clocks=100)
+
+
 @pytest.mark.parametrize("data_width", [8, 12, 32])
 @pytest.mark.parametrize("snapshot", [False, True])
 def test_register_slave(ghdl: Any, data_width: int, snapshot: bool) -> None:
