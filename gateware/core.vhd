@@ -2,29 +2,17 @@
 --
 -- The Unity-Link core: classic protocol on byte streams, requests and publishes on a Wishbone bus.
 --
---   rx --> datalink --> request_buffer --> application <--> wishbone_master --> wishbone
---   tx <--    "     <-- speller <-- fifo <-----+   ^
---                                subscription_manager <-- events
+--   rx, tx <--> core_bii <--> wishbone_master <--> wishbone
 --
--- Ports     rx, tx: byte streams, valid/ready/data. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1
---           framing, 2 overrun). events: one line a group, synchronous to the clock. wishbone: word addresses.
--- Latency   From the last byte of a request to the first of its reply: 5 clocks. Then a byte a clock, as far as the bus and
---           the reply go: the figures are in docs/gateware/core.md and asserted in tests/gateware/test_cycles.py.
--- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
--- Pressure  tx_ready stalls replies, then execution, then rx_ready. Two requests are kept, in execution and behind it.
--- Checksum  "none" also takes checked requests and EPC away.
--- Datalink  "lite" and "none" keep nothing: a request is executed while it comes in (docs/gateware/datalink.md).
+-- All there is to say stands in core_bii.vhd and wishbone_master.vhd. The cycle figures in docs/gateware/core.md are of this
+-- entity.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
-use work.application_pkg.all;
 use work.bii_pkg.all;
-use work.datalink_pkg.all;
 use work.protocol_pkg.all;
-use work.subscription_pkg.all;
-use work.width_pkg.all;
 use work.wishbone_pkg.all;
 
 entity core is
@@ -63,119 +51,27 @@ end entity;
 
 architecture rtl of core is
 
-  constant tokens : positive := 16;  -- between application and speller, so that they work at the same time
-
-  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
-
-  constant entries : positive := entries_for(
-    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes, mask_bytes);
-
-  signal receive                          : receive_t;
-  signal room                             : std_ulogic;
-  signal message_end                      : std_ulogic;
-
-  signal request            : request_t;
-  signal request_data       : byte_t;
-  signal data_valid         : std_ulogic;
-  signal data_ended         : std_ulogic;
-  signal request_take       : std_ulogic;
-  signal request_done       : std_ulogic;
-
-  signal subscription_request  : subscription_request_t;
-  signal subscription_response : subscription_response_t;
-  signal bii_request           : bii_request_t;
-  signal bii_response          : bii_response_t;
-
-  signal said_valid, said_ready   : std_ulogic;
-  signal said_data                : token_t;
-  signal token_valid, token_ready : std_ulogic;
-  signal token_data               : token_t;
-  signal word_valid, word_ready   : std_ulogic;
-  signal word_data                : word_t;
+  signal bii_request  : bii_request_t;
+  signal bii_response : bii_response_t;
 
 begin
 
-  datalink_layer : entity work.datalink
-    generic map (datalink => datalink, message_entries => entries, checksum => checksum, polynomial => polynomial)
+  core_bii : entity work.core_bii
+    generic map (
+      address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
+      groups => groups, group_size => group_size, rate_bytes => rate_bytes, read_many => read_many,
+      publish_mode => publish_mode, configuration_command => configuration_command, datalink => datalink,
+      checksum => checksum, polynomial => polynomial, edge_events => edge_events)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      receive => receive, room => room, message_end => message_end,
-      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
-
-  requests : if datalink = "full" generate
-    request_buffer : entity work.request_buffer
-      generic map (
-        message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        has_checksum => checksum /= "none", configuration_command => configuration_command)
-      port map (
-        clock => clock, reset => reset, receive => receive, room => room,
-        request => request, data => request_data, take => request_take, request_done => request_done);
-    message_end <= '0';
-    data_valid  <= '1';  -- a request that is kept whole has all its data
-    data_ended  <= '0';
-  else generate
-    request_stream : entity work.request_stream
-      generic map (
-        address_bytes => bytes_for(address_width), data_bytes => bytes_for(data_width), rate_bytes => rate_bytes,
-        mask_bytes => mask_bytes, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        configuration_command => configuration_command)
-      port map (
-        clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
-        request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
-        take => request_take, request_done => request_done);
-  end generate;
-
-  application : entity work.application
-    generic map (
-      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode)
-    port map (
-      clock => clock, reset => reset,
-      request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
-      take => request_take, request_done => request_done,
-      subscription_request => subscription_request, subscription_response => subscription_response,
-      bii_request => bii_request, bii_response => bii_response,
-      token_valid => said_valid, token_ready => said_ready, token_data => said_data);
-
-  publishing : if publish_mode > 0 generate
-    subscription_manager : entity work.subscription_manager
-      generic map (
-        address_width => address_width, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
-        group_size => group_size, rate_bytes => rate_bytes, edge_events => edge_events)
-      port map (
-        clock => clock, reset => reset, events => events,
-        request => subscription_request, response => subscription_response);
-  end generate;
-
-  silence : if publish_mode = 0 generate
-    subscription_response <= subscription_response_idle;
-  end generate;
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => events,
+      bii_request => bii_request, bii_response => bii_response);
 
   wishbone_master : entity work.wishbone_master
     generic map (address_width => address_width, data_width => data_width, timeout_clocks => timeout_clocks)
     port map (
       clock => clock, reset => reset, bii_request => bii_request, bii_response => bii_response,
       wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
-
-  between : if datalink = "full" generate
-    token_fifo : entity work.fifo
-      generic map (width => token_t'length, depth => tokens)
-      port map (
-        clock => clock, reset => reset,
-        write_valid => said_valid, write_ready => said_ready, write_data => said_data,
-        read_valid => token_valid, read_ready => token_ready, read_data => token_data);
-  else generate
-    token_valid <= said_valid;
-    said_ready  <= token_ready;
-    token_data  <= said_data;
-  end generate;
-
-  speller : entity work.speller
-    port map (
-      clock => clock, reset => reset,
-      token_valid => token_valid, token_ready => token_ready, token_data => token_data,
-      word_valid => word_valid, word_ready => word_ready, word_data => word_data);
 
 end architecture;

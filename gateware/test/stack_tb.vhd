@@ -12,6 +12,7 @@ library ieee;
   use work.bench_pkg.all;
   use work.physical_pkg.all;
   use work.register_pkg.all;
+  use work.stream_bench_pkg.digits;
   use work.wishbone_pkg.all;
 
 entity stack_tb is
@@ -68,20 +69,6 @@ architecture test of stack_tb is
   impure function word_of (n : natural) return std_ulogic_vector is
   begin
     return std_ulogic_vector(to_unsigned(n, 16)) & std_ulogic_vector(to_unsigned((n * 40503 + seed) mod 65536, 16));
-  end function;
-
-  -- Lower-case digits, as the device sends them.
-  function digits (word : std_ulogic_vector(31 downto 0)) return string is
-    constant upper  : string(1 to 8) := to_hstring(word);
-    variable result : string(1 to 8);
-  begin
-    for index in upper'range loop
-      result(index) := upper(index);
-      if upper(index) >= 'A' then
-        result(index) := character'val(character'pos(upper(index)) + 32);
-      end if;
-    end loop;
-    return result;
   end function;
 
 begin

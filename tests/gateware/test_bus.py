@@ -20,9 +20,12 @@ def test_a_broken_address_map_stops_elaboration(ghdl: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("address_width", "data_width", "wait_clocks_most", "seed"), [(8, 32, 0, 1), (8, 32, 6, 2), (30, 12, 3, 3)]
+    ("address_width", "data_width", "wait_clocks_most", "seed"),
+    [(8, 32, 0, 1), (8, 32, 6, 2), (30, 12, 3, 3)],
 )
-def test_axi_lite_master(ghdl: Any, address_width: int, data_width: int, wait_clocks_most: int, seed: int) -> None:
+def test_axi_lite_master(
+    ghdl: Any, address_width: int, data_width: int, wait_clocks_most: int, seed: int
+) -> None:
     ghdl.run(
         "axi_lite_master_tb",
         address_width=address_width,
@@ -34,6 +37,15 @@ def test_axi_lite_master(ghdl: Any, address_width: int, data_width: int, wait_cl
 
 def test_an_address_too_wide_for_axi_stops_elaboration(ghdl: Any) -> None:
     ghdl.refuse("axi_lite_master_tb", "an address_width of 31 does not fit", address_width=31)
+
+
+@pytest.mark.parametrize(("wait_clocks_most", "seed"), [(0, 1), (8, 2)])
+def test_core_on_axi_lite(ghdl: Any, wait_clocks_most: int, seed: int) -> None:
+    ghdl.run("core_axi_lite_tb", wait_clocks_most=wait_clocks_most, seed=seed)
+
+
+def test_core_without_a_bus(ghdl: Any) -> None:
+    ghdl.run("core_bii_tb")
 
 
 def test_axi_lite_master_netlist(ghdl: Any, tmp_path: Path) -> None:

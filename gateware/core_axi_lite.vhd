@@ -1,0 +1,77 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The Unity-Link core on an AXI4-Lite bus.
+--
+--   rx, tx <--> core_bii <--> axi_lite_master <--> axi_lite
+--
+-- All there is to say stands in core_bii.vhd and axi_lite_master.vhd. hold: high over a block, for slaves that keep a moment.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.axi_lite_pkg.all;
+use work.bii_pkg.all;
+use work.protocol_pkg.all;
+
+entity core_axi_lite is
+  generic (
+    address_width : positive range 1 to 32  := 8;
+    data_width    : positive range 8 to 32  := 32;
+    clock_hz      : positive                := limits_clock_hz_default_c;
+    base_hz       : positive                := limits_base_hz_default_c;  -- of publishing
+    groups        : positive range 1 to 256 := 2;
+    group_size    : positive range 1 to 255 := 16;   -- addresses a group can have
+    rate_bytes    : positive range 1 to 4   := 2;
+    read_many     : natural  range 0 to 255 := 32;   -- most words of a read-many; 0: no such command
+    publish_mode  : natural  range 0 to 2   := 2;    -- 0 none, 1 prefers requests, 2 prefers publishes
+    configuration_command : boolean         := true; -- RLC exists
+    datalink      : string                  := "full";  -- "full", "lite" or "none"
+    checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"; of the full datalink
+    polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c));
+    edge_events   : std_ulogic_vector(255 downto 0) := (others => '0');  -- bit g: event of group g by edge, else level
+    timeout_clocks : positive               := limits_bus_timeout_clocks_c
+  );
+  port (
+    clock        : in  std_ulogic;
+    reset        : in  std_ulogic;
+    rx_valid     : in  std_ulogic;
+    rx_ready     : out std_ulogic;
+    rx_data      : in  std_ulogic_vector(7 downto 0);
+    rx_error     : in  std_ulogic_vector(2 downto 0) := "000";
+    tx_valid     : out std_ulogic;
+    tx_ready     : in  std_ulogic;
+    tx_data      : out std_ulogic_vector(7 downto 0);
+    events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+    axi_lite_m2s : out axi_lite_m2s_t;
+    axi_lite_s2m : in  axi_lite_s2m_t;
+    hold         : out std_ulogic
+  );
+end entity;
+
+architecture rtl of core_axi_lite is
+
+  signal bii_request  : bii_request_t;
+  signal bii_response : bii_response_t;
+
+begin
+
+  core_bii : entity work.core_bii
+    generic map (
+      address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
+      groups => groups, group_size => group_size, rate_bytes => rate_bytes, read_many => read_many,
+      publish_mode => publish_mode, configuration_command => configuration_command, datalink => datalink,
+      checksum => checksum, polynomial => polynomial, edge_events => edge_events)
+    port map (
+      clock => clock, reset => reset,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => events,
+      bii_request => bii_request, bii_response => bii_response);
+
+  axi_lite_master : entity work.axi_lite_master
+    generic map (address_width => address_width, data_width => data_width, timeout_clocks => timeout_clocks)
+    port map (
+      clock => clock, reset => reset, bii_request => bii_request, bii_response => bii_response,
+      axi_lite_m2s => axi_lite_m2s, axi_lite_s2m => axi_lite_s2m, hold => hold);
+
+end architecture;
