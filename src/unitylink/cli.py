@@ -27,6 +27,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "lsp": ("lsp", "Serve editors (the language server)."),
     "fmt": ("fmt", "Lay specs out in the canonical way."),
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
+    "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
     "info": ("info", "Show what a device is and how the link does."),
