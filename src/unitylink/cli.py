@@ -135,7 +135,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             )
             return result if isinstance(result, int) else 0
         finally:
-            sys.stdout.flush()
+            if not sys.stdout.closed:  # the language server closes it with the conversation
+                sys.stdout.flush()
     except click.UsageError as error:
         error.show()
         return 2

@@ -28,6 +28,10 @@ FIGURES: dict[str, tuple[str, str]] = {
     "callbacks": ("publish", "measure_callbacks"),
     "trace": ("trace", "measure"),
     "check": ("start_up", "measure_check"),
+    "generate-1k": ("generators", "measure_thousand"),
+    "generate-10k": ("generators", "measure_ten_thousand"),
+    "generate-memory": ("generators", "measure_memory"),
+    "language-server": ("language_server", "measure"),
     "version": ("start_up", "measure_version"),
 }
 

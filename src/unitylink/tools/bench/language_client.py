@@ -77,8 +77,8 @@ class LanguageClient:
                     return found
             self.notifications.append(message)
 
-    def close(self) -> int:
-        """End the server as the protocol says; return its exit code."""
+    def close(self) -> None:
+        """End the server as the protocol says; BenchError if it does not end well."""
         self.request("shutdown", None)
         self.notify("exit", None)
         assert self._process.stdin is not None and self._process.stdout is not None
@@ -86,7 +86,8 @@ class LanguageClient:
         code = self._process.wait(timeout=_PATIENCE_S)
         self._process.stdout.close()
         self._watchdog.cancel()
-        return code
+        if code:
+            raise BenchError(f"the language server ended with {code}")
 
     def __enter__(self) -> LanguageClient:
         return self
