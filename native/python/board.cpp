@@ -12,6 +12,8 @@
 
 #include "bindings.hpp"
 #include "device/board.hpp"
+#include "device/device.hpp"
+#include "device/rtl_device.hpp"
 #include "device/word_plant.hpp"
 
 namespace nb = nanobind;
@@ -126,11 +128,37 @@ class PythonBoard final : public Board {
   }
 };
 
-PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind) {
-  const DeviceConfiguration chosen = configuration_of(configuration);
+// The attributes of simulate.rtl.RtlModel.
+std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
+  const auto addresses = [&model](const char* name) {
+    std::vector<std::uint32_t> result;
+    for (nb::handle address : nb::object(model.attr(name))) {
+      result.push_back(word_of(address, name));
+    }
+    return result;
+  };
+  const auto library = nb::cast<std::string>(model.attr("library"));
+  RtlWords words{addresses("read_addresses"), addresses("write_addresses")};
   std::string problem;
   try {
-    return new PythonBoard(chosen, make_endpoint(endpoint, bind));
+    return std::make_unique<RtlDevice>(library, std::move(words), configuration);
+  } catch (const RtlError& error) {
+    problem = error.what();
+  }
+  raise_error("ToolError", problem);
+}
+
+PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
+  const DeviceConfiguration chosen = configuration_of(configuration);
+  std::unique_ptr<ServedDevice> device;
+  if (model.is_none()) {
+    device = std::make_unique<Device>(chosen);
+  } else {
+    device = make_rtl_device(model, chosen);
+  }
+  std::string problem;
+  try {
+    return new PythonBoard(std::move(device), make_endpoint(endpoint, bind));
   } catch (const EndpointError& error) {
     problem = error.what();
   }
@@ -197,10 +225,10 @@ void bind_board(nb::module_& module) {
   bind_device(module);
   using Release = nb::call_guard<GilRelease>;
   nb::class_<PythonBoard>(module, "Board", "A thread that serves a device on an endpoint; use unitylink.simulate.Board.")
-      .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind) {
-             return make_board(configuration, endpoint, bind);
+      .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
+             return make_board(configuration, endpoint, bind, model);
            }),
-           nb::arg("configuration"), nb::arg("endpoint"), nb::arg("bind"))
+           nb::arg("configuration"), nb::arg("endpoint"), nb::arg("bind"), nb::arg("model").none() = nb::none())
       .def("set_plant",
            [](PythonBoard& self, double period_s, nb::callable step) {
              self.set_plant({period_s, [step](double time_s) {
@@ -252,6 +280,7 @@ void bind_board(nb::module_& module) {
              return url;
            })
       .def("time_s", &Board::time_s, Release())
+      .def("failure", &Board::failure, Release(), "The assertion of the gateware that failed; empty while none has.")
       .def("get",
            [](PythonBoard& self, std::uint32_t address) {
              BusReply reply;

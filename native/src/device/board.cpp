@@ -10,6 +10,8 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include "device/device.hpp"
+
 namespace unitylink::device {
 
 namespace {
@@ -41,9 +43,12 @@ std::uint64_t nanoseconds(Clock clock, std::uint32_t clock_hz) noexcept {
 }  // namespace
 
 Board::Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint)
-    : device_(configuration), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    : Board(std::make_unique<Device>(configuration), std::move(endpoint)) {}
+
+Board::Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint)
+    : device_(std::move(device)), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   output_.reserve(chunk);
-  lead_ = configuration.byte_clocks > 0 ? 0 : clocks(lead_ns, configuration.clock_hz);
+  lead_ = configuration().byte_clocks > 0 ? 0 : clocks(lead_ns, configuration().clock_hz);
 }
 
 Board::~Board() {
@@ -101,28 +106,42 @@ void Board::serve() {
     const Clock real = real_clock();
     Clock target = real + lead_;
     if (fed_) {  // what came in is worked on at once, however far ahead the device already was, within reason
-      target = std::max(target, std::min(device_.clock() + lead_, real + 4 * lead_));
+      target = std::max(target, std::min(device_->clock() + lead_, real + 4 * lead_));
     }
+    const Clock wanted = in_time(target);
+    target = within_reach(wanted);
     step_plant(lock, target);
-    device_.run_until(target);
+    device_->run_until(target);
     flush();
-    if (!stop_ && !more && device_.next_event() > target) {
+    if (!stop_ && !more && target == wanted && device_->next_event() > target) {
       wait(lock);
     }
   }
   endpoint_.reset();  // the client sees the board go
 }
 
-void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
+// `target`, or what is left of it when the machine was too busy: what is due must not pile up.
+Clock Board::in_time(Clock target) {
+  const Clock due = std::min(plant_next_, device_->next_event());
   const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
-  if (plant_next_ != never && until > plant_next_ + lag_most) {
-    const Clock lost = until - plant_next_ - lag_most;
-    slip_ += lost;
-    until -= lost;
-    statistics_.time_slipped_s += static_cast<double>(lost) / configuration().clock_hz;
+  if (due == never || target <= due + lag_most) {
+    return target;
   }
+  const Clock lost = target - due - lag_most;
+  slip_ += lost;
+  statistics_.time_slipped_s += static_cast<double>(lost) / configuration().clock_hz;
+  return target - lost;
+}
+
+// `target`, or the part of it that leaves the client not waiting for long.
+Clock Board::within_reach(Clock target) const noexcept {
+  const Clock clock = device_->clock();
+  return target > clock && target - clock > device_->most_at_once() ? clock + device_->most_at_once() : target;
+}
+
+void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
   while (plant_next_ <= until && !stop_) {
-    device_.run_until(plant_next_);
+    device_->run_until(plant_next_);
     flush();
     const double time_s = static_cast<double>(plant_next_) / configuration().clock_hz;
     plant_next_ += plant_period_;
@@ -140,7 +159,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
 bool Board::feed() {
   fed_ = false;
   std::array<std::uint8_t, 4096> bytes;
-  const std::size_t room = std::min(bytes.size(), device_.room());
+  const std::size_t room = std::min(bytes.size(), device_->room());
   if (endpoint_->client() < 0 || room == 0) {
     return false;
   }
@@ -149,7 +168,7 @@ bool Board::feed() {
   if (taken.result == Endpoint::Result::gone) {
     forget_output();
   }
-  if (endpoint_->ended() && (!lingered || !device_.input_empty())) {
+  if (endpoint_->ended() && (!lingered || !device_->input_empty())) {
     linger_until_ = real_clock() + clocks(linger_ns, configuration().clock_hz);
   } else if (lingered && real_clock() >= linger_until_ && !output_blocked_) {
     endpoint_->dismiss();
@@ -158,9 +177,9 @@ bool Board::feed() {
   if (taken.result != Endpoint::Result::done) {
     return false;
   }
-  device_.run_until(real_clock());
+  device_->run_until(within_reach(real_clock()));
   for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
-    device_.receive(byte);
+    device_->receive(byte);
   }
   fed_ = true;
   return taken.bytes == room;
@@ -180,7 +199,7 @@ void Board::flush() {
       output_.clear();
       output_sent_ = 0;
       TimedByte byte;
-      while (output_.size() < chunk && device_.take(byte)) {
+      while (output_.size() < chunk && device_->take(byte)) {
         output_.push_back(byte.byte);
       }
       if (output_.empty()) {
@@ -210,13 +229,13 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
     polled[count++] = {listener, POLLIN, 0};
   }
   if (const int client = endpoint_->client(); client >= 0) {
-    const bool more = device_.room() > 0 && !endpoint_->ended();
+    const bool more = device_->room() > 0 && !endpoint_->ended();
     const short wanted = static_cast<short>((more ? POLLIN : 0) | (output_blocked_ ? POLLOUT : 0));
     polled[count++] = {client, wanted, 0};
   }
-  Clock next = std::min(device_.next_event(), plant_next_);
+  Clock next = std::min(device_->next_event(), plant_next_);
   if (!output_blocked_) {
-    next = std::min(next, device_.next_output());
+    next = std::min(next, device_->next_output());
   }
   std::uint64_t pause_ns = never;
   if (next != never) {
@@ -250,68 +269,73 @@ std::string Board::url() {
 
 double Board::time_s() {
   const auto lock = enter();
-  return static_cast<double>(device_.clock()) / configuration().clock_hz;
+  return static_cast<double>(device_->clock()) / configuration().clock_hz;
 }
 
 BusReply Board::get(std::uint32_t address) {
   const auto lock = enter();
-  return device_.bus().get(address, device_.clock());
+  return device_->get(address);
 }
 
 BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
   const auto lock = enter();
-  return device_.bus().set(address, value, device_.clock());
+  return device_->set(address, value);
 }
 
 void Board::set_event(std::uint32_t group, bool high) {
   const auto lock = enter();
-  device_.set_event(group, high);
+  device_->set_event(group, high);
   wake();
 }
 
 void Board::pulse_event(std::uint32_t group) {
   const auto lock = enter();
-  device_.set_event(group, true);  // no clock passes between the two: a level is caught once, as an edge is
-  device_.set_event(group, false);
+  device_->set_event(group, true);  // no clock passes between the two: a level is caught once, as an edge is
+  device_->set_event(group, false);
   wake();
 }
 
 void Board::receive_error(std::uint8_t bits) {
   const auto lock = enter();
-  device_.receive_error(bits);
+  device_->receive_error(bits);
   wake();
 }
 
 bool Board::async_take(AsyncWord& word) {
   const auto lock = enter();
-  Tosnet* tosnet = device_.bus().tosnet();
-  return tosnet != nullptr && tosnet->async_take(word, device_.clock());
+  Tosnet* tosnet = device_->tosnet();
+  return tosnet != nullptr && tosnet->async_take(word, device_->clock());
 }
 
 bool Board::async_give(const AsyncWord& word) {
   const auto lock = enter();
-  Tosnet* tosnet = device_.bus().tosnet();
-  return tosnet != nullptr && tosnet->async_give(word, device_.clock());
+  Tosnet* tosnet = device_->tosnet();
+  return tosnet != nullptr && tosnet->async_give(word, device_->clock());
 }
 
 void Board::set_online(bool online) {
   const auto lock = enter();
-  if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
-    tosnet->set_online(online, device_.clock());
+  if (Tosnet* tosnet = device_->tosnet(); tosnet != nullptr) {
+    tosnet->set_online(online, device_->clock());
   }
 }
 
 void Board::damage_cycle() {
   const auto lock = enter();
-  if (Tosnet* tosnet = device_.bus().tosnet(); tosnet != nullptr) {
-    tosnet->damage_cycle(device_.clock());
+  if (Tosnet* tosnet = device_->tosnet(); tosnet != nullptr) {
+    tosnet->damage_cycle(device_->clock());
   }
 }
 
 BoardStatistics Board::statistics() {
   const auto lock = enter();
-  statistics_.device = device_.statistics();
+  statistics_.device = device_->statistics();
   return statistics_;
+}
+
+std::string Board::failure() {
+  const auto lock = enter();
+  return device_->failure();
 }
 
 }  // namespace unitylink::device

@@ -10,8 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "device/device.hpp"
 #include "device/endpoint.hpp"
+#include "device/served_device.hpp"
+#include "device/tosnet.hpp"
 
 namespace unitylink::device {
 
@@ -35,7 +36,8 @@ struct BoardStatistics {
 // All calls may come from any thread.
 class Board {
  public:
-  // `configuration.problem()` must be empty.
+  Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint);
+  // Serves the twin. `configuration.problem()` must be empty.
   Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint> endpoint);
   ~Board();
   Board(const Board&) = delete;
@@ -58,7 +60,8 @@ class Board {
   void set_online(bool online);  // of the TosNet, as the next
   void damage_cycle();
   BoardStatistics statistics();
-  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_.configuration(); }
+  std::string failure();  // of the device; empty while it runs
+  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_->configuration(); }
 
  private:
   // The calls from outside. A mutex lets whoever asks first have it again at once: a caller in a tight loop would keep the
@@ -67,6 +70,8 @@ class Board {
   void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
 
   void serve();
+  [[nodiscard]] Clock in_time(Clock target);
+  [[nodiscard]] Clock within_reach(Clock target) const noexcept;
   void step_plant(std::unique_lock<std::mutex>& lock, Clock until);
   void wait(std::unique_lock<std::mutex>& lock);
   bool feed();
@@ -77,7 +82,7 @@ class Board {
 
   std::mutex mutex_;
   std::atomic<bool> board_waits_ = false;
-  Device device_;
+  std::unique_ptr<ServedDevice> device_;
   std::unique_ptr<Endpoint> endpoint_;
   PlantHook plant_;
   Clock plant_period_ = 0;

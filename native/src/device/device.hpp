@@ -11,16 +11,10 @@
 #include "device/datalink_receiver.hpp"
 #include "device/datalink_transmitter.hpp"
 #include "device/physical.hpp"
+#include "device/served_device.hpp"
 #include "device/subscription_manager.hpp"
 
 namespace unitylink::device {
-
-struct DeviceStatistics {
-  std::uint64_t bytes_received = 0;   // taken by the datalink
-  std::uint64_t bytes_sent = 0;       // given to the host
-  std::uint64_t overruns = 0;         // bytes lost at a full receive FIFO
-  std::uint64_t datalink_errors = 0;
-};
 
 // Sans-IO: no thread, no socket, no wall clock. Not thread-safe. Memory pages apart, nothing is allocated after
 // construction.
@@ -29,40 +23,34 @@ struct DeviceStatistics {
 //   for (char c : std::string_view("#R:12\n")) device.receive(static_cast<std::uint8_t>(c));
 //   device.run_until(100);
 //   TimedByte byte; while (device.take(byte)) ...
-class Device {
+class Device final : public ServedDevice {
  public:
   // `configuration.problem()` must be empty.
   explicit Device(const DeviceConfiguration& configuration);
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
 
-  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return configuration_; }
-  [[nodiscard]] Clock clock() const noexcept { return clock_; }
+  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept override { return configuration_; }
+  [[nodiscard]] Clock clock() const noexcept override { return clock_; }
 
-  // One byte from the host, now. False: no room, the host keeps it.
-  bool receive(std::uint8_t byte) noexcept;
-  [[nodiscard]] std::size_t room() const noexcept { return input_.room(); }
-  [[nodiscard]] bool input_empty() const noexcept { return input_.empty(); }
-  // The physical layer reports errors: 1 parity, 2 framing, 4 overrun. Only a full datalink listens.
-  void receive_error(std::uint8_t bits);
-  // The event input of one group, or of groups 0..31 at once.
-  void set_event(std::uint32_t group, bool high);
-  void set_events(std::uint32_t mask);
+  bool receive(std::uint8_t byte) noexcept override;
+  [[nodiscard]] std::size_t room() const noexcept override { return input_.room(); }
+  [[nodiscard]] bool input_empty() const noexcept override { return input_.empty(); }
+  void receive_error(std::uint8_t bits) override;  // only a full datalink listens
+  void set_event(std::uint32_t group, bool high) override;
+  void set_events(std::uint32_t mask);  // of groups 0..31 at once
 
-  // Everything due up to and at `clock`; never goes back.
-  void run_until(Clock clock);
-  // When something will happen if nothing comes from outside.
-  [[nodiscard]] Clock next_event() const noexcept;
+  void run_until(Clock clock) override;
+  [[nodiscard]] Clock next_event() const noexcept override;
   // When the datalink last took or sent a byte.
   [[nodiscard]] Clock last_activity() const noexcept { return last_activity_; }
 
-  // The oldest byte that has left the device; false when there is none.
-  bool take(TimedByte& byte) noexcept;
-  [[nodiscard]] Clock next_output() const noexcept { return output_.next_output(); }
+  bool take(TimedByte& byte) noexcept override;
+  [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }
 
-  // The FPGA's own side of the registers.
   [[nodiscard]] AddressMap& bus() noexcept { return bus_; }
-  [[nodiscard]] const DeviceStatistics& statistics() const noexcept { return statistics_; }
+  BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
+  BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }
+  [[nodiscard]] Tosnet* tosnet() noexcept override { return bus_.tosnet(); }
+  [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
 
  private:
   [[nodiscard]] Clock receiver_clock() const noexcept;

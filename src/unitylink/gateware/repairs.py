@@ -12,14 +12,14 @@ import re
 from unitylink.errors import ToolError
 
 _VERILOG_WORDS = """
-always assign automatic buf deassign defparam design disable edge endcase endfunction endmodule endtask
-force forever fork highz0 highz1 initial input integer join large localparam macromodule medium module
-negedge output posedge primitive pull0 pull1 real realtime reg scalared signed small specify strong0
-strong1 supply0 supply1 table task time tri tri0 tri1 triand trior trireg unsigned vectored wand wire
-wor bit break byte class const constraint continue do endclass enum export extern final import int
-interface logic longint new package priority program protected pure rand ref return shortint static
-string struct super this typedef union unique var virtual void
-"""  # but those that VHDL keeps for itself too
+always assign automatic buf bufif0 bufif1 casex casez cell cmos config deassign defparam design disable
+edge endcase endconfig endfunction endgenerate endmodule endprimitive endspecify endtable endtask event
+force forever fork genvar highz0 highz1 ifnone incdir initial input instance integer join large liblist
+localparam macromodule medium module negedge nmos noshowcancelled notif0 notif1 output pmos posedge
+primitive pull0 pull1 pulldown pullup pulsestyle_onevent rcmos real realtime reg repeat rnmos rpmos rtran
+scalared showcancelled signed small specify specparam strong0 strong1 supply0 supply1 table task time tran
+tri tri0 tri1 triand trior trireg unsigned uwire vectored wand weak0 weak1 wire wor
+"""  # of Verilog-2005, but those that VHDL keeps for itself too
 
 _MODULE = re.compile(r"module\s+(\S+)")
 _CASE = re.compile(r"\s*case \(")

@@ -76,14 +76,17 @@ class Board:
         self.configuration = configuration
         self.spec = spec
         self.plant = plant
-        self.error: UnityLinkError | None = None  # what a plant raised; it has not been stepped since
-        self._native = _native.Board(configuration, endpoint, bind)
+        self._plant_error: UnityLinkError | None = None
+        self._native = self._make_native(endpoint, bind)
         self.registers = Registers(self._native, configuration.data_bits)
         self._closed = False
         if plant is not None:
             self._attach(plant)
         self._native.start()
         _open.add(self)
+
+    def _make_native(self, endpoint: str, bind: str) -> _native.Board:
+        return _native.Board(self.configuration, endpoint, bind)
 
     def _attach(self, plant: AnyPlant) -> None:
         name = type(plant).__name__
@@ -104,8 +107,9 @@ class Board:
             try:
                 step(time_s)
             except BaseException as error:  # sys.exit() in a step must not pass unseen either
-                self.error = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
-                self.error.__cause__ = error
+                raised = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
+                raised.__cause__ = error
+                self._plant_error = raised
                 _log.exception(
                     "%s failed at %.6f s of device time; the board goes on without it", name, time_s
                 )
@@ -118,6 +122,13 @@ class Board:
     def url(self) -> str:
         """What a Link connects to: "fd:7", "serial:/dev/pts/3", "tcp://127.0.0.1:40213" or "udp://…"."""
         return self._native.url()
+
+    @property
+    def error(self) -> UnityLinkError | None:
+        """What the plant raised, which has not been stepped since; or why the device itself stands still."""
+        if self._plant_error is None and (failure := self._native.failure()):
+            return UnityLinkError(f"the gateware stands still: assertion at {failure} failed")
+        return self._plant_error
 
     @property
     def closed(self) -> bool:

@@ -1,0 +1,104 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- A small design of the shape that is simulated live: the core, registers with a user's side, memory. It is run as source
+-- in GHDL and compiled in Verilator, clock beside clock (tests/gateware/test_lockstep.py).
+--
+--   addresses 0 to 7    read_words, 32 bits each, address 0 in the lowest; 0 and 1 turned by a wide constant
+--   addresses 8 to 15   write_words
+--   addresses 16 to 31  memory
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.address_map_pkg.all;
+use work.register_pkg.all;
+use work.wishbone_pkg.all;
+
+entity lockstep_design is
+  generic (
+    address_width : positive := 8;
+    data_width    : positive := 32;
+    base_hz       : positive := 50_000;
+    groups        : positive := 2;
+    group_size    : positive := 16;
+    rate_bytes    : positive := 2;
+    read_many     : natural  := 32;
+    publish_mode  : natural  := 2;
+    datalink      : string   := "full";
+    checksum      : string   := "crc8"
+  );
+  port (
+    clock       : in  std_ulogic;
+    reset       : in  std_ulogic;
+    rx_valid    : in  std_ulogic;
+    rx_ready    : out std_ulogic;
+    rx_data     : in  std_ulogic_vector(7 downto 0);
+    rx_error    : in  std_ulogic_vector(2 downto 0);
+    tx_valid    : out std_ulogic;
+    tx_ready    : in  std_ulogic;
+    tx_data     : out std_ulogic_vector(7 downto 0);
+    events      : in  std_ulogic_vector(groups - 1 downto 0);
+    read_words  : in  std_ulogic_vector(8 * 32 - 1 downto 0);
+    write_words : out std_ulogic_vector(8 * 32 - 1 downto 0)
+  );
+end entity;
+
+architecture bench of lockstep_design is
+
+  constant slaves : address_map_t(0 to 1) := (
+    0 => (base => to_unsigned(0, 32), words => 16),
+    1 => (base => to_unsigned(16, 32), words => 16));
+
+  signal master_m2s : wishbone_m2s_t;
+  signal master_s2m : wishbone_s2m_t;
+  signal slaves_m2s : wishbone_m2s_vector_t(0 to 1);
+  signal slaves_s2m : wishbone_s2m_vector_t(0 to 1);
+
+  signal turned  : std_ulogic_vector(63 downto 0);
+  signal seen    : word_vector_t(0 to 15);
+  signal written : word_vector_t(0 to 15);
+
+begin
+
+  core : entity work.core
+    generic map (
+      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
+      group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
+      datalink => datalink, checksum => checksum)
+    port map (
+      clock => clock, reset => reset,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => events,
+      wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
+
+  interconnect : entity work.wishbone_interconnect
+    generic map (address_map => slaves)
+    port map (
+      master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
+
+  registers : entity work.register_slave
+    generic map (writable => "0000000011111111", data_width => data_width, snapshot => true)
+    port map (
+      clock => clock, reset => reset, wishbone_m2s => slaves_m2s(0), wishbone_s2m => slaves_s2m(0),
+      read_words => seen, write_words => written, written => open);
+
+  -- GHDL 2.0 prints constants of more than 32 bits wrongly in Verilog.
+  turned  <= x"0123456789ABCDEF" when events(0) = '1' else x"FEDCBA9876543210";
+  seen(0) <= read_words(31 downto 0) xor turned(31 downto 0);
+  seen(1) <= read_words(63 downto 32) xor turned(63 downto 32);
+
+  others_seen : for index in 2 to 7 generate
+    seen(index) <= read_words(32 * index + 31 downto 32 * index);
+  end generate;
+
+  words : for index in 0 to 7 generate
+    seen(8 + index) <= written(8 + index);
+    write_words(32 * index + 31 downto 32 * index) <= written(8 + index);
+  end generate;
+
+  memory : entity work.wishbone_memory
+    generic map (words => 16, data_width => data_width)
+    port map (clock => clock, reset => reset, wishbone_m2s => slaves_m2s(1), wishbone_s2m => slaves_s2m(1));
+
+end architecture;

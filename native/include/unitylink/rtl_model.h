@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * The seam between the board and gateware compiled by Verilator: a shared library that exports `unitylink_rtl_model`.
+ * Every input goes through a register of the model, so that it takes effect in the clock after the one it is given in. */
+#ifndef UNITYLINK_RTL_MODEL_H
+#define UNITYLINK_RTL_MODEL_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define UNITYLINK_RTL_ABI 1u /* raised whenever something below changes */
+
+/* A byte moves at the end of a clock in which its valid and its ready are both high. */
+typedef struct unitylink_rtl_pins {
+  /* from the next clock on */
+  uint8_t reset;
+  uint8_t rx_valid;
+  uint8_t rx_data;
+  uint8_t rx_error; /* 1 parity, 2 framing, 4 overrun */
+  uint8_t tx_ready;
+  /* as they are in the clock that has begun */
+  uint8_t rx_ready;
+  uint8_t tx_valid;
+  uint8_t tx_data;
+} unitylink_rtl_pins;
+
+typedef struct unitylink_rtl {
+  uint32_t abi;         /* UNITYLINK_RTL_ABI */
+  uint32_t read_words;  /* words the PC reads, as many as `set_word` takes */
+  uint32_t write_words; /* words the PC writes, as many as `get_word` gives */
+  uint32_t groups;      /* event lines */
+  void *(*create)(void); /* NULL without memory */
+  void (*destroy)(void *model);
+  void (*clock)(void *model, unitylink_rtl_pins *pins);
+  void (*set_word)(void *model, uint32_t index, uint32_t value);
+  uint32_t (*get_word)(const void *model, uint32_t index);
+  void (*set_event)(void *model, uint32_t group, uint32_t high);
+  const char *(*failure)(const void *model); /* the assertion of the gateware that failed, "" while none has */
+} unitylink_rtl;
+
+const unitylink_rtl *unitylink_rtl_model(void);
+
+/* Within the model: an assertion at `place` ("fifo.vhd:73") has failed. */
+void unitylink_failed(const char *place);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Gateware compiled by Verilator, with the twin's physical layer in front of its byte streams.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "device/served_device.hpp"
+#include "unitylink/rtl_model.h"
+
+namespace unitylink::device {
+
+// A file that is not a model, or one of another design; the message names it.
+class RtlError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Where the words of a model stand: their place in the list is their place in the model.
+struct RtlWords {
+  std::vector<std::uint32_t> read;   // addresses the PC reads: `set` takes them, `get` gives back what was set
+  std::vector<std::uint32_t> write;  // addresses the PC writes: `get` takes them
+};
+
+// Unlike the twin it has no idea of what comes next: every clock is run, and next_event() is but a time to look again.
+// After an assertion of the gateware has failed it stands still; failure() says which.
+class RtlDevice final : public ServedDevice {
+ public:
+  // Throws RtlError.
+  RtlDevice(const std::string& library, RtlWords words, const DeviceConfiguration& configuration);
+
+  [[nodiscard]] const DeviceConfiguration& configuration() const noexcept override { return configuration_; }
+  [[nodiscard]] Clock clock() const noexcept override { return clock_; }
+  bool receive(std::uint8_t byte) noexcept override { return input_.offer(byte, clock_); }
+  [[nodiscard]] std::size_t room() const noexcept override { return input_.room(); }
+  [[nodiscard]] bool input_empty() const noexcept override { return input_.empty(); }
+  void receive_error(std::uint8_t bits) override { error_ = static_cast<std::uint8_t>(error_ | (bits & 7u)); }
+  void set_event(std::uint32_t group, bool high) override;
+  void run_until(Clock clock) override;
+  [[nodiscard]] Clock most_at_once() const noexcept override;
+  [[nodiscard]] Clock next_event() const noexcept override;
+  bool take(TimedByte& byte) noexcept override;
+  [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }
+  BusReply get(std::uint32_t address) override;
+  BusStatus set(std::uint32_t address, std::uint32_t value) override;
+  [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
+  [[nodiscard]] std::string failure() const override;
+
+ private:
+  void step();
+  [[nodiscard]] bool has_failed() const noexcept;
+
+  DeviceConfiguration configuration_;
+  const unitylink_rtl* model_;
+  std::unique_ptr<void, void (*)(void*)> state_;
+  std::unordered_map<std::uint32_t, std::uint32_t> read_index_;
+  std::unordered_map<std::uint32_t, std::uint32_t> write_index_;
+  std::vector<std::uint32_t> given_;  // what `set` was given, by index
+  PhysicalReceiver input_;
+  PhysicalTransmitter output_;
+  unitylink_rtl_pins pins_{};
+  std::vector<std::uint32_t> rising_;   // groups whose event line the model has yet to see high
+  std::vector<std::uint32_t> falling_;  // those of them that come down behind the next clock
+  std::uint8_t error_ = 0;
+  Clock clock_ = 0;
+  DeviceStatistics statistics_;
+};
+
+}  // namespace unitylink::device

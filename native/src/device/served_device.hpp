@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a board serves: the twin, or gateware compiled by Verilator. Bytes and events in, bytes out, on the board's clock.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "device/bus.hpp"
+#include "device/clock.hpp"
+#include "device/configuration.hpp"
+#include "device/physical.hpp"
+
+namespace unitylink::device {
+
+class Tosnet;
+
+struct DeviceStatistics {
+  std::uint64_t bytes_received = 0;   // taken by the datalink
+  std::uint64_t bytes_sent = 0;       // given to the host
+  std::uint64_t overruns = 0;         // bytes lost at a full receive FIFO
+  std::uint64_t datalink_errors = 0;
+};
+
+// Not thread-safe. No wall clock.
+class ServedDevice {
+ public:
+  virtual ~ServedDevice() = default;
+  ServedDevice() = default;
+  ServedDevice(const ServedDevice&) = delete;
+  ServedDevice& operator=(const ServedDevice&) = delete;
+
+  [[nodiscard]] virtual const DeviceConfiguration& configuration() const noexcept = 0;
+  [[nodiscard]] virtual Clock clock() const noexcept = 0;
+
+  // One byte from the host, now. False: no room, the host keeps it.
+  virtual bool receive(std::uint8_t byte) noexcept = 0;
+  [[nodiscard]] virtual std::size_t room() const noexcept = 0;
+  [[nodiscard]] virtual bool input_empty() const noexcept = 0;
+  // The physical layer reports errors: 1 parity, 2 framing, 4 overrun.
+  virtual void receive_error(std::uint8_t bits) = 0;
+  // The event input of one group. High and low again without a clock in between is caught once, as an edge is.
+  virtual void set_event(std::uint32_t group, bool high) = 0;
+
+  // Everything due up to and at `clock`; never goes back.
+  virtual void run_until(Clock clock) = 0;
+  // How many clocks to run at once at most, so that the board can look after its client in between.
+  [[nodiscard]] virtual Clock most_at_once() const noexcept { return never; }
+  // When something will happen, or has to be looked for, if nothing comes from outside.
+  [[nodiscard]] virtual Clock next_event() const noexcept = 0;
+
+  // The oldest byte that has left the device; false when there is none.
+  virtual bool take(TimedByte& byte) noexcept = 0;
+  [[nodiscard]] virtual Clock next_output() const noexcept = 0;
+
+  // The FPGA's own side of the registers.
+  virtual BusReply get(std::uint32_t address) = 0;
+  virtual BusStatus set(std::uint32_t address, std::uint32_t value) = 0;
+  [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network as a model, where it is one
+
+  [[nodiscard]] virtual const DeviceStatistics& statistics() const noexcept = 0;
+  [[nodiscard]] virtual std::string failure() const { return {}; }  // why the device has stopped, if it has
+};
+
+}  // namespace unitylink::device

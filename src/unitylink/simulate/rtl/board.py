@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A virtual board that is the gateware itself, compiled from its VHDL."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from unitylink import _native
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import UnityLinkError
+from unitylink.spec.model import Spec
+
+from ..board import Board
+from ..plant import AnyPlant
+from .build import Progress, build_model
+from .design import design_of
+
+CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and a robot does not need more
+
+
+def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
+    """Return `BoardConfiguration.for_spec`, but with a clock that can be simulated in real time."""
+    return BoardConfiguration.for_spec(spec, **{"clock_hz": CLOCK_HZ_DEFAULT, **overrides})
+
+
+class RtlBoard(Board):
+    """A `Board` whose device is the VHDL that `unitylink generate --only vhdl` makes of `spec`, compiled.
+
+        with RtlBoard(spec, plant=ScaraPlant()) as board, Link(board.url) as link:
+            link.read(0x88)
+
+    The first time it is built, which takes about half a minute; then it comes from the cache
+    ($XDG_CACHE_HOME/unitylink). Device time is clocks over `configuration.clock_hz`, by default 1 MHz, and is
+    what plants are stepped by. It follows real time; where the machine is too slow for that
+    `statistics.time_slipped_s` says how far it stayed behind. The byte streams stand behind the twin's physical
+    layer: `fifo`, `baud_hz` and `fifo_latency` do the same there.
+
+    Words have one writer, as on an FPGA: a plant sets what the PC reads, and the PC sets the others.
+
+    Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
+    configuration has what the generated design has not), and what Board does.
+    """
+
+    def __init__(
+        self,
+        spec: Spec,
+        *,
+        configuration: BoardConfiguration | None = None,
+        plant: AnyPlant | None = None,
+        endpoint: str = "fd",
+        bind: str = "127.0.0.1",
+        progress: Progress | None = None,
+    ) -> None:
+        chosen = configuration if configuration is not None else rtl_configuration(spec)
+        self._model = build_model(design_of(spec, chosen), progress)
+        super().__init__(spec, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
+
+    def _make_native(self, endpoint: str, bind: str) -> _native.Board:
+        return _native.Board(self.configuration, endpoint, bind, self._model)
+
+    def set_online(self, online: bool) -> None:
+        """Raise UnityLinkError: only the twin has a model of the network."""
+        raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
+
+    def damage_cycle(self) -> None:
+        """Raise UnityLinkError: only the twin has a model of the network."""
+        raise UnityLinkError("the gateware's network cannot be damaged from here; the twin's can: use `sim:`")

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a design to a shared library: GHDL, the repairs, Verilator, the C++ compiler."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from unitylink.errors import ToolError
+from unitylink.gateware import gateware_sources, netlist
+from unitylink.resources import resource_folder
+
+from .cache import cached
+from .design import RtlDesign, RtlModel
+from .verilog import model_of, ports_of
+
+Progress = Callable[[str], None]
+
+_HERE = Path(__file__).parent
+_VERILATOR = (
+    "--cc",
+    "--language",
+    "1364-2005",
+    "-O3",
+    "--x-assign",
+    "fast",
+    "--x-initial",
+    "fast",
+    "-Wno-fatal",
+    "--output-split",
+    "20000",
+)
+_COMPILE = (
+    "-std=c++20", "-fPIC", "-fvisibility=hidden", "-fno-gnu-unique", "-w",
+    "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0",
+)  # fmt: skip
+_LINK = ("-shared", "-Wl,-Bsymbolic", "-pthread")  # two models in one program know nothing of each other
+_SECONDS_MOST = 900.0
+_LINES_SHOWN = 20
+
+
+def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel:
+    """Return `design` compiled; the first time it takes about half a minute, then it comes from the cache.
+
+    `progress` is told what is being done; by default a line on stderr, if that is a terminal. Raises
+    ToolError.
+    """
+    tools = _Tools()
+    say = progress if progress is not None else _on_terminal()
+
+    def build(library: Path) -> None:
+        with tempfile.TemporaryDirectory(prefix="unitylink-rtl-") as folder:
+            _build(design, tools, Path(folder), library, say)
+        say("")
+
+    library = cached(_key(design, tools), build)
+    return RtlModel(str(library), design.read_addresses, design.write_addresses)
+
+
+def _interface() -> Path:
+    return resource_folder("native") / "include" / "unitylink" / "rtl_model.h"
+
+
+class _Tools:
+    """The programs it takes, all of which are looked for before anything starts."""
+
+    def __init__(self) -> None:
+        self.compiler = os.environ.get("CXX") or next(
+            (name for name in ("c++", "g++", "clang++") if shutil.which(name)), "g++"
+        )
+        needed = {"ghdl": "ghdl", "verilator": "verilator", self.compiler: "g++"}
+        if missing := [name for name in needed if shutil.which(name) is None]:
+            raise ToolError(
+                f"missing: {', '.join(missing)}; simulating the gateware itself needs GHDL, Verilator and a "
+                "C++ compiler; on Debian or Ubuntu: sudo apt-get install "
+                + " ".join(needed[name] for name in missing)
+            )
+
+    def versions(self) -> str:
+        return "\n".join(_run([name, "--version"]) for name in ("ghdl", "verilator", self.compiler))
+
+    def verilator_include(self) -> Path:
+        return Path(_run(["verilator", "--getenv", "VERILATOR_ROOT"]).strip()) / "include"
+
+
+def _key(design: RtlDesign, tools: _Tools) -> str:
+    """Return a hash of everything that goes into the library."""
+    parts = [
+        tools.versions(),
+        repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()))),
+    ]
+    parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
+    parts += [f"{name}\n{text}" for name, text in sorted(design.files.items())]
+    parts += [path.read_text(encoding="utf-8") for path in (_interface(), *sorted(_HERE.glob("*.*")))]
+    repairs = Path(netlist.__code__.co_filename).parent
+    parts += [path.read_text(encoding="utf-8") for path in sorted(repairs.glob("*.py"))]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+
+
+def _build(design: RtlDesign, tools: _Tools, folder: Path, library: Path, say: Progress) -> None:
+    say(f"compiling the gateware of {design.top}, this once: ghdl")
+    sources = []
+    for name, text in design.files.items():
+        sources.append(folder / name)
+        sources[-1].write_text(text, encoding="utf-8")
+    verilog = netlist(design.top, sources=sources, generics=design.generics)
+    compile_netlist(verilog, design.top, library, tools=tools, say=say)
+
+
+def compile_netlist(
+    verilog: str,
+    top: str,
+    library: Path,
+    *,
+    tools: _Tools | None = None,
+    say: Progress | None = None,
+) -> None:
+    """Make the shared library of the netlist `verilog` of `top`; raise ToolError."""
+    tools = tools if tools is not None else _Tools()
+    say = say if say is not None else _silent
+    with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:
+        folder = Path(work)
+        (folder / "model.v").write_text(model_of(verilog, top), encoding="utf-8")
+        say(f"compiling the gateware of {top}, this once: verilator")
+        _run(
+            [
+                "verilator",
+                *_VERILATOR,
+                "--top-module",
+                "model",
+                "--prefix",
+                "Vmodel",
+                "--Mdir",
+                "made",
+                "model.v",
+            ],
+            folder,
+        )
+        _compile(folder, _sizes(verilog, top), top, library, tools=tools, say=say)
+
+
+def _sizes(verilog: str, top: str) -> list[str]:
+    bits = {port.name: port.bits for port in ports_of(verilog, top)}
+    return [
+        f"-DREAD_WORDS={bits.get('read_words', 0) // 32}",
+        f"-DWRITE_WORDS={bits.get('write_words', 0) // 32}",
+        f"-DGROUPS={bits.get('events', 0)}",
+    ]
+
+
+def _compile(
+    folder: Path, sizes: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
+) -> None:
+    include = tools.verilator_include()
+    flags = [*_COMPILE, *sizes, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
+    flags += ["-include", str(_interface())]  # the netlist calls unitylink_failed()
+    every_clock, rarely = [], []
+    for path in sorted((folder / "made").glob("*.cpp"), key=lambda path: -path.stat().st_size):
+        (rarely if re.search("Slow|Syms|ConstPool", path.name) else every_clock).append(path)
+    # What runs only once need not be fast, and most of a small file's time goes into the headers.
+    others = folder / "others.cpp"
+    others.write_text("".join(f'#include "{path}"\n' for path in rarely), encoding="utf-8")
+    library_files = [include / name for name in ("verilated.cpp", "verilated_threads.cpp")]
+    jobs = [(path, "-O2") for path in (*every_clock, _HERE / "model.cpp")]
+    jobs += [(path, "-O1") for path in library_files] + [(others, "-O0")]
+    done = 0
+
+    def compile_one(job: tuple[Path, str]) -> str:
+        nonlocal done
+        source, level = job
+        target = folder / f"{source.name}.o"
+        _run([tools.compiler, *flags, level, "-c", str(source), "-o", str(target)])
+        done += 1
+        say(f"compiling the gateware of {top}, this once: {tools.compiler} {done}/{len(jobs)}")
+        return str(target)
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        objects = list(pool.map(compile_one, jobs))
+    _run([tools.compiler, *_LINK, *objects, "-o", str(library)])
+
+
+def _run(command: Sequence[str], folder: Path | None = None) -> str:
+    try:
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=_SECONDS_MOST, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        raise ToolError(f"{command[0]}: no end after {_SECONDS_MOST:.0f} s") from error
+    if done.returncode != 0:
+        lines = [line for line in (done.stderr + done.stdout).splitlines() if not line.startswith("%Warning")]
+        raise ToolError(f"{command[0]} ended with {done.returncode}:\n" + "\n".join(lines[:_LINES_SHOWN]))
+    return done.stdout
+
+
+def _silent(_text: str) -> None:
+    pass
+
+
+def _on_terminal() -> Progress:
+    """Return what shows one changing line on stderr, or nothing where that is no terminal."""
+    if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        return _silent
+    return lambda text: print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

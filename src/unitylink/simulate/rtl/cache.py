@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Compiled gateware, kept by what it was made of."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+KEPT = 64  # models, the least used of which go; one has 1 to 5 MB
+
+
+def cache_folder() -> Path:
+    """Return $XDG_CACHE_HOME/unitylink/rtl, by default below ~/.cache."""
+    base = os.environ.get("XDG_CACHE_HOME") or ""
+    return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / "rtl"
+
+
+def cached(key: str, build: Callable[[Path], None]) -> Path:
+    """Return the file kept under `key`; if there is none, or it is damaged, `build(path)` makes it.
+
+    Whoever else wants to build waits meanwhile, and then finds it. A file's name has its own checksum, so
+    one that was cut short or changed is seen before it is loaded. Raises ToolError when the folder cannot be
+    written.
+    """
+    folder = cache_folder()
+    try:
+        if (kept := _find(folder, key)) is not None:
+            return kept
+        folder.mkdir(parents=True, exist_ok=True)
+        with _locked(folder / "lock"):
+            if (kept := _find(folder, key)) is not None:
+                return kept
+            fresh = folder / f".{key}.{os.getpid()}"
+            try:
+                build(fresh)
+                kept = folder / f"{key}-{_checksum(fresh)}.so"
+                os.replace(fresh, kept)
+            finally:
+                fresh.unlink(missing_ok=True)
+            _trim(folder)
+            return kept
+    except OSError as error:
+        raise ToolError(
+            f"the cache of compiled gateware, {error.filename or folder}: {error.strerror}; XDG_CACHE_HOME "
+            "can name a folder elsewhere"
+        ) from error
+
+
+def _find(folder: Path, key: str) -> Path | None:
+    for path in folder.glob(f"{key}-*.so"):
+        if path.stem == f"{key}-{_checksum(path)}":
+            with suppress(OSError):  # somebody else's, or just trimmed
+                os.utime(path)
+            return path
+        path.unlink(missing_ok=True)
+    return None
+
+
+def _checksum(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    except FileNotFoundError:  # trimmed by another program a moment ago
+        return ""
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    with path.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _trim(folder: Path) -> None:
+    by_use = sorted(folder.glob("*.so"), key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in by_use[KEPT:]:
+        path.unlink(missing_ok=True)

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C side of compiled gateware: what Verilator made of model.v, behind the function table of rtl_model.h.
+// READ_WORDS, WRITE_WORDS and GROUPS come from the build.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string>
+#include <type_traits>
+
+#include <verilated.h>
+
+#include "Vmodel.h"
+#include "unitylink/rtl_model.h"
+
+namespace {
+
+struct Model {
+  Model() : context(std::make_unique<VerilatedContext>()), top(std::make_unique<Vmodel>(context.get(), "model")) {}
+
+  std::unique_ptr<VerilatedContext> context;
+  std::unique_ptr<Vmodel> top;
+  std::string failure;
+};
+
+thread_local Model* at_work = nullptr;
+
+// A port of up to 64 bits is a number, a wider one a list of 32-bit words.
+template <class Port>
+void put_bit(Port& port, std::uint32_t bit, bool value) {
+  if constexpr (std::is_integral_v<Port>) {
+    const Port mask = static_cast<Port>(Port{1} << bit);
+    port = static_cast<Port>(value ? port | mask : port & ~mask);
+  } else {
+    put_bit(port.at(bit / 32), bit % 32, value);
+  }
+}
+
+[[maybe_unused]] void put_word(IData& port, std::uint32_t, std::uint32_t value) { port = value; }
+[[maybe_unused]] void put_word(QData& port, std::uint32_t index, std::uint32_t value) {
+  port = (port & ~(QData{0xFFFFFFFF} << 32 * index)) | QData{value} << 32 * index;
+}
+template <std::size_t words>
+void put_word(VlWide<words>& port, std::uint32_t index, std::uint32_t value) {
+  port.at(index) = value;
+}
+
+[[maybe_unused]] std::uint32_t word_of(const IData& port, std::uint32_t) { return port; }
+[[maybe_unused]] std::uint32_t word_of(const QData& port, std::uint32_t index) {
+  return static_cast<std::uint32_t>(port >> 32 * index);
+}
+template <std::size_t words>
+std::uint32_t word_of(const VlWide<words>& port, std::uint32_t index) {
+  return port.at(index);
+}
+
+Model& model_of(void* handle) { return *static_cast<Model*>(handle); }
+
+void* create() {
+  auto* model = new (std::nothrow) Model;
+  if (model != nullptr) {
+    at_work = model;
+    model->top->eval();
+  }
+  return model;
+}
+
+void destroy(void* handle) {
+  Model& model = model_of(handle);
+  model.top->final();
+  delete &model;
+}
+
+void clock(void* handle, unitylink_rtl_pins* pins) {
+  Model& model = model_of(handle);
+  Vmodel& top = *model.top;
+  at_work = &model;
+  top.reset_next = pins->reset;
+  top.rx_valid_next = pins->rx_valid;
+  top.rx_data_next = pins->rx_data;
+  top.rx_error_next = pins->rx_error;
+  top.tx_ready_next = pins->tx_ready;
+  top.clock = 1;
+  top.eval();
+  top.clock = 0;
+  top.eval();
+  pins->rx_ready = top.rx_ready;
+  pins->tx_valid = top.tx_valid;
+  pins->tx_data = top.tx_data;
+}
+
+void set_word([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t index, [[maybe_unused]] std::uint32_t value) {
+#if READ_WORDS > 0
+  put_word(model_of(handle).top->read_words, index, value);
+#endif
+}
+
+std::uint32_t get_word([[maybe_unused]] const void* handle, [[maybe_unused]] std::uint32_t index) {
+#if WRITE_WORDS > 0
+  return word_of(static_cast<const Model*>(handle)->top->write_words, index);
+#else
+  return 0;
+#endif
+}
+
+void set_event(void* handle, std::uint32_t group, std::uint32_t high) {
+  put_bit(model_of(handle).top->events_next, group, high != 0);
+}
+
+const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }
+
+constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS, create,    destroy,
+                                 clock,             set_word,   get_word,    set_event, failure};
+
+}  // namespace
+
+// Where the VHDL has an assertion the netlist calls this.
+extern "C" void unitylink_failed(const char* place) {
+  if (at_work != nullptr && at_work->failure.empty()) {
+    at_work->failure = place;
+  }
+}
+
+extern "C" __attribute__((visibility("default"))) const unitylink_rtl* unitylink_rtl_model(void) { return &table; }

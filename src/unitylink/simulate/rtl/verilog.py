@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Verilog that Verilator gets: a netlist, prepared, in a module whose inputs are registers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from unitylink.errors import ToolError
+
+_HEAD = re.compile(r"^module {top}\s*\n\s*\((.*?)\);", re.DOTALL | re.MULTILINE)
+_PORT = re.compile(r"(input|output)\s+(?:\[(\d+):0\]\s*)?(\w+)")
+_ASSERTION = re.compile(
+    r"/\* (?P<file>\S+):(?P<line>\d+):\d+  \*/\n(?P<before>\s*always @\*\n\s*if \(!\w+\)\n\s*)"
+    r'\$fatal\(1, "[^"]*"\);'
+)
+# Words and the clock go straight in: a board has many words, and copying them would cost every clock.
+_STRAIGHT = ("clock", "read_words")
+_STREAMS = {
+    "clock": 1,
+    "reset": 1,
+    "rx_valid": 1,
+    "rx_data": 8,
+    "rx_error": 3,
+    "tx_ready": 1,
+    "rx_ready": 1,
+    "tx_valid": 1,
+    "tx_data": 8,
+}
+
+
+@dataclass(frozen=True)
+class Port:
+    """A port of a module; `bits` is its width."""
+
+    name: str
+    is_input: bool
+    bits: int
+
+    @property
+    def range(self) -> str:
+        return f"[{self.bits - 1}:0] " if self.bits > 1 else ""
+
+
+def ports_of(netlist: str, top: str) -> tuple[Port, ...]:
+    """Return the ports of the module `top`; raise ToolError if it is not there or has no byte streams."""
+    head = re.search(_HEAD.pattern.replace("{top}", re.escape(top.lower())), netlist, _HEAD.flags)
+    if head is None:
+        raise ToolError(f"the netlist has no module {top}")
+    ports = tuple(
+        Port(name, way == "input", int(high or 0) + 1) for way, high, name in _PORT.findall(head.group(1))
+    )
+    found = {port.name: port.bits for port in ports}
+    if missing := [f"{name} ({bits} bits)" for name, bits in _STREAMS.items() if found.get(name) != bits]:
+        raise ToolError(f"{top} cannot be simulated live: it has no port {', '.join(missing)}")
+    return ports
+
+
+def model_of(netlist: str, top: str) -> str:
+    """Return `netlist` with a module `model` around `top`.
+
+    The inputs of `model` end in `_next` and are taken over by a register: then no logic hangs on an input,
+    and Verilator works a clock out once instead of three times. An assertion of the VHDL calls
+    unitylink_failed().
+    """
+    ports = ports_of(netlist, top)
+    registers = [port for port in ports if port.is_input and port.name not in _STRAIGHT]
+    outer = [
+        f"  {'input' if port.is_input else 'output'} {port.range}{port.name}"
+        + ("_next" if port in registers else "")
+        for port in ports
+    ]
+    return "\n".join(
+        [
+            "module model(",
+            ",\n".join(outer) + ");",
+            *(f"  reg {port.range}{port.name} = 0;" for port in registers),
+            "  always @(posedge clock) begin",
+            *(f"    {port.name} <= {port.name}_next;" for port in registers),
+            "  end",
+            f"  {top.lower()} design_(",
+            ",\n".join(f"    .{port.name}({port.name})" for port in ports) + ");",
+            "endmodule",
+            with_named_assertions(netlist),
+        ]
+    )
+
+
+def with_named_assertions(netlist: str) -> str:
+    """Let an assertion that fails say where it stands in the VHDL, instead of ending the program."""
+
+    def call(found: re.Match[str]) -> str:
+        file = found["file"].rpartition("/")[2]
+        return f'{found["before"]}$c("unitylink_failed(\\"{file}:{found["line"]}\\");");'
+
+    named = _ASSERTION.sub(call, netlist)
+    if "$fatal" in named:
+        raise ToolError(
+            "the netlist has an assertion in a form that is not known; is this GHDL newer than 2.0?"
+        )
+    return named

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The compiled netlist beside GHDL's simulation of its source: equal outputs in every clock.
+
+GHDL's defects in printing Verilog are silent, so the same comparison has to fail on what it prints.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import random
+from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
+from unitylink.gateware.repairs import repaired, with_default_arms, with_sized_constants
+from unitylink.layer1_stream import ClassicEncoder
+from unitylink.simulate.rtl import compile_netlist
+
+TOP = "lockstep_design"
+CLOCKS = 10_000
+CONFIGURATIONS: list[dict[str, Any]] = [
+    {},
+    {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},
+    {"address_width": 24, "read_many": 0, "publish_mode": 0, "checksum": "xor"},
+]
+
+
+class Pins(ctypes.Structure):
+    _fields_ = [
+        (name, ctypes.c_uint8)
+        for name in (
+            "reset",
+            "rx_valid",
+            "rx_data",
+            "rx_error",
+            "tx_ready",
+            "rx_ready",
+            "tx_valid",
+            "tx_data",
+        )
+    ]
+
+
+class Table(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_uint32) for name in ("abi", "read_words", "write_words", "groups")),
+        ("create", ctypes.CFUNCTYPE(ctypes.c_void_p)),
+        ("destroy", ctypes.CFUNCTYPE(None, ctypes.c_void_p)),
+        ("clock", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.POINTER(Pins))),
+        ("set_word", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
+        ("get_word", ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)),
+        ("set_event", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
+        ("failure", ctypes.CFUNCTYPE(ctypes.c_char_p, ctypes.c_void_p)),
+    ]
+
+
+class Requests:
+    """Bytes a host might send: most are right requests, some nearly, some noise."""
+
+    def __init__(self, seed: int, address_width: int, data_width: int) -> None:
+        self.random = random.Random(seed)
+        self.address_bytes, self.data_bytes = -(-address_width // 8), -(-data_width // 8)
+        self.encoders = [ClassicEncoder(checked=checked) for checked in (False, True)]
+
+    def address(self) -> bytes:
+        return self.random.randrange(34).to_bytes(self.address_bytes, "big")
+
+    def message(self) -> bytes:
+        r = self.random
+        count = r.randint(1, 5)
+        several = b"".join(self.address() for _ in range(count))
+        command, data = r.choice(
+            [
+                ("R", self.address()),
+                ("RM", bytes([count]) + several),
+                (
+                    "W",
+                    self.address() + r.randrange(1 << 8 * self.data_bytes).to_bytes(self.data_bytes, "big"),
+                ),
+                ("RLC", b""),
+                ("WSA", bytes([r.randrange(2), count]) + several),
+                ("WSR", bytes([r.randrange(2), 0, r.randrange(3)])),
+                ("RSI", bytes([r.randrange(3)])),
+                ("EPS", b""),
+                ("EPC", b""),
+                ("DPS", b""),
+                ("WIC", b"\xff\xff"),
+                ("RIC", b""),
+            ]
+        )
+        message = bytearray(r.choice(self.encoders).encode(command, data))
+        if r.random() < 0.15:
+            message[r.randrange(len(message))] = r.randrange(256)
+        return bytes(message)
+
+
+class Model:
+    """A compiled lockstep_design, driven clock by clock."""
+
+    def __init__(self, library: Path) -> None:
+        entry = ctypes.CDLL(str(library)).unitylink_rtl_model
+        entry.restype = ctypes.POINTER(Table)
+        self.table: Any = entry().contents
+        self.state = self.table.create()
+        self.pins = Pins()
+
+    def clock(self, stimulus: Sequence[int]) -> str:
+        pins = self.pins
+        pins.reset, pins.rx_valid, pins.rx_data, pins.rx_error, pins.tx_ready, events, word, value = stimulus
+        for group in range(self.table.groups):
+            self.table.set_event(self.state, group, events >> group & 1)
+        self.table.set_word(self.state, word, value)
+        self.table.clock(self.state, pins)
+        words = " ".join(f"{self.table.get_word(self.state, index):08X}" for index in range(8))
+        return f"{pins.rx_ready} {pins.tx_valid} {pins.tx_data if pins.tx_valid else 0} {words}"
+
+
+def play(model: Model, requests: Requests, clocks: int) -> tuple[list[str], list[str]]:
+    """Talk to `model`, which may do anything; every clock's (stimulus, response)."""
+    r = requests.random
+    waiting: deque[int] = deque()
+    stimuli, responses = [], []
+    events = 0
+    for clock in range(clocks):
+        taken = model.pins.rx_valid and model.pins.rx_ready
+        if taken:
+            waiting.popleft()
+        if not waiting and r.random() < 0.1:
+            waiting.extend(requests.message())
+        offered = bool(waiting) and ((model.pins.rx_valid and not taken) or r.random() < 0.9)
+        if r.random() < 0.004:
+            events = r.randrange(1 << model.table.groups)
+        rx_error = r.randrange(8) if r.random() < 0.001 else 0
+        stimulus = (
+            int(clock < 4 or clock == clocks // 2),
+            int(offered),
+            waiting[0] if waiting else r.randrange(256),
+            rx_error,
+            int(r.random() < 0.9),
+            events,
+            r.randrange(8),
+            r.randrange(1 << 31),
+        )
+        stimuli.append(" ".join(map(str, stimulus)))
+        responses.append(model.clock(stimulus))
+    return stimuli, responses
+
+
+class Lockstep:
+    """Runs one netlist of lockstep_design, and GHDL on its source, with the same stimulus."""
+
+    def __init__(self, ghdl: Any, folder: Path, generics: dict[str, Any]) -> None:
+        self.ghdl, self.folder, self.generics = ghdl, folder, generics
+        sources = [*gateware_sources(), gateware_folder() / "test" / f"{TOP}.vhd"]
+        work = folder / "synthesis"
+        work.mkdir()
+        synthesis = Ghdl(work, sources)
+        self.verilog = synthesis.synthesise(TOP, "verilog", generics)
+        self.vhdl = synthesis.synthesise(TOP, "vhdl", generics)
+
+    def compare(self, verilog: str, clocks: int) -> tuple[list[str], list[str]]:
+        library = self.folder / f"model_{len(list(self.folder.glob('*.so')))}.so"
+        compile_netlist(verilog, TOP, library)
+        widths = {"address_width": 8, "data_width": 32, **self.generics}
+        requests = Requests(1, widths["address_width"], widths["data_width"])
+        stimuli, compiled = play(Model(library), requests, clocks)
+        stimulus_file, response_file = self.folder / "stimulus.txt", self.folder / "response.txt"
+        stimulus_file.write_text("\n".join(stimuli) + "\n")
+        self.ghdl.run(
+            "lockstep_tb", stimulus_file=stimulus_file, response_file=response_file, **self.generics
+        )
+        return compiled, response_file.read_text().splitlines()
+
+
+def first_difference(compiled: Sequence[str], source: Sequence[str]) -> int | None:
+    """The clock in which the two differ; those before the reset are nobody's business."""
+    assert len(compiled) == len(source)
+    return next((clock for clock in range(4, len(source)) if compiled[clock] != source[clock]), None)
+
+
+@pytest.mark.parametrize("generics", CONFIGURATIONS, ids=["plain", "narrow", "without-publishing"])
+def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any]) -> None:
+    lockstep = Lockstep(ghdl, tmp_path, generics)
+    compiled, source = lockstep.compare(repaired(lockstep.verilog, lockstep.vhdl), CLOCKS)
+    differs = first_difference(compiled, source)
+    assert differs is None, f"clock {differs}\nnetlist {compiled[differs]}\nsource  {source[differs]}"
+    sent = bytes(int(line.split()[2]) for line in source if line.split()[1] == "1")
+    assert b"S_R:" in sent, "nothing has been compared"
+    assert (b"PUB:" in sent) == (generics.get("publish_mode") != 0)
+    assert len(sent) > CLOCKS / 8
+
+
+@pytest.mark.parametrize("defect", ["default arms", "wide constants"])
+def test_netlist_as_ghdl_prints_it_differs(ghdl: Any, tmp_path: Path, defect: str) -> None:
+    """If this fails, GHDL prints it right and the repair may go."""
+    lockstep = Lockstep(ghdl, tmp_path, {})
+    if defect == "default arms":
+        verilog = with_sized_constants(lockstep.verilog)
+    else:
+        verilog = with_default_arms(lockstep.verilog, lockstep.vhdl)
+    assert verilog != repaired(lockstep.verilog, lockstep.vhdl)
+    assert first_difference(*lockstep.compare(verilog, CLOCKS)) is not None
