@@ -32,8 +32,8 @@ class RtlBoard(Board):
     The first time it is built, which takes about half a minute; then it comes from the cache
     ($XDG_CACHE_HOME/unitylink). Device time is clocks over `configuration.clock_hz`, by default 1 MHz, and is
     what plants are stepped by. It follows real time; where the machine is too slow for that
-    `statistics.time_slipped_s` says how far it stayed behind. The byte streams stand behind the twin's physical
-    layer: `fifo`, `baud_hz` and `fifo_latency` do the same there.
+    `statistics.time_slipped_s` says how far it stayed behind. The byte streams stand behind the twin's
+    physical layer: `fifo`, `baud_hz` and `fifo_latency` do the same there.
 
     Words have one writer, as on an FPGA: a plant sets what the PC reads, and the PC sets the others.
 

@@ -162,7 +162,8 @@ def _compile(
     include = tools.verilator_include()
     flags = [*_COMPILE, *sizes, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
     flags += ["-include", str(_interface())]  # the netlist calls unitylink_failed()
-    every_clock, rarely = [], []
+    every_clock: list[Path] = []
+    rarely: list[Path] = []
     for path in sorted((folder / "made").glob("*.cpp"), key=lambda path: -path.stat().st_size):
         (rarely if re.search("Slow|Syms|ConstPool", path.name) else every_clock).append(path)
     # What runs only once need not be fast, and most of a small file's time goes into the headers.
