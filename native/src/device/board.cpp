@@ -84,7 +84,19 @@ Clock Board::real_clock() const noexcept { return clocks(now_ns() - start_ns_, c
 
 std::unique_lock<std::mutex> Board::enter() {
   board_waits_.wait(true);
-  return std::unique_lock(mutex_);
+  ++callers_;
+  std::unique_lock lock(mutex_);
+  --callers_;
+  callers_.notify_one();
+  return lock;
+}
+
+void Board::let_in(std::unique_lock<std::mutex>& lock) {
+  if (const int callers = callers_; callers > 0) {
+    lock.unlock();
+    callers_.wait(callers);
+    come_back(lock);
+  }
 }
 
 void Board::come_back(std::unique_lock<std::mutex>& lock) {
@@ -113,7 +125,9 @@ void Board::serve() {
     step_plant(lock, target);
     device_->run_until(target);
     flush();
-    if (!stop_ && !more && target == wanted && device_->next_event() > target) {
+    if (stop_ || more || target < wanted || device_->next_event() <= target) {
+      let_in(lock);
+    } else {
       wait(lock);
     }
   }

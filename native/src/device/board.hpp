@@ -68,6 +68,7 @@ class Board {
   // board's thread out for long, so callers stand back while it waits.
   [[nodiscard]] std::unique_lock<std::mutex> enter();
   void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
+  void let_in(std::unique_lock<std::mutex>& lock);     // whoever waits, while the board's thread has no pause of its own
 
   void serve();
   [[nodiscard]] Clock in_time(Clock target);
@@ -82,6 +83,7 @@ class Board {
 
   std::mutex mutex_;
   std::atomic<bool> board_waits_ = false;
+  std::atomic<int> callers_ = 0;  // that wait for the mutex
   std::unique_ptr<ServedDevice> device_;
   std::unique_ptr<Endpoint> endpoint_;
   PlantHook plant_;
