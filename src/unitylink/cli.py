@@ -28,6 +28,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "fmt": ("fmt", "Lay specs out in the canonical way."),
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
+    "budget": ("budget", "Show what the publishes of a spec cost on the line."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
     "info": ("info", "Show what a device is and how the link does."),

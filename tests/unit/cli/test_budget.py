@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink budget`: what it prints, and how it ends."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from unitylink.cli import main
+
+SCARA = Path(__file__).resolve().parents[3] / "examples" / "scara" / "scara.ul"
+
+
+def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["budget", str(SCARA), "--baud", "3000000"]) == 0
+    out = capsys.readouterr().out
+    assert "74 at a tick" in out and "7,400 a second" in out and "2.5% of the line" in out
+    assert "100 Hz" in out and "highest rate" in out
+
+
+def test_json_and_a_line_too_slow(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["budget", str(SCARA), "--baud", "9600", "--json"]) == 1
+    captured = capsys.readouterr()
+    (device,) = json.loads(captured.out)["devices"]
+    assert device["groups"][0]["message_bytes"] == 74 and device["load"] > 7
+    assert device["groups"][0]["latency_s"] is None
+    assert "the publishes need 74,000 baud, the line has 9,600" in captured.err
+
+
+def test_a_spec_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["budget", "nowhere.ul"]) == 1
+    assert "nowhere.ul" in capsys.readouterr().err

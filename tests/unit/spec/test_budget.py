@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The budget: byte counts are those on the wire, latencies those of a simulated line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from unitylink.layer0_driver import Driver
+from unitylink.simulate import Board, BoardConfiguration
+from unitylink.spec import compile_text, load
+from unitylink.spec.budget import BITS_PER_BYTE, DeviceBudget, budget, publish_bytes
+from unitylink.spec.model import Device
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+
+
+def device(*groups: tuple[int, int]) -> Device:
+    """A device with (words, divisor) groups of plain memory."""
+    text = "public board() {\n"
+    address = 0
+    for words, divisor in groups:
+        for _ in range(words):
+            text += f"   @v{address} = 0x{address:X}: READ(PUBLISH(1,{divisor}));\n"
+            address += 1
+    spec = compile_text(text + "}", "board.ul").spec
+    assert spec is not None
+    return spec.devices[0]
+
+
+@settings(max_examples=15)
+@given(words=st.integers(1, 40), data_bytes=st.integers(1, 4), checked=st.booleans())
+def test_bytes_are_those_on_the_wire(words: int, data_bytes: int, checked: bool) -> None:
+    configuration = BoardConfiguration(data_bits=8 * data_bytes, group_size=64, groups=2)
+    with Board(configuration=configuration) as board, Driver(board.url) as driver:
+        enable = "EPC" if checked else "EPS"
+        addresses = "".join(f"{address:02X}" for address in range(words))
+        driver.send(f"#WSA:01{words:02X}{addresses}\n#WSR:010001\n#{enable}\n".encode())
+        received, head = b"", b"&" if checked else b"%"
+        while received.count(b"\n") < 5:
+            received += driver.receive(timeout_s=5.0)
+    publishes = [line for line in received.split(b"\n")[:-1] if line.startswith(head)]
+    assert len(publishes) >= 2
+    assert {len(line) + 1 for line in publishes} == {publish_bytes(words, 8 * data_bytes, checked)}
+
+
+def test_the_walker_by_hand() -> None:
+    (one,) = (budget(d, baud_hz=921_600) for d in load(EXAMPLES / "walker18" / "walker18.ul").devices)
+    (group,) = one.groups
+    assert (group.words, group.message_bytes, group.rate_hz) == (18, 10 + 18 * 8, 100.0)
+    assert one.tick_bytes == 154 and one.bytes_per_s == 15_400
+    assert one.load == pytest.approx(15_400 * 10 / 921_600)
+    slow = next(baud for baud in one.bauds if baud.baud_hz == 115_200)
+    assert slow.load > 1 and slow.highest_hz == pytest.approx(1000 / 14)  # 13.4 ms a publish
+    assert one.fits_2012
+    assert not budget(device((32, 10))).fits_2012
+    assert budget(device((1, 1))).groups[0].latency_s is None, "no baud rate is known"
+
+
+def replayed(one: DeviceBudget, order: list[int], blocked_s: float) -> list[float]:
+    """Serve groups as they fall due, the first in `order` first, behind a message of `blocked_s`; return how
+    late each was at worst."""
+    byte_s = BITS_PER_BYTE / (one.baud_hz or 1)
+    due = [(1 / g.rate_hz * n, number) for number, g in enumerate(one.groups) if g.rate_hz for n in range(40)]
+    worst = [0.0] * len(one.groups)
+    now = blocked_s
+    waiting = sorted(due)
+    while waiting:
+        ready = [item for item in waiting if item[0] <= now + 1e-12]
+        if not ready:
+            now = waiting[0][0]
+            continue
+        item = min(ready, key=lambda entry: (order.index(entry[1]), entry[0]))
+        waiting.remove(item)
+        now += one.groups[item[1]].message_bytes * byte_s
+        worst[item[1]] = max(worst[item[1]], now - item[0])
+    return worst
+
+
+@settings(max_examples=60)
+@given(
+    groups=st.lists(
+        st.tuples(st.integers(1, 12), st.integers(1, 20)), min_size=1, max_size=4, unique_by=lambda g: g[1]
+    ),
+    baud_hz=st.sampled_from([230_400, 921_600, 3_000_000]),
+    data=st.data(),
+)
+def test_no_order_of_service_is_later_than_the_bound(
+    groups: list[tuple[int, int]], baud_hz: int, data: st.DataObject
+) -> None:
+    one = budget(device(*groups), baud_hz=baud_hz, read_many=8)
+    order = data.draw(st.permutations(range(len(one.groups))))
+    blocked_s = (6 + 2 * 8 * 4) * BITS_PER_BYTE / baud_hz  # #S_RM: and eight words
+    for group, late_s in zip(one.groups, replayed(one, order, blocked_s), strict=True):
+        if group.latency_s is not None:
+            assert late_s <= group.latency_s + 1e-9
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(1, 40), st.integers(1, 50)), min_size=1, max_size=4, unique_by=lambda g: g[1]
+    )
+)
+def test_the_highest_rate_fits_and_the_next_does_not(groups: list[tuple[int, int]]) -> None:
+    one = budget(device(*groups))
+    for baud in one.bauds:
+        assert baud.load == pytest.approx(one.bytes_per_s * 10 / baud.baud_hz)
+        assert baud.highest_hz is not None
+        divisor = round(one.base_hz / baud.highest_hz)
+        assert one.tick_bytes * 10 * baud.highest_hz <= baud.baud_hz * (1 + 1e-9)
+        assert divisor == 1 or one.tick_bytes * 10 * one.base_hz / (divisor - 1) > baud.baud_hz
+
+
+def test_a_line_that_is_too_slow_has_no_bound() -> None:
+    one = budget(device((40, 1)), baud_hz=115_200)
+    assert one.load is not None and one.load > 1 and one.groups[0].latency_s is None
+    assert not math.isnan(one.bytes_per_s)
