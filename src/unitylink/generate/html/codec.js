@@ -168,11 +168,3 @@ function show(value) {
   if (value !== null && typeof value === "object") return Object.entries(value).map(([name, one]) => `${name}=${show(one)}`).join(", ");
   return String(value);
 }
-
-// How a spec writes a type.
-function typeText(type) {
-  if (type.name) return type.name;
-  if (type.kind === "fixed" || type.kind === "ufixed") return `${type.kind}(${type.width - type.fraction},${type.fraction})`;
-  const letter = { uint: "u", int: "i", float: "f" }[type.kind];
-  return letter ? `${letter}${type.width}` : type.kind;
-}

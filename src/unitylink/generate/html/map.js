@@ -52,12 +52,12 @@
       make("td", { class: "mono" }, addressText(element)),
       make("td", {}, path),
       make("td", {}, make("span", { class: `badge ${element.access}` }, element.access)),
-      make("td", { class: "mono" }, typeText(element.type)),
+      make("td", { class: "mono" }, element.type.text),
       make("td", {}, element.unit ?? ""),
       make("td", {}, publishText(element.publish)),
       make("td", { class: "note" }, note));
     const one = { element, path, codec, row, section, detail: null };
-    one.text = [path, addressText(element), String(element.address), element.access, typeText(element.type), element.unit, note,
+    one.text = [path, addressText(element), String(element.address), element.access, element.type.text, element.unit, note,
       publishText(element.publish), ...(element.annotations ?? []).map(annotationText)].join(" ").toLowerCase();
     row.addEventListener("click", () => toggle(one));
     row.addEventListener("keydown", (event) => {
@@ -124,7 +124,7 @@
       };
       const place = field.high === field.low ? `${field.low}` : `${field.high}..${field.low}`;
       const row = make("tr", {}, make("td", { class: "mono soft" }, place), make("td", {}, field.name), make("td", {}, box),
-        make("td", {}, field.unit ?? ""), shown, make("td", { class: "mono soft" }, typeText(field.type)), make("td", { class: "soft" }, field.documentation ?? ""));
+        make("td", {}, field.unit ?? ""), shown, make("td", { class: "mono soft" }, field.type.text), make("td", { class: "soft" }, field.documentation ?? ""));
       return { row, update };
     }
 

@@ -25,7 +25,7 @@ def generate_html(spec: Spec) -> dict[str, str]:
     model = model_json(spec)
     script = _part("codec.js") + _part("map.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    data = json.dumps(_compact(model), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    data = json.dumps(page_data(model), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     slots = {
         "generated": html.escape(model["generated"]).replace("--", "- -"),
         "name": html.escape(spec.name),
@@ -44,10 +44,10 @@ def _part(name: str) -> str:
     return files(__package__).joinpath(name).read_text("utf-8")
 
 
-def _compact(value: Any) -> Any:
-    """Leave out what says nothing: of ten thousand registers most members are empty."""
+def page_data(value: Any) -> Any:
+    """Return the model as the page gets it: without what says nothing, for most members are empty."""
     if isinstance(value, dict):
-        return {name: _compact(inner) for name, inner in value.items() if inner not in (None, "", [], {})}
+        return {name: page_data(inner) for name, inner in value.items() if inner not in (None, "", [], {})}
     if isinstance(value, list):
-        return [_compact(inner) for inner in value]
+        return [page_data(inner) for inner in value]
     return str(value) if isinstance(value, int) and abs(value) > _PRECISE else value

@@ -136,7 +136,14 @@ def _binding(link: LinkBinding) -> dict[str, Any]:
 
 
 def _type(kind: ValueType) -> dict[str, Any]:
-    return {"kind": kind.kind, "width": kind.width, "fraction": kind.fraction, "name": kind.name}
+    return {
+        "kind": kind.kind,
+        "width": kind.width,
+        "fraction": kind.fraction,
+        "bus": kind.bus,
+        "name": kind.name,
+        "text": kind.text,
+    }
 
 
 def _enum(enum: EnumType) -> dict[str, Any]:
