@@ -91,7 +91,11 @@ DeviceConfiguration configuration_of(nb::handle object) {
     }
   }
   for (nb::handle fifo : nb::object(object.attr("fifos"))) {
-    result.fifos.push_back({word(fifo, "base"), word(fifo, "depth")});
+    FifoConfiguration chosen{word(fifo, "base"), word(fifo, "depth"), std::nullopt, word(fifo, "remind_clocks")};
+    if (const nb::object group = fifo.attr("event_group"); !group.is_none()) {
+      chosen.event_group = word_of(group, "event_group");
+    }
+    result.fifos.push_back(chosen);
   }
   for (nb::handle buffer : nb::object(object.attr("double_buffers"))) {
     result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});

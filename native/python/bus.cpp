@@ -13,7 +13,7 @@ using namespace unitylink::device;
 // Clocks never go back from call to call.
 class SlaveModel {
  public:
-  explicit SlaveModel(const DeviceConfiguration& configuration) : configuration_(configuration), map_(configuration_) {}
+  explicit SlaveModel(const DeviceConfiguration& configuration) : configuration_(configuration), map_(configuration_, [](std::uint32_t, bool, Clock) {}) {}
   SlaveModel(const SlaveModel&) = delete;
   SlaveModel& operator=(const SlaveModel&) = delete;
 

@@ -51,10 +51,17 @@ class TosnetConfiguration:
 
 @dataclass(frozen=True)
 class FifoConfiguration:
-    """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's."""
+    """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's.
+
+    Its event line drives the event input of `event_group`, one of `edge_event_groups`: a group with the one
+    address `base` then publishes each word once, as soon as it can. The event rises again when nothing has
+    been taken for `remind_clocks`.
+    """
 
     base: int
     depth: int = 16
+    event_group: int | None = None
+    remind_clocks: int = 1 << 20
 
 
 @dataclass(frozen=True)

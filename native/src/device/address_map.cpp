@@ -18,7 +18,7 @@ bool within(const std::vector<AddressRange>& ranges, std::uint32_t address) noex
 
 }  // namespace
 
-AddressMap::AddressMap(const DeviceConfiguration& configuration)
+AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink& sink)
     : errors_(configuration.bus_error_ranges),
       silent_(configuration.silent_ranges),
       address_mask_(configuration.address_mask()),
@@ -32,7 +32,9 @@ AddressMap::AddressMap(const DeviceConfiguration& configuration)
     add(configuration.tosnet.base, 1u << protocol::tosnet::address_bits, std::move(tosnet));
   }
   for (const FifoConfiguration& fifo : configuration.fifos) {
-    add(fifo.base, 3, std::make_unique<Fifo>(fifo.depth));
+    auto slave = std::make_unique<Fifo>(fifo, sink);
+    timed_.push_back(slave.get());
+    add(fifo.base, 3, std::move(slave));
   }
   for (const DoubleBufferConfiguration& buffer : configuration.double_buffers) {
     add(buffer.base, buffer.size + 1, std::make_unique<DoubleBuffer>(buffer.size));
@@ -71,6 +73,20 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
 void AddressMap::block(bool held, Clock now) {
   for (Region& at : regions_) {
     at.slave->block(held, now);
+  }
+}
+
+Clock AddressMap::next_clock() const noexcept {
+  Clock next = never;
+  for (const Bus* slave : timed_) {
+    next = std::min(next, slave->next_clock());
+  }
+  return next;
+}
+
+void AddressMap::advance(Clock now) {
+  for (Bus* slave : timed_) {
+    slave->advance(now);
   }
 }
 

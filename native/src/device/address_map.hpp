@@ -13,13 +13,17 @@ namespace unitylink::device {
 
 class AddressMap final : public Bus {
  public:
-  explicit AddressMap(const DeviceConfiguration& configuration);
+  // `sink` gets the event lines of slaves.
+  AddressMap(const DeviceConfiguration& configuration, const EventSink& sink);
 
   BusReply read(std::uint32_t address, Clock now) override;
   BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override;
   void block(bool held, Clock now) override;
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
+
+  [[nodiscard]] Clock next_clock() const noexcept override;
+  void advance(Clock now) override;
 
   [[nodiscard]] Tosnet* tosnet() const noexcept { return tosnet_; }
 
@@ -35,6 +39,7 @@ class AddressMap final : public Bus {
   std::vector<AddressRange> errors_;
   std::vector<AddressRange> silent_;
   std::vector<Region> regions_;  // the last is the memory everywhere else
+  std::vector<Bus*> timed_;      // slaves that do something by themselves
   Tosnet* tosnet_ = nullptr;
   std::uint32_t address_mask_;
   std::uint32_t data_mask_;

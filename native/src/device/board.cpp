@@ -293,7 +293,12 @@ BusReply Board::get(std::uint32_t address) {
 
 BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
   const auto lock = enter();
-  return device_->set(address, value);
+  const Clock before = device_->next_event();
+  const BusStatus status = device_->set(address, value);
+  if (device_->next_event() < before) {
+    wake();  // a slave's event line
+  }
+  return status;
 }
 
 void Board::set_event(std::uint32_t group, bool high) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "device/clock.hpp"
 
@@ -26,6 +27,12 @@ class Bus {
   virtual void block(bool /*held*/, Clock /*now*/) {}
   virtual BusReply get(std::uint32_t address, Clock now) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
+  // When advance() has something to do by itself.
+  [[nodiscard]] virtual Clock next_clock() const noexcept { return never; }
+  virtual void advance(Clock /*now*/) {}
 };
+
+// The event input of a group changes. Given by whoever has the groups.
+using EventSink = std::function<void(std::uint32_t group, bool high, Clock now)>;
 
 }  // namespace unitylink::device

@@ -94,6 +94,13 @@ std::string DeviceConfiguration::problem() const {
     if (fifo.depth == 0) {
       return "a fifo of depth 0; choose at least 1 word";
     }
+    if (fifo.event_group && !(*fifo.event_group < groups && edge_event(*fifo.event_group))) {
+      return "a fifo's event_group is " + std::to_string(*fifo.event_group) +
+             "; choose one of the board's groups and list it in edge_event_groups: a level would ask once too often";
+    }
+    if (fifo.remind_clocks < 4) {
+      return "a fifo's remind_clocks is " + std::to_string(fifo.remind_clocks) + "; choose at least 4";
+    }
     slaves.push_back({"fifo", fifo.base, 3});
   }
   for (const DoubleBufferConfiguration& buffer : double_buffers) {

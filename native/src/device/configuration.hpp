@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct TosnetConfiguration {
 struct FifoConfiguration {
   std::uint32_t base = 0;
   std::uint32_t depth = 16;  // words each way
+  std::optional<std::uint32_t> event_group = std::nullopt;  // whose event input the FIFO's event line drives; by edge
+  std::uint32_t remind_clocks = 1u << 20;    // the event rises again when nothing has been taken for so long
 };
 
 struct DoubleBufferConfiguration {
@@ -83,6 +86,9 @@ struct DeviceConfiguration {
   [[nodiscard]] bool has_checksum() const noexcept { return datalink == Datalink::full && checksum != Checksum::none; }
   [[nodiscard]] std::uint32_t address_mask() const noexcept;
   [[nodiscard]] std::uint32_t data_mask() const noexcept;
+  [[nodiscard]] bool edge_event(std::uint32_t group) const noexcept {
+    return group / 8 < edge_events.size() && (edge_events[group / 8] >> (group % 8) & 1u) != 0;
+  }
   // Entries a received message may have: head, letters, colon, data bytes and tail.
   [[nodiscard]] std::uint32_t message_entries() const noexcept;
   // What is wrong with these values and what to do, or "" when nothing is.

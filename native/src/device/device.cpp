@@ -13,7 +13,8 @@ constexpr std::uint8_t overrun = 4;
 
 Device::Device(const DeviceConfiguration& configuration)
     : configuration_(configuration),
-      bus_(configuration_),
+      bus_(configuration_,
+           [this](std::uint32_t group, bool high, Clock now) { subscriptions_.set_input(group, high, now); }),
       input_(configuration_),
       output_(configuration_),
       receiver_(configuration_),
@@ -74,7 +75,7 @@ void Device::take_byte() {
 
 Clock Device::next_event() const noexcept {
   return std::min({input_.next_arrival(), output_.next_departure(), transmitter_.next_clock(), application_.next_clock(),
-                   subscriptions_.next_clock(), receiver_clock()});
+                   subscriptions_.next_clock(), bus_.next_clock(), receiver_clock()});
 }
 
 void Device::run_until(Clock clock) {
@@ -99,6 +100,8 @@ void Device::run_until(Clock clock) {
       transmitter_.step();
     } else if (subscriptions_.next_clock() <= next) {
       subscriptions_.advance(clock_);
+    } else if (bus_.next_clock() <= next) {
+      bus_.advance(clock_);
     } else if (application_.next_clock() <= next) {
       application_.step(clock_);
     } else {

@@ -5,22 +5,37 @@
 //       write: one word to the FPGA; bus error when there is no room
 //   +1  read: words from the FPGA that wait        +2  read: words the FPGA still has room for
 //
+// Event: high while words wait, and low for a moment after one was taken or when none has been for remind_clocks. On an
+// edge event input each word is asked for once.
+//
 // On the FPGA's side `set(+0)` queues a word for the PC and `get(+0)` takes one of the PC's.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "device/bus.hpp"
+#include "device/configuration.hpp"
 #include "device/ring.hpp"
 
 namespace unitylink::device {
 
 class Fifo final : public Bus {
  public:
-  explicit Fifo(std::uint32_t depth) : to_pc_(depth), from_pc_(depth) {}
+  Fifo(const FifoConfiguration& configuration, EventSink sink)
+      : group_(configuration.event_group),
+        remind_clocks_(configuration.remind_clocks),
+        sink_(std::move(sink)),
+        to_pc_(configuration.depth),
+        from_pc_(configuration.depth) {}
 
-  BusReply read(std::uint32_t address, Clock) override {
+  BusReply read(std::uint32_t address, Clock now) override {
     switch (address) {
-      case 0:
-        return take(to_pc_);
+      case 0: {
+        const BusReply reply = take(to_pc_);
+        remind(now);
+        return reply;
+      }
       case 1:
         return {BusStatus::ok, static_cast<std::uint32_t>(to_pc_.size())};
       default:
@@ -43,8 +58,22 @@ class Fifo final : public Bus {
     }
   }
 
-  BusStatus set(std::uint32_t address, std::uint32_t value, Clock) override {
-    return address == 0 && to_pc_.push(value) ? BusStatus::ok : BusStatus::error;
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override {
+    const bool first = to_pc_.empty();
+    if (address != 0 || !to_pc_.push(value)) {
+      return BusStatus::error;
+    }
+    if (first) {
+      remind(now);
+    }
+    return BusStatus::ok;
+  }
+
+  [[nodiscard]] Clock next_clock() const noexcept override { return remind_at_; }
+  void advance(Clock now) override {
+    if (remind_at_ <= now) {
+      remind(now);
+    }
   }
 
  private:
@@ -57,6 +86,21 @@ class Fifo final : public Bus {
     return reply;
   }
 
+  void remind(Clock now) {
+    if (!group_) {
+      return;
+    }
+    sink_(*group_, false, now);
+    if (!to_pc_.empty()) {
+      sink_(*group_, true, now);
+    }
+    remind_at_ = to_pc_.empty() ? never : now + remind_clocks_;
+  }
+
+  std::optional<std::uint32_t> group_;
+  Clock remind_clocks_;
+  Clock remind_at_ = never;
+  EventSink sink_;
   Ring<std::uint32_t> to_pc_;
   Ring<std::uint32_t> from_pc_;
 };

@@ -9,7 +9,7 @@ SubscriptionManager::SubscriptionManager(const DeviceConfiguration& configuratio
     : groups_(configuration.groups), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     groups_[g].addresses.reserve(configuration.group_size);
-    groups_[g].edge = g / 8 < configuration.edge_events.size() && (configuration.edge_events[g / 8] >> (g % 8) & 1u) != 0;
+    groups_[g].edge = configuration.edge_event(static_cast<std::uint32_t>(g));
   }
 }
 

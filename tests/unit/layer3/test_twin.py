@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import pytest
 
 from unitylink import Link
-from unitylink.errors import BusError, LinkTimeout, NetworkError
+from unitylink.errors import BusError, LinkTimeout, NetworkError, ValueRangeError
 from unitylink.layer3_hardware import DoubleBufferProxy, FifoProxy, MemoryProxy, TosNetProxy
 from unitylink.simulate import (
     Board,
@@ -188,3 +188,28 @@ def test_a_word_of_a_burst_that_failed_does_not_come_with_the_next() -> None:
         del proxy._outputs[0x80]
         proxy.write(0x86, 3)
         assert [board.registers[a] for a in (0x84, 0x85, 0x86)] == [1, 0, 3]
+
+
+def test_a_fifo_publishes_its_words_by_itself() -> None:
+    """No rate and no poll: each word comes once, also those that were there before anybody asked."""
+    fifo = FifoConfiguration(base=0x40, depth=64, event_group=3, remind_clocks=50_000)
+    configuration = BoardConfiguration(groups=4, edge_event_groups=(3,), fifos=(fifo,))
+    with Board(configuration=configuration) as board, Link(board.url) as link:
+        board.registers[0x40] = 1
+        board.registers[0x40] = 2
+        with FifoProxy(link, 0x40).subscribe([0], on_event=True, group=3) as words:
+            for number in range(3, 41):
+                board.registers[0x40] = number
+            heard: list[int] = []
+            while len(heard) < 40:
+                assert words.wait(5.0), f"only {heard} came"
+                heard += words.drain()[1][:, 0].tolist()
+            assert heard == list(range(1, 41))
+        assert FifoProxy(link, 0x40).status().empty
+
+
+def test_a_fifo_wants_an_edge_event_group() -> None:
+    with pytest.raises(
+        ValueRangeError, match="event_group is 1; choose one of the board's groups and list it"
+    ):
+        Board(configuration=BoardConfiguration(fifos=(FifoConfiguration(base=0x40, event_group=1),)))
