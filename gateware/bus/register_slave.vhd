@@ -3,7 +3,8 @@
 -- Registers on the Wishbone bus: what stands at which address is decided by the logic around it.
 --
 --   wishbone --> write_words(a)   the word last written to address a; written(a) is high in its first clock
---   wishbone <-- read_words(a)    what a read of address a gives (connect it to write_words(a) to read back)
+--   wishbone <-- read_words(a)    what a read of address a gives (connect it to write_words(a) to read back);
+--                                 was_read(a) is high with its ack
 --
 -- Generics  writable has a character an address, address 0 first: "0110" is four words of which 1 and 2 may be written.
 --           '-' is a hole: there is no word at this address, and none of its ports is used.
@@ -35,7 +36,8 @@ entity register_slave is
 
     read_words  : in  word_vector_t(0 to writable'length - 1);
     write_words : out word_vector_t(0 to writable'length - 1);
-    written     : out std_ulogic_vector(0 to writable'length - 1)
+    written     : out std_ulogic_vector(0 to writable'length - 1);
+    was_read    : out std_ulogic_vector(0 to writable'length - 1)
   );
 end entity;
 
@@ -92,9 +94,10 @@ begin
     variable known : boolean;
   begin
     if rising_edge(clock) then
-      ack     <= '0';
-      err     <= '0';
-      written <= (written'range => '0');
+      ack      <= '0';
+      err      <= '0';
+      written  <= (written'range => '0');
+      was_read <= (was_read'range => '0');
 
       index := 0;
       known := unsigned(wishbone_m2s.adr) < words;
@@ -108,7 +111,8 @@ begin
         if not known then
           err <= '1';
         elsif wishbone_m2s.we = '0' then
-          ack <= '1';
+          ack             <= '1';
+          was_read(index) <= '1';
         elsif may_write(index) = '1' and wishbone_m2s.sel(all_bytes'range) = all_bytes then
           ack                                        <= '1';
           write_words(index)(data_width - 1 downto 0) <= wishbone_m2s.dat(data_width - 1 downto 0);
@@ -122,6 +126,7 @@ begin
         ack         <= '0';
         err         <= '0';
         written     <= (written'range => '0');
+        was_read    <= (was_read'range => '0');
         write_words <= (write_words'range => (others => '0'));
       end if;
     end if;

@@ -54,6 +54,7 @@ architecture generated of scara_design is
   signal slaves_m2s : wishbone_m2s_vector_t(address_map'range);
   signal slaves_s2m : wishbone_s2m_vector_t(address_map'range);
 
+  signal lines      : std_ulogic_vector(events'range); -- of events, from outside and from within
   signal master_m2s : wishbone_m2s_t;
   signal master_s2m : wishbone_s2m_t;
 
@@ -78,8 +79,10 @@ begin
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => events,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => lines,
       wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
+
+  lines(15 downto 0) <= events(15 downto 0);
 
   interconnect : entity work.wishbone_interconnect
     generic map (address_map => address_map)

@@ -86,17 +86,17 @@ package body scara_user_pkg is
   end function;
 
   function from_strobes (strobes : std_ulogic_vector(7 downto 0)) return scara_written_t is
-    variable written : scara_written_t;
+    variable strobes_of : scara_written_t;
   begin
-    written.j1.pos_sp := strobes(0);
-    written.j1.spd_sp := strobes(4);
-    written.j2.pos_sp := strobes(1);
-    written.j2.spd_sp := strobes(5);
-    written.j3.pos_sp := strobes(2);
-    written.j3.spd_sp := strobes(6);
-    written.j4.pos_sp := strobes(3);
-    written.j4.spd_sp := strobes(7);
-    return written;
+    strobes_of.j1.pos_sp := strobes(0);
+    strobes_of.j1.spd_sp := strobes(4);
+    strobes_of.j2.pos_sp := strobes(1);
+    strobes_of.j2.spd_sp := strobes(5);
+    strobes_of.j3.pos_sp := strobes(2);
+    strobes_of.j3.spd_sp := strobes(6);
+    strobes_of.j4.pos_sp := strobes(3);
+    strobes_of.j4.spd_sp := strobes(7);
+    return strobes_of;
   end function;
 
 end package body;

@@ -3,126 +3,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Union
 
 from unitylink import protocol
-from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.spec.model import Element, Spec
 
-from . import records
 from .blocks import Block, blocks
+from .functions import from_strobes, from_words, to_words
 from .names import Names, identifier, remark
-from .words import WordMap, tosnet_range, word_map
+from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
+from .records import Tree, records
+from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes
+from .words import PlacedComponent, components_of, tosnet_range, word_map
 
 # What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
 _ONLY_ON_THE_TWIN = ("bench_memory", "bus_error_ranges", "silent_ranges", "fifos", "double_buffers")
 # Of the UART, where the configuration does not say.
 _BAUD_HZ = 3_000_000
 _FIFO_BYTES = 16
-
-
-@dataclass(frozen=True)
-class Constant:
-    name: str
-    type: str
-    value: str
-    remark: str
-
-
-@dataclass(frozen=True)
-class Wire:
-    """A word of a slave: its offset there, and its index in each port of the design, None where not there."""
-
-    offset: int
-    read: int | None
-    write: int | None
-
-
-@dataclass(frozen=True)
-class Registers:
-    """A register_slave."""
-
-    number: int  # of the slave on the bus
-    span: str
-    words: int
-    writable: str
-    snapshot: bool
-    wires: tuple[Wire, ...]
-    holes: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Tosnet:
-    """A tosnet_slave; nodes and addresses are aggregates."""
-
-    number: int
-    configuration: TosnetConfiguration
-    master_registers: str
-    nodes: str
-    cycle_hz: int
-    read_addresses: str
-    write_addresses: str
-    reads: tuple[Wire, ...]
-    writes: tuple[Wire, ...]
-
-
-@dataclass(frozen=True)
-class Range:
-    """A line of the interconnect's address map."""
-
-    number: int
-    base: str
-    words: int
-    remark: str
-
-
-@dataclass(frozen=True)
-class Function:
-    """Turns a record into a vector or back, a line a word."""
-
-    name: str
-    parameter: str
-    takes: str
-    gives: str
-    result: str
-    variable: str
-    lines: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Plan:
-    name: str
-    source: str
-    hash: str
-    configuration: BoardConfiguration
-    baud_hz: int
-    fifo_bytes: int
-    generics: tuple[Constant, ...]
-    addresses: tuple[Constant, ...]
-    words: WordMap
-    ranges: tuple[Range, ...]
-    registers: tuple[Registers, ...]
-    tosnet: Tosnet | None
-    to_pc: records.Tree
-    from_pc: records.Tree
-    written: records.Tree
-    functions: tuple[Function, ...]
-
-    @property
-    def generic_width(self) -> int:
-        """Characters of the longest generic's name."""
-        return max(len(generic.name) for generic in self.generics)
-
-    @property
-    def address_width(self) -> int:
-        """Characters of the longest address's name."""
-        return max(len(address.name) for address in self.addresses)
-
-    @property
-    def trees(self) -> tuple[records.Tree, ...]:
-        return self.to_pc, self.from_pc, self.written
+# Ports that every design or top level may have.
+_PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo_bytes", "rx_line", "tx_line"]
+_PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error", "tx_valid", "tx_ready", "tx_data"]
+_PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc"]
+_STROBE = FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
+_FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
 def plan(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
@@ -137,19 +44,28 @@ class _Planner:
         self.configuration = configuration
         self.words = word_map(spec, configuration)
         self.in_tosnet = tosnet_range(configuration)
+        self.parts = components_of(spec)
+        self.ports: list[Port] = []
+        self.accesses = {address: e.access for _, e in spec.walk() for address in e.addresses}
         for path, element in spec.walk():
-            if element.address >> configuration.address_bits:
-                bits = configuration.address_bits
-                raise BindingError(f"vhdl: {path} lies at 0x{element.address:X}; address_bits is {bits}")
+            last, bits = element.addresses[-1], configuration.address_bits
+            if last >> bits:
+                raise BindingError(f"vhdl: {path} lies at 0x{last:X}; address_bits is {bits}")
+            if element.link.kind not in ("memory", "tosnet"):
+                raise BindingError(
+                    f"vhdl: {path} lies behind a link of the kind {element.link.kind}, which has no VHDL yet; "
+                    "use words of plain memory"
+                )
 
     def plan(self) -> Plan:
-        slaves = 1 if self.in_tosnet else 0
-        addresses = {element.address for _, element in self.spec.walk()} - set(self.in_tosnet)
+        first = 1 if self.in_tosnet else 0
+        parts = [part for part in self.parts if part.component.words]
+        taken = {address for part in parts for address in part.range} | set(self.in_tosnet)
+        addresses = {a for _, element in self.spec.walk() for a in element.addresses} - taken
         plain = blocks(addresses, self.in_tosnet)
-        names = Names()
-        to_pc = records.to_pc(self.spec, self.words, names, self._word)
-        from_pc = records.from_pc(self.spec, self.words, names, self._word)
-        written = records.written(self.spec, self.words, names)
+        numbered = list(enumerate(parts, first + len(plain)))
+        ports = Names(_PORTS)
+        components = tuple(self._component(number, part, ports) for number, part in numbered)
         return Plan(
             name=identifier(self.spec.name),
             source=remark(self.spec.source),
@@ -160,26 +76,131 @@ class _Planner:
             generics=_generics(self.configuration),
             addresses=self._address_constants(),
             words=self.words,
-            ranges=(*self._tosnet_range(), *(_range(n, block) for n, block in enumerate(plain, slaves))),
-            registers=tuple(self._registers(number, block) for number, block in enumerate(plain, slaves)),
+            ranges=(
+                *self._tosnet_range(),
+                *(_range(n, block.base, block.words) for n, block in enumerate(plain, first)),
+                *(_range(n, part.component.base, part.component.words) for n, part in numbered),
+            ),
+            registers=tuple(self._registers(number, block) for number, block in enumerate(plain, first)),
             tosnet=self._tosnet(),
-            to_pc=to_pc,
-            from_pc=from_pc,
-            written=written,
-            functions=tuple(
-                make(tree, width, self.configuration.data_bits)
-                for make, tree, width in (
-                    (_to_words, to_pc, 32 * len(self.words.read)),
-                    (_from_words, from_pc, 32 * len(self.words.write)),
-                    (_from_strobes, written, len(self.words.write)),
-                )
-                if tree.leaves
+            components=components,
+            ports=tuple(self.ports),
+            lines=self._event_lines(),
+            event_sources=self._event_sources(components),
+            changes=self._changes(),
+            **self._records(),
+        )
+
+    def _records(self) -> dict[str, Any]:
+        """Return the fields of the plan that make the user's package."""
+        names, bits = Names(IEEE_NAMES), self.configuration.data_bits
+        types = ValueTypes(names, bits)
+        read, write = self.words.read, self.words.write
+        # Elements of several devices may share an address: the word has one field then, the first one's.
+        first: dict[int, Element] = {}
+        for _, element in self.spec.walk():
+            if self.words.drives(element):
+                first.setdefault(element.address, element)
+        drivers = {id(element) for element in first.values()}
+
+        def given(element: Element) -> FieldType | None:
+            return types.of(element) if id(element) in drivers else None
+
+        def seen(element: Element) -> FieldType | None:
+            return types.of(element) if self.words.sees(element) else None
+
+        def strobe(element: Element) -> FieldType | None:
+            return _STROBE if self.words.sees(element) else None
+
+        def taken(element: Element) -> FieldType | None:
+            return _STROBE if element.access == "READCLEAR" and id(element) in drivers else None
+
+        def place(direction: str, index_of: Callable[[Element], int], field: _FieldOf) -> Tree:
+            return records(self.spec, direction, names, index_of, field, array_of=types.array_of)
+
+        to_pc = place("to_pc", lambda e: read[e.address], given)
+        from_pc = place("from_pc", lambda e: write[e.address], seen)
+        written = place("written", lambda e: write[e.addresses[-1]], strobe)
+        was_read = place("was_read", lambda e: read[e.address], taken)
+        functions = (
+            to_words(to_pc, len(read), bits),
+            from_words(from_pc, len(write), bits),
+            from_strobes("from_strobes", written, len(write)),
+            from_strobes("from_reads", was_read, len(read)),
+        )
+        return {
+            "types": tuple(types.declarations),
+            "to_pc": to_pc,
+            "from_pc": from_pc,
+            "written": written,
+            "was_read": was_read,
+            "functions": tuple(function for function in functions if function.lines and function.takes),
+        }
+
+    def _component(self, number: int, part: PlacedComponent, ports: Names) -> Placed:
+        component = part.component
+        own = {"clock_hz": "clock_hz", "data_width": f"{identifier(self.spec.name)}_config_pkg.data_width"}
+        given = {name: own.get(name, str(value)) for name, value in component.generics}
+        pins = []
+        for port, direction, bits in component.pins:
+            name = ports.claim(f"{part.path}_{port}")
+            kind = "std_logic" if direction == "inout" else "std_ulogic"
+            self.ports.append(Port(name, direction, f"{kind}_vector({bits - 1} downto 0)" if bits else kind))
+            pins.append((port, name))
+        return Placed(
+            number=number,
+            path=remark(part.path),
+            span=_span(component.base, component.words),
+            entity=component.entity,
+            generics=tuple({**given, "data_width": own["data_width"]}.items()),
+            pins=tuple(pins),
+            events=tuple(
+                (port, group.number)
+                for port in component.events
+                for device in self.spec.devices
+                for group in device.groups
+                if device.root == part.root and group.event == f"{part.local}.{port}"
             ),
         )
 
-    def _word(self, element: Element) -> str:
-        kind = "signed" if element.signed else "unsigned"
-        return f"{kind}({self.configuration.data_bits - 1} downto 0)"
+    def _changes(self) -> tuple[Change, ...]:
+        changes = []
+        for device in self.spec.devices:
+            for group in device.groups:
+                if group.trigger == "change":
+                    others = [element.path for element in group.elements if not self.words.drives(element)]
+                    if others:
+                        raise BindingError(
+                            f"vhdl: {others[0]} is published on change, and is not the user's logic's to give; "
+                            "publish it at a rate"
+                        )
+                    changes.append(Change(group.number, tuple(self.words.read[a] for a in group.addresses)))
+        return tuple(changes)
+
+    def _event_sources(self, components: tuple[Placed, ...]) -> tuple[EventSource, ...]:
+        """Return the lines from outside, in as few assignments as there are runs of them."""
+        inside = {line for component in components for _, line in component.events}
+        inside |= {change.number for change in self._changes()}
+        runs: list[list[int]] = []
+        for line in range(self.configuration.groups):
+            if line in inside:
+                continue
+            if runs and runs[-1][-1] == line - 1:
+                runs[-1].append(line)
+            else:
+                runs.append([line])
+        spans = [f"{run[-1]} downto {run[0]}" for run in runs]
+        return tuple(EventSource(span, f"events({span})") for span in spans)
+
+    def _event_lines(self) -> tuple[Constant, ...]:
+        """Return a constant for every event line that the user's logic drives."""
+        names = Names()
+        return tuple(
+            Constant(f"{names.claim(group.event)}_event", "natural", str(group.number), "index in events")
+            for device in self.spec.devices
+            for group in device.groups
+            if group.trigger == "event" and "." not in group.event
+        )
 
     def _address_constants(self) -> tuple[Constant, ...]:
         names = Names()
@@ -207,7 +228,14 @@ class _Planner:
 
     def _wire(self, base: int, offset: int) -> Wire:
         address = base + offset
-        return Wire(offset, self.words.read.get(address), self.words.write.get(address))
+        access = self.accesses.get(address, "")
+        return Wire(
+            offset,
+            self.words.read.get(address),
+            self.words.write.get(address),
+            pulse=access == "PULSE",
+            taken=access == "READCLEAR",
+        )
 
     def _tosnet_range(self) -> tuple[Range, ...]:
         inside = self.in_tosnet
@@ -281,34 +309,8 @@ def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
     )
 
 
-def _to_words(tree: records.Tree, width: int, bits: int) -> Function:
-    lines = ["words := (others => '0');"]
-    lines += [f"words({_slice(leaf, bits)}) := std_ulogic_vector(to_pc.{leaf.path});" for leaf in tree.leaves]
-    return Function(
-        "to_words", "to_pc", tree.type, "std_ulogic_vector", "words", _vector(width), tuple(lines)
-    )
-
-
-def _from_words(tree: records.Tree, width: int, bits: int) -> Function:
-    lines = tuple(f"from_pc.{leaf.path} := {leaf.kind}(words({_slice(leaf, bits)}));" for leaf in tree.leaves)
-    return Function("from_words", "words", _vector(width), tree.type, "from_pc", tree.type, lines)
-
-
-def _from_strobes(tree: records.Tree, width: int, bits: int) -> Function:
-    lines = tuple(f"written.{leaf.path} := strobes({leaf.index});" for leaf in tree.leaves)
-    return Function("from_strobes", "strobes", _vector(width), tree.type, "written", tree.type, lines)
-
-
-def _vector(width: int) -> str:
-    return f"std_ulogic_vector({width - 1} downto 0)"
-
-
-def _slice(leaf: records.Leaf, bits: int) -> str:
-    return f"{32 * leaf.index + bits - 1} downto {32 * leaf.index}"
-
-
-def _range(number: int, block: Block) -> Range:
-    return Range(number, _hex(block.base), block.words, _span(block.base, block.words))
+def _range(number: int, base: int, words: int) -> Range:
+    return Range(number, _hex(base), words, _span(base, words))
 
 
 def _hex(address: int) -> str:

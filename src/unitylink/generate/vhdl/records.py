@@ -3,148 +3,175 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 
-from unitylink.spec.model import Element, Instance, Spec
+from unitylink.spec.model import Element, Group, Instance, Member, Spec
 
 from .names import Names, remark
-from .words import WordMap
-
-
-@dataclass(frozen=True)
-class Field:
-    name: str
-    type: str
-    remark: str  # "" where name and type say all
-
-
-@dataclass(frozen=True)
-class Record:
-    """A record type; expansions of one constructor with the same fields share it."""
-
-    name: str
-    fields: tuple[Field, ...]
-
-    @property
-    def width(self) -> int:
-        """Characters of the longest field name."""
-        return max(len(field.name) for field in self.fields)
+from .value_types import Declaration, FieldType, Part
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """A word in the top record: `path` from there on ("j1.cpos") and its index in the ports of the design."""
+    """A part of a value in the top record: `path` from there on ("j(1).cpos"), its word, its bits in it."""
 
     path: str
-    type: str
     index: int
-
-    @property
-    def kind(self) -> str:
-        """The type without its range: signed or unsigned."""
-        return self.type.partition("(")[0]
+    part: Part
 
 
 @dataclass(frozen=True)
 class Tree:
-    """The records of one direction, each after those it uses, the top one last; none without words."""
+    """The record types of one direction, each behind those it uses; `type` is the top one, "" for none."""
 
-    records: tuple[Record, ...]
+    type: str
+    declarations: tuple[Declaration, ...]
     leaves: tuple[Leaf, ...]
 
-    @property
-    def type(self) -> str:
-        """The top record's name."""
-        return self.records[-1].name
+
+def records(
+    spec: Spec,
+    direction: str,
+    names: Names,
+    index_of: Callable[[Element], int],
+    type_of: Callable[[Element], FieldType | None],
+    *,
+    array_of: Callable[[str], str],
+) -> Tree:
+    """Plan the records of a direction; `type_of` an element is None where it has no field there, and
+    `array_of` names the type of several values side by side."""
+    return _Maker(direction, names, index_of, type_of, array_of=array_of).tree(spec)
 
 
-def to_pc(spec: Spec, words: WordMap, names: Names, word: Callable[[Element], str]) -> Tree:
-    """Plan what the user's logic gives the PC to read.
+@dataclass(frozen=True)
+class _Item:
+    """A field to be: its name, the text of its type, and its leaves from there on."""
 
-    Elements of several devices may share an address: the word has one field, that of the first of them.
-    """
-    first: dict[int, Element] = {}
-    for _, element in spec.walk():
-        if words.drives(element):
-            first.setdefault(element.address, element)
-    chosen = {id(element) for element in first.values()}
-    return _Maker("to_pc", names, words.read, lambda element: id(element) in chosen, word).tree(spec)
-
-
-def from_pc(spec: Spec, words: WordMap, names: Names, word: Callable[[Element], str]) -> Tree:
-    """Plan what the PC wrote."""
-    return _Maker("from_pc", names, words.write, words.sees, word).tree(spec)
-
-
-def written(spec: Spec, words: WordMap, names: Names) -> Tree:
-    """Plan the strobes that say that the PC has just written."""
-    return _Maker("written", names, words.write, words.sees, lambda element: "std_ulogic").tree(spec)
+    name: str
+    type: str
+    remark: str
+    leaves: tuple[Leaf, ...]
 
 
 class _Maker:
-    """Walks the tree once and collects record types and leaves."""
+    """Walks the tree once and collects record types; members are named whether they have a field or not, so
+    that they have the same names in all directions."""
 
     def __init__(
         self,
         direction: str,
         names: Names,
-        indices: Mapping[int, int],
-        chosen: Callable[[Element], bool],
-        word: Callable[[Element], str],
+        index_of: Callable[[Element], int],
+        type_of: Callable[[Element], FieldType | None],
+        *,
+        array_of: Callable[[str], str],
     ) -> None:
         self.direction = direction
         self.names = names
-        self.indices = indices
-        self.chosen = chosen
-        self.word = word
-        self.types: dict[tuple[str, tuple[tuple[str, str], ...]], Record] = {}
-        self.leaves: list[Leaf] = []
+        self.index_of = index_of
+        self.type_of = type_of
+        self.records: dict[tuple[str, tuple[tuple[str, str], ...]], str] = {}
+        self.array_of = array_of
+        self.arrays: dict[str, str] = {}
+        self.declarations: list[Declaration] = []
 
     def tree(self, spec: Spec) -> Tree:
         top = self.names.claim(f"{spec.name}_{self.direction}_t")
-        if len(spec.roots) == 1:
-            self._record(spec.roots[0], "", top)
-        else:
-            scope = Names()
-            fields = tuple(
-                Field(name, record.name, "")
-                for root in spec.roots
-                for name in [scope.claim(root.name)]
-                if (record := self._record(root, f"{name}.", None)) is not None
+        items = self._items(spec.roots[0].members if len(spec.roots) == 1 else spec.roots)
+        if not items:
+            return Tree("", (), ())
+        self._declare(top, items)
+        leaves = tuple(leaf for item in items for leaf in item.leaves)
+        return Tree(top, tuple(self.declarations), leaves)
+
+    def _items(self, members: tuple[Member, ...]) -> list[_Item]:
+        scope = Names()
+        items: list[_Item] = []
+        words = [member for member in members if not isinstance(member, Group)]
+        for array, group in groupby(words, lambda member: member.array):
+            parts = list(group)
+            if array:
+                items += self._array(scope, array, parts)
+            else:
+                named = [self._item(scope.claim(part.name), part) for part in parts]
+                items += [item for item in named if item is not None]
+        return items
+
+    def _array(self, scope: Names, array: str, parts: list[Element | Instance]) -> list[_Item]:
+        """Return one field for all items of an array, or a field for each where they are not alike."""
+        name = scope.claim(array)
+        items = [self._item("", part) for part in parts]
+        whole = [item for item in items if item is not None]
+        if len(whole) == len(parts) and len({item.type for item in whole}) == 1:
+            array_of = self.array_of if isinstance(parts[0], Element) else self._array_of
+            kind = f"{array_of(whole[0].type)}(0 to {len(whole) - 1})"
+            leaves = tuple(
+                _moved(leaf, f"{name}({number})") for number, item in enumerate(whole) for leaf in item.leaves
             )
-            if fields:
-                self.types["", ()] = Record(top, fields)
-        return Tree(tuple(self.types.values()), tuple(self.leaves))
+            return [_Item(name, kind, whole[0].remark, leaves)]
+        named = [(scope.claim(part.name), item) for part, item in zip(parts, items, strict=True)]
+        return [
+            _Item(single, item.type, item.remark, tuple(_moved(leaf, single) for leaf in item.leaves))
+            for single, item in named
+            if item is not None
+        ]
 
-    def _record(self, instance: Instance, path: str, name: str | None) -> Record | None:
-        """Return the type of an expansion, a new one where its shape is new; None where it has no field.
+    def _array_of(self, record: str) -> str:
+        if record not in self.arrays:
+            self.arrays[record] = self.names.claim(f"{record.removesuffix('_t')}_array_t")
+            self._say(f"type {self.arrays[record]} is array (natural range <>) of {record};")
+        return self.arrays[record]
 
-        `name` is that of the type where it is known, as it is for the top.
-        """
-        scope = Names()  # every member claims its name, so that it has the same one in all directions
-        fields = []
-        for member in instance.members:
-            if isinstance(member, Element):
-                field = scope.claim(member.name)
-                if self.chosen(member):
-                    kind = self.word(member)
-                    fields.append(Field(field, kind, _about(member)))
-                    self.leaves.append(Leaf(f"{path}{field}", kind, self.indices[member.address]))
-            elif isinstance(member, Instance):
-                field = scope.claim(member.name)
-                record = self._record(member, f"{path}{field}.", None)
-                if record is not None:
-                    fields.append(Field(field, record.name, ""))
-        if not fields:
+    def _item(self, name: str, member: Element | Instance) -> _Item | None:
+        if isinstance(member, Element):
+            kind = self.type_of(member)
+            if kind is None:
+                return None
+            index = self.index_of(member)
+            leaves = tuple(Leaf(f"{name}{part.path}", index, part) for part in kind.parts)
+            return _Item(name, kind.text, _about(member), leaves)
+        items = self._items(member.members)
+        if not items:
             return None
-        shape = (name or instance.constructor, tuple((field.name, field.type) for field in fields))
-        if shape not in self.types:
-            type_name = name or self.names.claim(f"{instance.constructor}_{self.direction}_t")
-            self.types[shape] = Record(type_name, tuple(fields))
-        return self.types[shape]
+        leaves = tuple(_moved(leaf, name, ".") for item in items for leaf in item.leaves)
+        return _Item(name, self._record(member.constructor, items), "", leaves)
+
+    def _record(self, constructor: str, items: list[_Item]) -> str:
+        shape = (constructor, tuple((item.name, item.type) for item in items))
+        if shape not in self.records:
+            self.records[shape] = self.names.claim(f"{constructor}_{self.direction}_t")
+            self._declare(self.records[shape], items)
+        return self.records[shape]
+
+    def _declare(self, name: str, items: list[_Item]) -> None:
+        width = max(len(item.name) for item in items)
+        fields = [
+            f"  {item.name.ljust(width)} : {item.type};{f' -- {item.remark}' if item.remark else ''}"
+            for item in items
+        ]
+        self._say(f"type {name} is record", *fields, "end record;")
+
+    def _say(self, *lines: str) -> None:
+        self.declarations.append(Declaration(lines))
+
+
+def _moved(leaf: Leaf, front: str, between: str = "") -> Leaf:
+    return Leaf(f"{front}{between}{leaf.path}", leaf.index, leaf.part)
 
 
 def _about(element: Element) -> str:
-    unit = f"in {element.unit}" if element.unit else ""
-    return remark(", ".join(part for part in (unit, element.documentation) if part))
+    """Say what the type does not; words of ours stand first, for tools obey some comments."""
+    facts = []
+    if element.type.kind in ("fixed", "ufixed"):
+        facts.append(f"{element.type.fraction} bits behind the point")
+    if element.type.kind == "float":
+        facts.append("IEEE 754")
+    if (element.scale, element.offset) != (1, 0):
+        facts.append(f"value = raw * {element.scale:g} + {element.offset:g}")
+    if element.unit:
+        facts.append(f"in {element.unit}")
+    if element.documentation:
+        facts.append(f'"{element.documentation}"')
+    return remark(", ".join(facts))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -14,7 +14,10 @@ from unitylink.protocol import (
     TOSNET_MEMORY_WORDS,
     TOSNET_NODE_SHIFT,
 )
-from unitylink.spec.model import Element, Spec
+from unitylink.spec.model import Component, Element, Instance, Spec
+
+# What the user's logic gives the PC to read. A READWRITE is a word that the PC keeps here and reads back.
+USER_GIVES = ("READ", "W1C", "READCLEAR")
 
 
 @dataclass(frozen=True)
@@ -35,22 +38,57 @@ class WordMap:
     write: Mapping[int, int]  # what the PC wrote
 
     def drives(self, element: Element) -> bool:
-        """Say whether the user's logic drives this element's word for the PC to read."""
-        return element.access == "READ" and element.address in self.read
+        """Say whether the user's logic gives the PC this element to read."""
+        return element.access in USER_GIVES and element.address in self.read
 
     def sees(self, element: Element) -> bool:
         """Say whether the user's logic sees what the PC writes to this element."""
-        return element.access == "WRITE" and element.address in self.write
+        return element.writable and element.address in self.write
 
 
 def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> WordMap:
     """Return the words of the design that `generate_vhdl(spec, configuration)` makes."""
     configuration = configuration or BoardConfiguration.for_spec(spec)
-    driven = {(element.address, _pc_drives(element, configuration)) for _, element in spec.walk()}
-    return WordMap(
-        read=_indices(address for address, by_pc in driven if by_pc is False),
-        write=_indices(address for address, by_pc in driven if by_pc),
-    )
+    read: set[int] = set()
+    write: set[int] = set()
+    components = {address for component in components_of(spec) for address in component.range}
+    for _, element in spec.walk():
+        for address in element.addresses:
+            if address not in components:
+                gives, takes = _directions(element, address, configuration)
+                read |= {address} if gives else set()
+                write |= {address} if takes else set()
+    return WordMap(read=_indices(read), write=_indices(write))
+
+
+@dataclass(frozen=True)
+class PlacedComponent:
+    """A component of the gateware library and where it stands in the spec."""
+
+    root: str
+    local: str  # its path below the root
+    path: str  # the same, qualified as in `Spec.walk`
+    component: Component
+
+    @property
+    def range(self) -> range:
+        """Its addresses."""
+        return range(self.component.base, self.component.base + self.component.words)
+
+
+def components_of(spec: Spec) -> tuple[PlacedComponent, ...]:
+    """Return the components of a spec, in its order."""
+
+    several = len(spec.roots) > 1
+
+    def below(instance: Instance, root: str) -> Iterator[PlacedComponent]:
+        for part in instance.instances:
+            if part.component is not None:
+                path = f"{root}.{part.path}" if several else part.path
+                yield PlacedComponent(root, part.path, path, part.component)
+            yield from below(part, root)
+
+    return tuple(one for root in spec.roots for one in below(root, root.name))
 
 
 def tosnet_range(configuration: BoardConfiguration) -> range:
@@ -60,17 +98,17 @@ def tosnet_range(configuration: BoardConfiguration) -> range:
     return range(configuration.tosnet.base, configuration.tosnet.base + (1 << TOSNET_ADDRESS_BITS))
 
 
-def _pc_drives(element: Element, configuration: BoardConfiguration) -> bool | None:
-    """Say whether the PC drives the element's word; None where nobody here does, for it is one of TosNet's
-    own registers, or a write that TosNet refuses."""
-    writes = element.access == "WRITE"
-    if configuration.tosnet is None or element.address not in tosnet_range(configuration):
-        return writes
-    word = element.address - configuration.tosnet.base
-    if word >= TOSNET_MEMORY_WORDS:
-        return None
+def _directions(element: Element, address: int, configuration: BoardConfiguration) -> tuple[bool, bool]:
+    """Say whether the user's logic gives the word to the PC, and the PC to the user's logic."""
+    if configuration.tosnet is None or address not in tosnet_range(configuration):
+        return element.access in USER_GIVES, element.writable
+    word = address - configuration.tosnet.base
+    if word >= TOSNET_MEMORY_WORDS:  # TosNet's own registers
+        return False, False
     own = word >> TOSNET_NODE_SHIFT == configuration.tosnet.master_id
-    return True if own or word >> TOSNET_IN_BIT & 1 else None if writes else False
+    if own or word >> TOSNET_IN_BIT & 1:
+        return False, True
+    return not element.writable, False  # TosNet refuses a write here
 
 
 def _indices(addresses: Iterable[int]) -> Mapping[int, int]:

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the templates lay out: every decision about a generated design, taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
+
+from .functions import Function
+from .records import Tree
+from .value_types import Declaration
+from .words import WordMap
+
+
+@dataclass(frozen=True)
+class Constant:
+    name: str
+    type: str
+    value: str
+    remark: str
+
+
+@dataclass(frozen=True)
+class Wire:
+    """A word of a slave: its offset there, and its index in each port of the design, None where not there."""
+
+    offset: int
+    read: int | None
+    write: int | None
+    pulse: bool = False  # the user's logic sees it for one clock
+    taken: bool = False  # reading it clears it: the user's logic hears of that
+
+
+@dataclass(frozen=True)
+class Registers:
+    """A register_slave."""
+
+    number: int  # of the slave on the bus
+    span: str
+    words: int
+    writable: str
+    snapshot: bool
+    wires: tuple[Wire, ...]
+    holes: tuple[int, ...]
+
+    @property
+    def taken(self) -> bool:
+        return any(wire.taken for wire in self.wires)
+
+
+@dataclass(frozen=True)
+class Tosnet:
+    """A tosnet_slave; nodes and addresses are aggregates."""
+
+    number: int
+    configuration: TosnetConfiguration
+    master_registers: str
+    nodes: str
+    cycle_hz: int
+    read_addresses: str
+    write_addresses: str
+    reads: tuple[Wire, ...]
+    writes: tuple[Wire, ...]
+
+
+@dataclass(frozen=True)
+class Range:
+    """A line of the interconnect's address map."""
+
+    number: int
+    base: str
+    words: int
+    remark: str
+
+
+@dataclass(frozen=True)
+class Port:
+    """A pin of a component as a port of the design."""
+
+    name: str
+    direction: str
+    type: str
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A component of the gateware library: an instance of its entity."""
+
+    number: int  # of the slave on the bus
+    path: str
+    span: str
+    entity: str
+    generics: tuple[tuple[str, str], ...]
+    pins: tuple[tuple[str, str], ...]  # its port, the design's
+    events: tuple[tuple[str, int], ...]  # its port, the event line
+
+
+@dataclass(frozen=True)
+class EventSource:
+    """Event lines that are driven from outside: `number` is an index or a range."""
+
+    number: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Change:
+    """A publish group whose event is a change of one of its words, given by their indices in `read_words`."""
+
+    number: int
+    words: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    name: str
+    source: str
+    hash: str
+    configuration: BoardConfiguration
+    baud_hz: int
+    fifo_bytes: int
+    generics: tuple[Constant, ...]
+    addresses: tuple[Constant, ...]
+    words: WordMap
+    ranges: tuple[Range, ...]
+    registers: tuple[Registers, ...]
+    tosnet: Tosnet | None
+    components: tuple[Placed, ...]
+    ports: tuple[Port, ...]
+    lines: tuple[Constant, ...]  # names of event lines
+    event_sources: tuple[EventSource, ...]
+    changes: tuple[Change, ...]
+    types: tuple[Declaration, ...]
+    to_pc: Tree
+    from_pc: Tree
+    written: Tree
+    was_read: Tree
+    functions: tuple[Function, ...]
+
+    @property
+    def generic_width(self) -> int:
+        """Characters of the longest generic's name."""
+        return max(len(generic.name) for generic in self.generics)
+
+    @property
+    def address_width(self) -> int:
+        """Characters of the longest address's name."""
+        return max(len(address.name) for address in self.addresses)
+
+    @property
+    def declarations(self) -> tuple[Declaration, ...]:
+        """What the user's package declares, each behind what it uses."""
+        trees = (self.to_pc, self.from_pc, self.written, self.was_read)
+        return (*self.types, *(one for tree in trees for one in tree.declarations))

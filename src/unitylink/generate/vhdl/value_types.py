@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The types of values as VHDL: what a field of a record is, and where its bits lie in words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from unitylink.spec.model import Element
+from unitylink.spec.types import EnumType, ValueType
+
+from .names import Names, remark
+
+SLOT = 32  # bits of a word in the ports of the design, whatever the width of the bus
+
+# Names that packages of ieee declare and that users of a generated package use beside it.
+IEEE_NAMES = {"rising_edge", "falling_edge", "to_unsigned", "to_signed", "to_integer", "resize", "std_match"}
+IEEE_NAMES |= {"to_01", "shift_left", "shift_right", "to_bit", "to_stdulogic", "to_string", "to_hstring"}
+IEEE_NAMES |= {"std_logic", "bit", "integer", "natural", "positive", "boolean", "real"}
+# Kind of a value -> array of bits, with a range of `width` bits.
+_ARRAYS = {
+    "uint": "unsigned",
+    "int": "signed",
+    "float": "std_ulogic_vector",
+    "fixed": "signed",
+    "ufixed": "unsigned",
+    "enum": "unsigned",
+}
+
+
+@dataclass(frozen=True)
+class Part:
+    """Bits `low` to `high` of a raw value: `path` behind the field's name, "" for the whole value."""
+
+    path: str
+    base: str  # "std_ulogic", or the array type that std_ulogic_vector is converted to
+    low: int
+    high: int
+
+
+@dataclass(frozen=True)
+class FieldType:
+    """The type of a field of a record: as it is written, and its parts."""
+
+    text: str
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A declaration in the package of the user: its lines."""
+
+    lines: tuple[str, ...]
+
+
+class ValueTypes:
+    """Declares what the values of a spec need: a subtype for an enumeration, a record for packed bits."""
+
+    def __init__(self, names: Names, data_bits: int) -> None:
+        self.names = names
+        self.data_bits = data_bits
+        self.declarations: list[Declaration] = []
+        self._declared: dict[ValueType, FieldType] = {}
+        self._arrays = {"std_ulogic": "std_ulogic_vector"}
+
+    def of(self, element: Element) -> FieldType:
+        """Return the type of an element's field; one that is wider than its words has their width."""
+        return self._type(element.type, min(element.type.width, element.words * self.data_bits))
+
+    def _type(self, kind: ValueType, width: int) -> FieldType:
+        if kind.kind == "bool":
+            return FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
+        if kind.kind == "bits" and kind.fields:
+            if kind not in self._declared:
+                self._declared[kind] = self._packed(kind)
+            return self._declared[kind]
+        base = _ARRAYS.get(kind.kind, "std_ulogic_vector")
+        part = Part("", base, 0, width - 1)
+        if kind.enum is not None:
+            if kind not in self._declared:
+                self._declared[kind] = FieldType(self._enumeration(kind.enum), (part,))
+            return self._declared[kind]
+        return FieldType(f"{base}({width - 1} downto 0)", (part,))
+
+    def array_of(self, text: str) -> str:
+        """Return the type of several such values side by side, `text` being that of one."""
+        if text not in self._arrays:
+            plain = re.sub(r"\((\d+) downto 0\)", lambda m: f"_{int(m[1]) + 1}", text).removesuffix("_t")
+            self._arrays[text] = self.names.claim(f"{plain}_array_t")
+            self.declarations.append(
+                Declaration((f"type {self._arrays[text]} is array (natural range <>) of {text};",))
+            )
+        return self._arrays[text]
+
+    def _enumeration(self, enum: EnumType) -> str:
+        """Numbers with names, and not a VHDL enumeration: what the PC writes may be none of them."""
+        name = self.names.claim(f"{enum.name}_t")
+        lines = [f"subtype {name} is unsigned({enum.width - 1} downto 0);"]
+        for value in enum.values:
+            constant = self.names.claim(f"{enum.name}_{value.name}")
+            number = format(value.value & (1 << enum.width) - 1, f"0{enum.width}b")
+            about = f" -- {value.value}: {remark(value.documentation)}" if value.documentation else ""
+            lines.append(f'constant {constant} : {name} := "{number}";{about}')
+        self.declarations.append(Declaration(tuple(lines)))
+        return name
+
+    def _packed(self, kind: ValueType) -> FieldType:
+        scope, parts, fields, constants = Names(), [], [], []
+        name = self.names.claim(f"{kind.name}_t")
+        for field in kind.fields:
+            field_name = scope.claim(field.name)
+            inner = self._type(field.type, field.high - field.low + 1)
+            about = f"bit {field.low}" if field.low == field.high else f"bits {field.high} to {field.low}"
+            if field.documentation:
+                about += f": {remark(field.documentation)}"
+            fields.append(f"  {field_name} : {inner.text}; -- {about}")
+            for part in inner.parts:
+                low, high = part.low + field.low, part.high + field.low
+                parts.append(Part(f".{field_name}{part.path}", part.base, low, high))
+            for end, bit in (("low", field.low), ("high", field.high)):
+                constant = self.names.claim(f"{kind.name}_{field.name}_{end}")
+                constants.append(f"constant {constant} : natural := {bit};")
+        self.declarations.append(Declaration((f"type {name} is record", *fields, "end record;")))
+        self.declarations.append(Declaration(tuple(constants)))
+        return FieldType(name, tuple(parts))
+
+
+def slices(index: int, low: int, high: int, data_bits: int) -> Iterator[tuple[int, int, int]]:
+    """Yield, high bits first, (high, low) in a vector of words and the lowest bit of the value there.
+
+    A value has `data_bits` bits in each word, its low ones in word `index`.
+
+    >>> list(slices(2, 4, 20, 16))
+    [(100, 96, 16), (79, 68, 4)]
+    """
+    for word in range(high // data_bits, low // data_bits - 1, -1):
+        first = max(low, word * data_bits)
+        last = min(high, (word + 1) * data_bits - 1)
+        start = SLOT * (index + word) - word * data_bits
+        yield start + last, start + first, first
