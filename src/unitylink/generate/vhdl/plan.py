@@ -42,7 +42,7 @@ class Registers:
     writable: str
     snapshot: bool
     wires: tuple[Wire, ...]
-    holes: tuple[int, ...]
+    holes: tuple[range, ...]
 
     @property
     def taken(self) -> bool:

@@ -53,7 +53,7 @@ class _Planner:
                 raise BindingError(f"vhdl: {path} lies at 0x{last:X}; address_bits is {bits}")
             if element.link.kind not in ("memory", "tosnet"):
                 raise BindingError(
-                    f"vhdl: {path} lies behind a link of the kind {element.link.kind}, which has no VHDL yet; "
+                    f"vhdl: {path} lies behind a link of the kind {element.link.kind}, which has no VHDL; "
                     "use words of plain memory"
                 )
 
@@ -171,7 +171,7 @@ class _Planner:
                     others = [element.path for element in group.elements if not self.words.drives(element)]
                     if others:
                         raise BindingError(
-                            f"vhdl: {others[0]} is published on change, and is not the user's logic's to give; "
+                            f"vhdl: {others[0]} is published on change, and your logic does not give it; "
                             "publish it at a rate"
                         )
                     changes.append(Change(group.number, tuple(self.words.read[a] for a in group.addresses)))
@@ -181,15 +181,8 @@ class _Planner:
         """Return the lines from outside, in as few assignments as there are runs of them."""
         inside = {line for component in components for _, line in component.events}
         inside |= {change.number for change in self._changes()}
-        runs: list[list[int]] = []
-        for line in range(self.configuration.groups):
-            if line in inside:
-                continue
-            if runs and runs[-1][-1] == line - 1:
-                runs[-1].append(line)
-            else:
-                runs.append([line])
-        spans = [f"{run[-1]} downto {run[0]}" for run in runs]
+        runs = _runs(set(range(self.configuration.groups)) - inside)
+        spans = [f"{run.stop - 1} downto {run.start}" for run in runs]
         return tuple(EventSource(span, f"events({span})") for span in spans)
 
     def _event_lines(self) -> tuple[Constant, ...]:
@@ -223,7 +216,7 @@ class _Planner:
             writable=block.writable(self.words),
             snapshot=any(address in self.words.read for address in block.addresses),
             wires=tuple(self._wire(block.base, offset) for offset in offsets),
-            holes=tuple(offset for offset in range(block.words) if offset not in offsets),
+            holes=_runs(set(range(block.words)) - set(offsets)),
         )
 
     def _wire(self, base: int, offset: int) -> Wire:
@@ -311,6 +304,17 @@ def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
 
 def _range(number: int, base: int, words: int) -> Range:
     return Range(number, _hex(base), words, _span(base, words))
+
+
+def _runs(numbers: set[int]) -> tuple[range, ...]:
+    """Return the numbers as runs without a gap.
+
+    >>> _runs({1, 2, 5})
+    (range(1, 3), range(5, 6))
+    """
+    starts = sorted(n for n in numbers if n - 1 not in numbers)
+    ends = sorted(n + 1 for n in numbers if n + 1 not in numbers)
+    return tuple(range(start, end) for start, end in zip(starts, ends, strict=True))
 
 
 def _hex(address: int) -> str:

@@ -131,7 +131,8 @@ class _Maker:
                 return None
             index = self.index_of(member)
             leaves = tuple(Leaf(f"{name}{part.path}", index, part) for part in kind.parts)
-            return _Item(name, kind.text, _about(member), leaves)
+            about = _about(member) if self.direction in ("to_pc", "from_pc") else ""
+            return _Item(name, kind.text, about, leaves)
         items = self._items(member.members)
         if not items:
             return None
