@@ -11,4 +11,6 @@ package register_pkg is
   subtype word_t is std_ulogic_vector(wishbone_data_width - 1 downto 0);
   type word_vector_t is array (natural range <>) of word_t;
 
+  constant no_words : word_vector_t(1 to 0) := (others => (others => '0'));
+
 end package;

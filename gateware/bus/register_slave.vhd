@@ -13,7 +13,7 @@
 -- Latency   ack or err one clock after strobe: 2 clocks an access.
 -- Errors    err for an address that does not exist, a write of one that is not writable, and a write with a byte left out
 --           by sel (a register is written whole or not at all). Nothing changes then.
--- Reset     write_words are zero; written is not raised for that.
+-- Reset     write_words are `initial`, a word an address, or zero where that is not given; written is not raised for that.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -26,7 +26,8 @@ entity register_slave is
   generic (
     writable   : std_ulogic_vector       := "0110";
     data_width : positive range 8 to 32 := 32;
-    snapshot   : boolean                := false
+    snapshot   : boolean                := false;
+    initial    : word_vector_t          := no_words
   );
   port (
     clock        : in  std_ulogic;
@@ -45,6 +46,16 @@ architecture rtl of register_slave is
 
   constant words      : positive := writable'length;
   constant index_bits : positive := bits_for(words);
+
+  -- Words to start with, from address 0 on.
+  function first_words return word_vector_t is
+    variable found : word_vector_t(0 to words - 1) := (others => (others => '0'));
+  begin
+    if initial'length > 0 then
+      found := initial;
+    end if;
+    return found;
+  end function;
 
   subtype flags_t is std_ulogic_vector(0 to words - 1);
 
@@ -127,7 +138,7 @@ begin
         err         <= '0';
         written     <= (written'range => '0');
         was_read    <= (was_read'range => '0');
-        write_words <= (write_words'range => (others => '0'));
+        write_words <= first_words;
       end if;
     end if;
   end process;

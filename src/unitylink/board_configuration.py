@@ -149,21 +149,52 @@ class BoardConfiguration:
         """Return a board that has what `spec` asks for; `overrides` are fields of this class.
 
         With a TOSNET binding: its 11-bit map at BASE and one node for every node the spec talks to. Else
-        plain memory, as wide as the highest address needs. Raises ValueRangeError.
+        plain memory, as wide as the highest address needs. What the spec says of its link counts; publish
+        groups are as many and as large as it needs, and 16 of 32 words at least. Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
             raise ValueRangeError(f"board configuration: no field {', '.join(unknown)}")
         elements = [element for _, element in spec.walk()]
         tosnet = _tosnet_of(spec) if any(element.link.kind == "tosnet" for element in elements) else None
-        highest = max((element.address for element in elements), default=0)
+        highest = max((element.addresses[-1] for element in elements), default=0)
         address_bits = next(bits for bits in (8, 16, 24, 32) if highest < 1 << bits)
         if tosnet is not None:
             slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
             wide = max(slave_bits, highest.bit_length())
             address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
-        chosen: dict[str, Any] = {"address_bits": address_bits, "tosnet": tosnet, **overrides}
-        return cls(**chosen)
+        chosen: dict[str, Any] = {"address_bits": address_bits, "tosnet": tosnet}
+        return cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
+
+
+def _link_of(spec: Spec) -> dict[str, Any]:
+    """Return what the spec's link says of the gateware; devices with different links are different boards."""
+    links = {device.link for device in spec.devices}
+    if not links:
+        return {}
+    told = {(link.data_bits, link.address_bits, link.base_hz) for link in links}
+    if len(told) > 1:
+        raise ValueRangeError(
+            f"the spec has devices with different links ({', '.join(sorted(link.name for link in links))}); "
+            "a board has one: put each into a spec of its own"
+        )
+    data_bits, address_bits, base_hz = told.pop()
+    said = {"data_bits": data_bits, "base_hz": base_hz}
+    return said if address_bits is None else {**said, "address_bits": address_bits}
+
+
+def _publishing_of(spec: Spec) -> dict[str, Any]:
+    """Return a subscription manager that holds every publish group of the spec."""
+    groups = [group for device in spec.devices for group in device.groups]
+    plain = BoardConfiguration()
+    divisor = max((group.divisor for group in groups), default=0)
+    edges = {group.number for group in groups if group.trigger in ("event", "change")}
+    return {
+        "groups": max([plain.groups, *(len(device.groups) for device in spec.devices)]),
+        "group_size": max([plain.group_size, *(len(group.addresses) for group in groups)]),
+        "rate_bytes": max(plain.rate_bytes, -(-divisor.bit_length() // 8)),
+        "edge_event_groups": tuple(sorted(edges)),
+    }
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:

@@ -12,7 +12,9 @@ from typing import Any
 
 import pytest
 
-from unitylink.simulate import BoardConfiguration
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.generate import generate_vhdl
+from unitylink.spec import Spec
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs
@@ -152,3 +154,39 @@ class RtlPlayer:
 def rtl(ghdl: Ghdl, tmp_path: Path) -> RtlPlayer:
     """Plays steps to the core."""
     return RtlPlayer(ghdl, tmp_path)
+
+
+class Designs:
+    """Makes the designs of specs and plays messages to them through their UARTs."""
+
+    def __init__(self, make: type[Ghdl], folder: Path) -> None:
+        self.make = make
+        self.folder = folder
+
+    def library(
+        self, spec: Spec, configuration: BoardConfiguration | None = None, others: Sequence[Path] = ()
+    ) -> Ghdl:
+        """The design, all of the gateware, and `others`."""
+        for name, text in generate_vhdl(spec, configuration).items():
+            (self.folder / name).parent.mkdir(exist_ok=True)
+            (self.folder / name).write_text(text, encoding="utf-8")
+        gateware = sorted(GATEWARE.rglob("*.vhd"))
+        return self.make(self.folder, [*gateware, *sorted(self.folder.glob("vhdl/*.vhd")), *others])
+
+    def play(
+        self, spec: Spec, bench: str, steps: Sequence[str | int], others: Sequence[Path] = ()
+    ) -> list[bytes]:
+        """Send each text, or wait so many clocks, in a bench of designs/; what came during each step."""
+        lines = [f"w {step}" if isinstance(step, int) else f"s {step.encode().hex()}" for step in steps]
+        (self.folder / "steps.txt").write_text("\n".join(lines) + "\n", encoding="ascii")
+        benches = Path(__file__).parent / "designs"
+        self.library(spec, None, [benches / f"{bench}.vhd", *others]).run(bench)
+        answers = (self.folder / "answers.txt").read_text(encoding="ascii").splitlines()
+        assert len(answers) == len(steps)
+        return [bytes.fromhex(answer.removesuffix("end")) for answer in answers]
+
+
+@pytest.fixture
+def designs(ghdl: Ghdl, tmp_path: Path) -> Designs:
+    """Generated designs in a folder of their own."""
+    return Designs(type(ghdl), tmp_path)

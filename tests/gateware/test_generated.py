@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -18,37 +17,12 @@ from unitylink.spec import Spec, compile_text, load
 from unitylink.tools.conformance_bench import play_on_twin
 
 ROOT = Path(__file__).resolve().parents[2]
-Make = Callable[..., Any]
 
 
 def spec_of(text: str, file: str = "robot.ul") -> Spec:
     result = compile_text(text, file)
     assert result.spec is not None, result.diagnostics
     return result.spec
-
-
-@pytest.fixture
-def design(ghdl: Any, tmp_path: Path) -> Make:
-    """Write the design of a spec into `tmp_path`; a library of it and of all gateware."""
-
-    def make(spec: Spec, configuration: BoardConfiguration | None = None, others: Sequence[Path] = ()) -> Any:
-        (tmp_path / "vhdl").mkdir(exist_ok=True)
-        for name, text in generate_vhdl(spec, configuration).items():
-            (tmp_path / name).write_text(text, encoding="utf-8")
-        gateware = sorted((ROOT / "gateware").rglob("*.vhd"))
-        return type(ghdl)(tmp_path, [*gateware, *sorted((tmp_path / "vhdl").glob("*.vhd")), *others])
-
-    return make
-
-
-def play(library: Any, bench: str, folder: Path, steps: Sequence[str | int]) -> list[bytes]:
-    """Send each text, or wait so many clocks; return what came during each step."""
-    lines = [f"w {step}" if isinstance(step, int) else f"s {step.encode().hex()}" for step in steps]
-    (folder / "steps.txt").write_text("\n".join(lines) + "\n", encoding="ascii")
-    library.run(bench)
-    answers = (folder / "answers.txt").read_text(encoding="ascii").splitlines()
-    assert len(answers) == len(steps)
-    return [bytes.fromhex(answer.removesuffix("end")) for answer in answers]
 
 
 def told(configuration: BoardConfiguration) -> bytes:
@@ -99,17 +73,16 @@ DESIGNS = {
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-def test_synthesis(design: Make, name: str) -> None:
+def test_synthesis(designs: Any, name: str) -> None:
     source, overrides = DESIGNS[name]
     spec = load(source) if isinstance(source, Path) else spec_of(source)
-    library = design(spec, BoardConfiguration.for_spec(spec, **overrides))
+    library = designs.library(spec, BoardConfiguration.for_spec(spec, **overrides))
     netlist = library.synthesise(f"{design_name(spec)}_top", *HARMLESS.get(name, ()))
     assert f"entity {design_name(spec)}_top is" in netlist
 
 
-def test_hello_led_on_its_uart(design: Make, tmp_path: Path) -> None:
+def test_hello_led_on_its_uart(designs: Any) -> None:
     spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
-    library = design(spec, None, [Path(__file__).parent / "designs" / "hello_led_tb.vhd"])
     steps: list[str | int] = [
         "#RLC\n",
         "#W:0000000005\n",
@@ -124,7 +97,7 @@ def test_hello_led_on_its_uart(design: Make, tmp_path: Path) -> None:
         24_000,  # 2 ms at 1000 Hz
         "#DPS\n",
     ]
-    answers = play(library, "hello_led_tb", tmp_path, steps)
+    answers = designs.play(spec, "hello_led_tb", steps)
     assert answers[0] == told(BoardConfiguration.for_spec(spec))
     assert answers[1:9] == [
         b"#S_W\n",
@@ -178,12 +151,12 @@ def random_spec(random: Random) -> Spec:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_no_name_and_no_text_can_break_a_design(design: Make, seed: int) -> None:
+def test_no_name_and_no_text_can_break_a_design(designs: Any, seed: int) -> None:
     spec = random_spec(Random(seed))
     files = generate_vhdl(spec)
     assert files == generate_vhdl(spec), "the same spec gives the same text"
     assert all(text.isascii() and text.isprintable() for file in files.values() for text in file.splitlines())
-    design(spec)._call("-m", "--std=08", "-Wno-hide", f"{design_name(spec)}_top")
+    designs.library(spec)._call("-m", "--std=08", "-Wno-hide", f"{design_name(spec)}_top")
     words = word_map(spec)
     assert sorted(words.read.values()) == list(range(len(words.read)))
     user = files[f"vhdl/{design_name(spec)}_user_pkg.vhd"]
@@ -191,9 +164,8 @@ def test_no_name_and_no_text_can_break_a_design(design: Make, seed: int) -> None
     assert len(fields) == len(list(spec.walk())), "every element has its field"
 
 
-def test_scara_on_its_uart(design: Make, tmp_path: Path) -> None:
+def test_scara_on_its_uart(designs: Any) -> None:
     spec = load(ROOT / "examples" / "scara" / "scara.ul")
-    library = design(spec, None, [Path(__file__).parent / "designs" / "scara_tb.vhd"])
     cycle = 12_000_000 // 10_000  # clocks of a network cycle
     steps: list[str | int] = [
         "#RLC\n",
@@ -209,7 +181,7 @@ def test_scara_on_its_uart(design: Make, tmp_path: Path) -> None:
         "#EPC\n",
         24_000,
     ]
-    answers = play(library, "scara_tb", tmp_path, steps)
+    answers = designs.play(spec, "scara_tb", steps)
     assert answers[0] == told(BoardConfiguration.for_spec(spec))
     assert answers[1:6] == [b"#S_WSA\n", b"#S_WSR\n", b"#S_W\n", b"#S_W\n", b""]
     assert answers[6:9] == [b"#S_R:00000000\n", b"#S_W\n", b""]

@@ -23,6 +23,7 @@ package scara_config_pkg is
   constant read_many             : natural := 255; -- most words of a read-many
   constant publish_mode          : natural := 2; -- 0 none, 1 requests first, 2 publishes first
   constant configuration_command : boolean := true; -- RLC exists
+  constant datalink              : string := "full"; -- full, lite or none
   constant checksum              : string := "crc8";
   constant polynomial            : natural := 16#07#; -- of crc8
   constant edge_events           : std_ulogic_vector(255 downto 0) := (others => '0'); -- bit g: group g by edge, not level

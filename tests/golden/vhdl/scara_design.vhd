@@ -72,6 +72,7 @@ begin
       read_many             => scara_config_pkg.read_many,
       publish_mode          => scara_config_pkg.publish_mode,
       configuration_command => scara_config_pkg.configuration_command,
+      datalink              => scara_config_pkg.datalink,
       checksum              => scara_config_pkg.checksum,
       polynomial            => scara_config_pkg.polynomial,
       edge_events           => scara_config_pkg.edge_events

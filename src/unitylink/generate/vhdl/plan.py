@@ -40,6 +40,7 @@ class Registers:
     span: str
     words: int
     writable: str
+    initial: tuple[str, ...]
     snapshot: bool
     wires: tuple[Wire, ...]
     holes: tuple[range, ...]

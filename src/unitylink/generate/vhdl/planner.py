@@ -10,13 +10,15 @@ from unitylink import protocol
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.spec.model import Element, Spec
+from unitylink.spec.types import Number
+from unitylink.values import Codec, Quantity
 
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
 from .names import Names, identifier, remark
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
-from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes
+from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
 from .words import PlacedComponent, components_of, tosnet_range, word_map
 
 # What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
@@ -196,16 +198,34 @@ class _Planner:
         )
 
     def _address_constants(self) -> tuple[Constant, ...]:
-        names = Names()
-        return tuple(
-            Constant(
-                f"{names.claim(path)}_address",
-                "unsigned(31 downto 0)",
-                _hex(element.address),
-                _facts(element),
-            )
-            for path, element in self.spec.walk()
-        )
+        """Return the address of each element, and the raw values it starts with and is safe with."""
+        names, constants = Names(), []
+        for path, element in self.spec.walk():
+            name, kind = names.claim(path), "unsigned(31 downto 0)"
+            constants.append(Constant(f"{name}_address", kind, _hex(element.address), _facts(element)))
+            for which, value in (("initial", element.initial), ("safe", element.safe)):
+                if value is not None:
+                    width = width_of(element, self.configuration.data_bits)
+                    bits = format(self._raw(path, element, value), f"0{width}b")
+                    vector = f"std_ulogic_vector({width - 1} downto 0)"
+                    constants.append(Constant(f"{name}_{which}", vector, f'"{bits}"', f"raw, of {value:g}"))
+        return tuple(constants)
+
+    def _raw(self, path: str, element: Element, value: Number) -> int:
+        """Return the raw number of an engineering value."""
+        if not element.type.numeric:
+            return int(value)
+        return Codec(path, Quantity.of(element), self.configuration.data_bits).encode(value)
+
+    def _initial(self, block: Block) -> tuple[str, ...]:
+        """Return the words a block of registers starts with, as `offset => word`; none where all are zero."""
+        words = {}
+        for path, element in self.spec.walk():
+            if element.initial is not None and element.address in block.addresses and element.writable:
+                raw, bits = self._raw(path, element, element.initial), self.configuration.data_bits
+                for number, address in enumerate(element.addresses):
+                    words[address - block.base] = raw >> number * bits & (1 << bits) - 1
+        return tuple(f'{offset} => x"{word:08X}"' for offset, word in sorted(words.items()) if word)
 
     def _registers(self, number: int, block: Block) -> Registers:
         offsets = [address - block.base for address in block.addresses]
@@ -214,6 +234,7 @@ class _Planner:
             span=_span(block.base, block.words),
             words=block.words,
             writable=block.writable(self.words),
+            initial=self._initial(block),
             snapshot=any(address in self.words.read for address in block.addresses),
             wires=tuple(self._wire(block.base, offset) for offset in offsets),
             holes=_runs(set(range(block.words)) - set(offsets)),
@@ -294,6 +315,7 @@ def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
         Constant("read_many", "natural", str(configuration.read_many), "most words of a read-many"),
         Constant("publish_mode", "natural", str(configuration.publish_mode), modes),
         Constant("configuration_command", "boolean", switch, "RLC exists"),
+        Constant("datalink", "string", f'"{configuration.datalink}"', "full, lite or none"),
         Constant("checksum", "string", f'"{configuration.checksum}"', ""),
         Constant("polynomial", "natural", f"16#{configuration.polynomial:02X}#", "of crc8"),
         Constant(

@@ -66,7 +66,7 @@ class ValueTypes:
 
     def of(self, element: Element) -> FieldType:
         """Return the type of an element's field; one that is wider than its words has their width."""
-        return self._type(element.type, min(element.type.width, element.words * self.data_bits))
+        return self._type(element.type, width_of(element, self.data_bits))
 
     def _type(self, kind: ValueType, width: int) -> FieldType:
         if kind.kind == "bool":
@@ -124,6 +124,11 @@ class ValueTypes:
         self.declarations.append(Declaration((f"type {name} is record", *fields, "end record;")))
         self.declarations.append(Declaration(tuple(constants)))
         return FieldType(name, tuple(parts))
+
+
+def width_of(element: Element, data_bits: int) -> int:
+    """Return the bits of an element's raw value on a bus of this width."""
+    return data_bits if element.type.bus else min(element.type.width, element.words * data_bits)
 
 
 def slices(index: int, low: int, high: int, data_bits: int) -> Iterator[tuple[int, int, int]]:
