@@ -5,6 +5,7 @@
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
 #   make docs    regenerates what is generated in docs/ and checks every link
+#   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -18,7 +19,7 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo test check bench docs fuzz build native-tests unit clean help
+.PHONY: wheel demo test check bench coverage docs fuzz build native-tests unit clean help
 help:
 	@sed -n '2,15s/^# //p' Makefile
 
@@ -41,6 +42,11 @@ check: $(VENV)/.built
 
 bench: $(VENV)/.built $(NATIVE)/.built
 	$(BIN)/unitylink bench
+
+coverage: $(VENV)/.built
+	@tools/setup.sh group test
+	@tools/setup.sh system
+	$(BIN)/python tools/coverage.py
 
 docs: $(VENV)/.built
 	@tools/setup.sh group test

@@ -77,6 +77,7 @@ group) group "$2" ;;
 system)
   cxx=${CXX:-c++}
   need ghdl ghdl command -v ghdl                                       # compiles the generated VHDL
+  need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework

@@ -23,5 +23,8 @@ say "recorded exchanges of the 2012 gateware"
 "$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
 say "tests"
 tools/setup.sh group wheel
-"$bin/python" -m pytest tests -q -n 2 --dist loadgroup
+rm -rf build/coverage
+UNITYLINK_COVERAGE="$PWD/build/coverage" "$bin/python" -m pytest tests -q -n 2 --dist loadgroup
+say "line coverage of the gateware"
+"$bin/python" tools/coverage.py --report
 printf '\nall passed in %d s\n' $((SECONDS - started))

@@ -1,19 +1,24 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- The memory of the recordings: word a starts as 0x40DE0000 | (a * 257 & 0xFFFF), cut to the data width. Addresses whose
--- top byte is E0 to EF answer with err, F0 to FF not at all. Registered acknowledge, as wishbone_memory.
+-- top byte is E0 to EF answer with err, F0 to FF not at all. Registered acknowledge, as wishbone_memory, or later:
+-- by `waits` clocks always, and by random ones where `stall_percent` is not 0.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
+use work.bench_pkg.all;
 use work.wishbone_pkg.all;
 
 entity bench_memory is
   generic (
     address_width : positive;
     data_width    : positive;
-    recorded      : boolean := true  -- else all words are 0 and every address answers
+    recorded      : boolean  := true;  -- else all words are 0 and every address answers
+    waits         : natural  := 0;
+    stall_percent : natural  := 0;
+    seed          : positive := 1
   );
   port (
     clock        : in  std_ulogic;
@@ -37,9 +42,12 @@ begin
     variable filled : boolean := false;
     variable index  : natural;
     variable top    : natural;
+    variable random : random_t;
+    variable left   : natural := waits;
   begin
     if not filled then
       filled := true;
+      random.seed(seed);
       for a in memory'range loop
         memory(a) := (others => '0');
         if recorded then
@@ -55,6 +63,10 @@ begin
         index := to_integer(unsigned(wishbone_m2s.adr(minimum(address_width, 16) - 1 downto 0)));
         if recorded and top >= 16#F0# then
           null;
+        elsif left > 0 then
+          left := left - 1;
+        elsif random.chance(stall_percent) then
+          null;
         elsif recorded and top >= 16#E0# then
           answer.err <= '1';
         else
@@ -64,6 +76,8 @@ begin
             memory(index) := wishbone_m2s.dat(data_width - 1 downto 0);
           end if;
         end if;
+      else
+        left := waits;
       end if;
     end if;
   end process;

@@ -11,7 +11,7 @@
 -- Answers:            b CLOCK BYTE  a byte has left
 --                     o CLOCK       the first byte of an `s` has entered
 --                     i CLOCK       its last byte has
---                     t CLOCK       a bus strobe has begun
+--                     t CLOCK ADDRESS  a bus strobe has begun (of the address, the low 16 bits)
 --                     s             a step is over
 --                     end           all steps are
 
@@ -43,6 +43,8 @@ entity replay_tb is
     recorded      : natural  := 1;       -- memory as in the recordings
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
+    bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
+    bus_waits     : natural  := 0;       -- clocks an acknowledge is later than the soonest
     seed          : positive := 1
   );
 end entity;
@@ -116,7 +118,8 @@ begin
   end generate;
 
   memory : entity work.bench_memory
-    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1)
+    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, waits => bus_waits,
+                 stall_percent => bus_stall_percent, seed => seed + 2000)
     port map (clock => clock, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
 
   listen : process (clock)
@@ -135,7 +138,8 @@ begin
         writeline(answers, answer);
       end if;
       if wishbone_m2s.stb = '1' and strobe = '0' then
-        write(answer, string'("t ") & integer'image(now_clock));
+        write(answer, string'("t ") & integer'image(now_clock) & " " &
+              integer'image(to_integer(unsigned(wishbone_m2s.adr(15 downto 0)))));
         writeline(answers, answer);
       end if;
       strobe := wishbone_m2s.stb;

@@ -12,7 +12,8 @@ use work.wishbone_pkg.all;
 
 entity reset_tb is
   generic (
-    message : string := "23523a31320a"  -- bytes in hex
+    message  : string := "23523a31320a";  -- bytes in hex
+    datalink : string := "full"
   );
 end entity;
 
@@ -54,7 +55,7 @@ begin
   clock <= not clock after 1 ns when not ended;
 
   dut : entity work.core
-    generic map (base_hz => 100000)
+    generic map (base_hz => 400_000, datalink => datalink)  -- publishes come before the last reset
     port map (
       clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
       tx_valid => tx_valid, tx_ready => '1', tx_data => tx_data,
@@ -124,8 +125,13 @@ begin
       tick(5);
       check_equal(length, 0, "bytes after a reset at clock " & integer'image(moment));
       check_equal(wishbone_m2s.cyc, '0', "bus cycle after a reset");
-      ask("#R:34" & LF, "#S_R:40de3434" & LF);
-      ask("#RSI:00" & LF, "#S_RSI:000000" & LF);
+      if datalink = "none" then
+        ask("#R:4" & LF, "#S_R:" & character'val(16#40#) & character'val(16#DE#) & "44" & LF);
+        ask("#RSI:" & NUL & LF, "#S_RSI:" & NUL & NUL & NUL & LF);
+      else
+        ask("#R:34" & LF, "#S_R:40de3434" & LF);
+        ask("#RSI:00" & LF, "#S_RSI:000000" & LF);
+      end if;
       reset <= '1';
       tick(1);
     end loop;

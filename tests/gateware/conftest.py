@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -20,19 +21,28 @@ GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs
 
 
+# A folder: count executed lines there, with the gcc backend of GHDL (tools/coverage.sh). Empty: no counting.
+COVERAGE = os.environ.get("UNITYLINK_COVERAGE", "")
+COUNT_LINES = ["-fprofile-arcs", "-ftest-coverage", "-Wl,-lgcov", "-Wl,--coverage"]
+
+
 class Ghdl:
     """Run benches of one library of analysed VHDL, at --std=08."""
 
-    def __init__(self, work: Path, sources: Sequence[Path]) -> None:
-        executable = shutil.which("ghdl")
-        assert executable, "ghdl is missing: install the Debian package ghdl-mcode"
+    def __init__(self, work: Path, sources: Sequence[Path], *, count_lines: bool = False) -> None:
+        name = "ghdl-gcc" if count_lines else "ghdl"
+        executable = shutil.which(name)
+        assert executable, (
+            f"{name} is missing: install the Debian package {name if count_lines else 'ghdl-mcode'}"
+        )
         self.executable = executable
         self.work = work
+        self.make = ["-m", "--std=08", "-Wno-hide", *(COUNT_LINES if count_lines else [])]
         self._call("-i", "--std=08", *map(str, sources))
 
     def run(self, bench: str, *options: str, **generics: int | str | bool) -> str:
         """Elaborate and run `bench`; its output. A failed assertion fails the test, as does an early end."""
-        self._call("-m", "--std=08", "-Wno-hide", bench)
+        self._call(*self.make, bench)
         settings = [
             f"-g{name}={str(value).lower() if isinstance(value, bool) else value}"
             for name, value in generics.items()
@@ -44,13 +54,13 @@ class Ghdl:
 
     def refuse(self, bench: str, message: str, **generics: int | str | bool) -> None:
         """Elaborate `bench` with generics that may not be: it must fail, and say `message`."""
-        self._call("-m", "--std=08", "-Wno-hide", bench)
+        self._call(*self.make, bench)
         with pytest.raises(AssertionError, match=re.escape(message)):
             self.run(bench, **generics)
 
     def synthesise(self, entity: str, *harmless: str) -> str:
         """The netlist of `entity`, as VHDL, with its default generics; a warning fails the test."""
-        self._call("-m", "--std=08", "-Wno-hide", entity)
+        self._call(*self.make, entity)
         output = self._call("--synth", "--std=08", entity)
         wrong = [
             line
@@ -81,7 +91,12 @@ class Ghdl:
 @pytest.fixture(scope="session")
 def ghdl(tmp_path_factory: pytest.TempPathFactory) -> Ghdl:
     """All of gateware/, entities and benches."""
-    return Ghdl(tmp_path_factory.mktemp("ghdl"), sorted(GATEWARE.rglob("*.vhd")))
+    sources = sorted(GATEWARE.rglob("*.vhd"))
+    if not COVERAGE:
+        return Ghdl(tmp_path_factory.mktemp("ghdl"), sources)
+    work = Path(COVERAGE) / os.environ.get("PYTEST_XDIST_WORKER", "main")
+    work.mkdir(parents=True)
+    return Ghdl(work, sources, count_lines=True)
 
 
 class RtlPlayer:
@@ -91,7 +106,9 @@ class RtlPlayer:
         self.ghdl = ghdl
         self.folder = folder
         self.runs = 0
-        self.times: list[tuple[str, int, int]] = []  # of the last run: see replay_tb; kind, clock, byte or -1
+        self.times: list[
+            tuple[str, int, int]
+        ] = []  # of the last run: see replay_tb; kind, clock, byte or address or -1
 
     def __call__(
         self,
@@ -138,7 +155,7 @@ class RtlPlayer:
         for line in answers_file.read_text(encoding="ascii").splitlines():
             kind, *numbers = line.split()
             if numbers:
-                self.times.append((kind, int(numbers[0]), int(numbers[1]) if kind == "b" else -1))
+                self.times.append((kind, int(numbers[0]), int(numbers[1]) if len(numbers) > 1 else -1))
             if kind == "b":
                 sent[-1] += bytes([int(numbers[1])])
             elif kind == "s":

@@ -13,7 +13,7 @@ REPLAY = ["common/fifo.vhd", "test/bench_pkg.vhd", "test/bench_memory.vhd", "tes
 
 
 def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
-    ghdl._call("-m", "--std=08", "-Wno-hide", "core")
+    ghdl._call(*ghdl.make, "core")
     netlist = ghdl._call("--synth", "--std=08", "core")
     assert "warning:" not in netlist
     folder = tmp_path / "netlist"

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which lines of the gateware its benches execute: a table by file, and failure below 95 % in all.
+
+    python tools/coverage.py             run tests/gateware and count; about as long as they take without
+    python tools/coverage.py --report    the table of the last run
+
+The benches run with the gcc backend of GHDL, whose programs gcov understands. Netlists are left out: nobody
+wrote them. A line that has no code of its own (declarations, `when`, `end`) does not count.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+GATEWARE = ROOT / "gateware"
+COUNTS = ROOT / "build" / "coverage"
+PERCENT_LEAST = 95.0
+
+
+def run_benches() -> None:
+    subprocess.run(["rm", "-rf", str(COUNTS)], check=True)
+    options = ["-q", "-n", "2", "-k", "not netlist and not synthesis"]
+    command = [sys.executable, "-m", "pytest", str(ROOT / "tests" / "gateware"), *options]
+    subprocess.run(command, check=True, env={**os.environ, "UNITYLINK_COVERAGE": str(COUNTS)})
+
+
+def executed() -> dict[Path, dict[int, int]]:
+    """How often each line of each file has been executed, over all workers' programs."""
+    total: dict[Path, dict[int, int]] = defaultdict(lambda: defaultdict(int))
+    for folder in sorted(COUNTS.iterdir()):
+        notes = sorted(path.name for path in folder.glob("*.gcno"))
+        command = ["gcov", "--json-format", "--stdout", *notes]
+        output = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+        for document in output.splitlines():
+            for file in json.loads(document)["files"]:
+                path = Path(file["file"])
+                if path.is_relative_to(GATEWARE) and "test" not in path.relative_to(GATEWARE).parts:
+                    for line in file["lines"]:
+                        total[path][line["line_number"]] += line["count"]
+    return total
+
+
+def ranges(numbers: list[int]) -> str:
+    """Return `numbers` in short: 3-5, 9."""
+    parts: list[list[int]] = []
+    for number in numbers:
+        if parts and parts[-1][1] == number - 1:
+            parts[-1][1] = number
+        else:
+            parts.append([number, number])
+    return ", ".join(str(first) if first == last else f"{first}-{last}" for first, last in parts)
+
+
+def main(arguments: list[str]) -> int:
+    if arguments not in ([], ["--report"]):
+        print(__doc__, file=sys.stderr)
+        return 2
+    if not arguments:
+        run_benches()
+    total = executed()
+    absent = {path for path in GATEWARE.rglob("*.vhd") if "test" not in path.parts} - set(total)
+    lines = reached = 0
+    print(f"{'file':44} {'lines':>5} {'run':>5}     %  not executed")
+    for path, counts in sorted(total.items()):
+        missed = sorted(number for number, count in counts.items() if count == 0)
+        lines, reached = lines + len(counts), reached + len(counts) - len(missed)
+        percent = 100 * (1 - len(missed) / len(counts))
+        name = path.relative_to(GATEWARE)
+        print(f"{name!s:44} {len(counts):5} {len(counts) - len(missed):5} {percent:5.1f}  {ranges(missed)}")
+    percent = 100 * reached / lines
+    print(f"{'all':44} {lines:5} {reached:5} {percent:5.1f}")
+    for path in sorted(absent):
+        print(f"{path.relative_to(GATEWARE)}: nothing of it was executed")
+    if absent or percent < PERCENT_LEAST:
+        print(f"line coverage of the gateware must be {PERCENT_LEAST} % and every file must be run")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
