@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Protocol, Union
 
 from unitylink.errors import UnityLinkError
+from unitylink.recording import ENDINGS
 from unitylink.spec.model import Spec
 
 from .plants.loopback import LoopbackPlant
 from .plants.ramp import RampPlant
+from .plants.recording import RecordingPlant
 from .plants.scara import ScaraPlant
 from .plants.words import WordPlant
 from .registers import Registers
@@ -44,7 +46,7 @@ DEFAULT_PLANT = "ramp"
 
 
 def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
-    """Return the plant called `name` (ramp, loopback, scara) or the one in the Python file `name`.
+    """Return the plant called `name` (ramp, loopback, scara), or in the file `name`: Python or a recording.
 
     A file has a class `Plant` that can be made without arguments, or a function `make_plant(spec)`. Raises
     UnityLinkError with the file's name and the reason.
@@ -52,9 +54,12 @@ def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
     if name in PLANTS:
         return PLANTS[name]()
     path = Path(name)
+    if path.suffix.lower() in ENDINGS:
+        return RecordingPlant(path)
     if path.suffix != ".py":
         raise UnityLinkError(
-            f"plant {name!r} is not known; choose {', '.join(PLANTS)} or a Python file (FILE.py)"
+            f"plant {name!r} is not known; choose {', '.join(PLANTS)}, a Python file (FILE.py) or "
+            "a recording (FILE.mcap, FILE.csv)"
         )
     if not path.is_file():
         raise UnityLinkError(f"plant {name}: there is no such file")

@@ -71,7 +71,7 @@ def command(
       unitylink simulate scara.ul --pty ./scara.tty --baud 3000000 --fifo 16
       unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0
     """
-    endpoint, address = _endpoint(tcp, udp, pty, bind)
+    endpoint, address = endpoint_of(tcp, udp, pty, bind)
     from unitylink.simulate import DEFAULT_PLANT, Board, BoardConfiguration, load_plant
     from unitylink.spec import load
 
@@ -102,7 +102,7 @@ def _announce(board: Board, spec: Spec, spec_file: str, plant: str, as_json: boo
     sys.stdout.flush()
 
 
-def _endpoint(tcp: str | None, udp: str | None, pty: str | None, bind: str | None) -> tuple[str, str]:
+def endpoint_of(tcp: str | None, udp: str | None, pty: str | None, bind: str | None) -> tuple[str, str]:
     """Return (endpoint, address to bind) of a Board; one others can reach has to come from `--bind`."""
     given = [kind for kind, value in (("tcp", tcp), ("udp", udp), ("pty", pty)) if value is not None]
     if len(given) > 1:

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import json
-import signal
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
@@ -70,7 +70,7 @@ def command(
       unitylink watch serial:/dev/ttyUSB0 --spec scara.ul 'j*.cpos' --duration 10 > log.txt
       unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
     """
-    with _ended_by_signals(), open_target(link, spec_file) as target:
+    with ended_by_signals(), open_target(link, spec_file) as target:
         items = target.names.find_readable(names) if names else [i for i in target.names.all() if _is_read(i)]
         if not items:
             raise Failure(
@@ -91,17 +91,6 @@ def command(
                 f"{sampler.lost:,} samples were lost: overwritten before they were taken, or read too late",
                 err=True,
             )
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM, and SIGINT in the background too, do what Ctrl-C does: end with the link closed."""
-    handlers = {n: signal.signal(n, signal.default_int_handler) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
 
 
 def _is_read(item: Item) -> bool:

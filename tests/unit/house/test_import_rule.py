@@ -28,9 +28,20 @@ MAY_IMPORT: dict[str, set[str]] = {
     "layer3_hardware": {"layer2_message", *SHARED},
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
     "layer4_data": {"layer3_hardware", "layer2_message", "spec", "values", *SHARED},
-    # The RTL board compiles what the VHDL generator makes.
-    "simulate": {"board_configuration", "generate", "gateware", "resources", "spec", "_native", *SHARED},
+    # The RTL board compiles what the VHDL generator makes; a recording is played as a plant.
+    "simulate": {
+        "board_configuration",
+        "generate",
+        "gateware",
+        "recording",
+        "resources",
+        "spec",
+        "values",
+        "_native",
+        *SHARED,
+    },
     "resources": SHARED,
+    "recording": SHARED,
     # The doctor tries what a link would do, below it and through it.
     "ports": {"layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},

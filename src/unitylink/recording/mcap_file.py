@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recordings as MCAP: a channel for each set of values that come together, messages in JSON with a schema.
+
+Foxglove and PlotJuggler open it as it is: `j1.cpos` is the field `cpos` of the object `j1`. Source of the
+format: https://mcap.dev/spec; it is written and read with the format's own library.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import UnityLinkError
+
+from .recording import Origin, RecordingTruncated, Sample
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+_CHUNK_BYTES = 1 << 16  # what is lost when the program is killed
+_ORIGIN = "unitylink"  # the metadata record with the spec
+_NAMES = "names"  # a channel's metadata: the paths, in order
+_STEP = re.compile(r"[^.\[\]]+")
+
+
+def _library() -> None:
+    try:
+        import mcap  # noqa: F401
+    except ImportError:
+        raise UnityLinkError(
+            "MCAP files need the package mcap: pip install 'unitylink[record]'; CSV needs nothing"
+        ) from None
+
+
+class _Counting:
+    """A file that knows how much of it is whole, and ends there when the disk is full."""
+
+    def __init__(self, path: str | Path) -> None:
+        try:
+            self.file = open(path, "wb", buffering=0)  # noqa: SIM115  # closed by McapWriter.close()
+        except OSError as error:
+            raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+        self.size_bytes = 0
+
+    def write(self, data: bytes) -> int:
+        view = memoryview(data)
+        done = 0
+        while done < len(view):
+            done += self.file.write(view[done:]) or 0
+        self.size_bytes += done
+        return done
+
+    def flush(self) -> None:
+        pass
+
+    def tell(self) -> int:
+        return self.size_bytes
+
+    def close(self) -> None:
+        self.file.close()
+
+
+class McapWriter:
+    """Writes chunks of 64 KiB, each whole before the next begins."""
+
+    def __init__(self, path: str | Path, origin: Origin) -> None:
+        _library()
+        from mcap.writer import CompressionType
+        from mcap.writer import Writer as Library
+
+        self.path = path
+        self.count = 0
+        self._file = _Counting(path)
+        # by paths: the channel's id, and the message with a %s for each value
+        self._channels: dict[tuple[str, ...], tuple[int, tuple[str, tuple[int, ...]]]] = {}
+        self._whole = (0, 0)  # samples and bytes that are in the file for sure
+        self._failed = False
+        self._writer = Library(
+            self._file,  # type: ignore[arg-type]
+            chunk_size=_CHUNK_BYTES,
+            compression=CompressionType.ZSTD,
+        )
+        with _errors(self):
+            self._writer.start(profile="", library="unitylink")
+            known = {"spec": origin.name, "text": origin.text, "hash": origin.hash}
+            self._writer.add_metadata(_ORIGIN, known)
+
+    @property
+    def size_bytes(self) -> int:
+        return self._file.size_bytes
+
+    def add(self, sample: Sample) -> None:
+        """Add a message on the channel of its set of paths."""
+        names = tuple(sample.values)
+        with _errors(self):
+            known = self._channels.get(names)
+            if known is None:
+                known = self._channels[names] = (self._register(names, sample), _template(names))
+            channel, (template, order) = known
+            texts = [_json(value) for value in sample.values.values()]
+            message = template % tuple(texts[place] for place in order)
+            time_ns = round(sample.time_s * 1e9)
+            before = self._file.size_bytes
+            self._writer.add_message(channel, time_ns, message.encode(), time_ns, self.count & 0xFFFFFFFF)
+            self.count += 1
+            if self._file.size_bytes != before:
+                self._whole = (self.count, self._file.size_bytes)
+
+    def _register(self, names: tuple[str, ...], sample: Sample) -> int:
+        schema = {"title": f"unitylink.samples{len(self._channels)}", **_schema(sample.values)}
+        schema_id = self._writer.register_schema(
+            schema["title"], "jsonschema", json.dumps(schema, separators=(",", ":")).encode()
+        )
+        common = _common(names)
+        topic = (
+            f"/{common}"
+            if common
+            else "/" + (f"samples{len(self._channels)}" if self._channels else "samples")
+        )
+        return self._writer.register_channel(topic, "json", schema_id, {_NAMES: json.dumps(names)})
+
+    def close(self) -> None:
+        """Write the index and close the file."""
+        if self._file.file.closed:
+            return
+        try:
+            if not self._failed:
+                with _errors(self):
+                    self._writer.finish()  # type: ignore[no-untyped-call]
+        finally:
+            self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.close()
+        except UnityLinkError:
+            if error is None:  # else the first error tells more
+                raise
+
+
+class _errors:
+    """Turn what the disk says into an error that names the file, cut behind the last whole chunk."""
+
+    def __init__(self, writer: McapWriter) -> None:
+        self.writer = writer
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, OSError):
+            writer = self.writer
+            writer._failed = True
+            count, size = writer._whole
+            if size:
+                os.ftruncate(writer._file.file.fileno(), size)
+            raise UnityLinkError(
+                f"{writer.path}: {error.strerror or error}; it holds the first {count} samples, whole"
+            ) from error
+
+
+def _common(names: tuple[str, ...]) -> str:
+    """Return the step all paths begin with: `j1` of j1.cpos and j1.spd."""
+    first = {name.partition(".")[0] for name in names}
+    return "/".join(_STEP.findall(first.pop())) if len(first) == 1 else ""
+
+
+def _nested(values: dict[str, Any]) -> dict[str, Any]:
+    """Return `{"j1": {"cpos": 3}}` for `{"j1.cpos": 3}`."""
+    tree: dict[str, Any] = {}
+    for name, value in values.items():
+        *steps, last = _STEP.findall(name)
+        branch = tree
+        for step in steps:
+            branch = branch.setdefault(step, {})
+        branch[last] = value
+    return tree
+
+
+def _template(names: tuple[str, ...]) -> tuple[str, tuple[int, ...]]:
+    """Return the JSON of a message with `%s` for each value, and which value goes where.
+
+    Putting values in is then all that is left to do. Paths are made of names and numbers: no % of theirs is
+    in the way.
+    """
+    order: list[int] = []
+
+    def text(node: Any) -> str:
+        if isinstance(node, dict):
+            return "{" + ",".join(f'"{key}":{text(inner)}' for key, inner in node.items()) + "}"
+        order.append(node)
+        return "%s"
+
+    return text(_nested({name: place for place, name in enumerate(names)})), tuple(order)
+
+
+def _json(value: Any) -> str:
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else "null"
+    return json.dumps(value, separators=(",", ":"))
+
+
+def _schema(values: Any) -> dict[str, Any]:
+    tree = _nested(dict(values))
+
+    def kind(value: Any) -> dict[str, Any]:
+        if isinstance(value, dict):
+            return {"type": "object", "properties": {key: kind(inner) for key, inner in value.items()}}
+        if isinstance(value, bool):
+            return {"type": "boolean"}
+        return {"type": "string" if isinstance(value, str) else "number"}
+
+    return kind(tree)
+
+
+# ---- reading
+
+
+def read_mcap(path: str | Path) -> Iterator[Sample]:
+    """Yield the samples in the order they were added."""
+    for name, record in _records(path):
+        if name == "message":
+            channel, message = record
+            paths = json.loads(channel.metadata.get(_NAMES, "[]"))
+            yield Sample(message.log_time / 1e9, _flat(json.loads(message.data), paths, path))
+
+
+def read_origin(path: str | Path) -> Origin:
+    """Return the spec that stands at the beginning of the file."""
+    for name, record in _records(path):
+        if name == "message":
+            break
+        if record.name == _ORIGIN:
+            known = record.metadata
+            return Origin(known.get("spec", ""), known.get("text", ""), known.get("hash", ""))
+    return Origin()
+
+
+def _flat(message: Any, paths: list[str], path: str | Path) -> dict[str, Any]:
+    values = {}
+    for name in paths:
+        value = message
+        for step in _STEP.findall(name):
+            if not isinstance(value, dict) or step not in value:
+                raise UnityLinkError(f"{path}: a message without {name}")
+            value = value[step]
+        values[name] = value
+    return values
+
+
+def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
+    """Yield ("message", (channel, message)) and ("metadata", record) from front to back, with no index."""
+    _library()
+    from mcap.exceptions import McapError
+    from mcap.records import Channel, Footer, Message, Metadata
+    from mcap.stream_reader import StreamReader
+
+    count = 0
+    channels: dict[int, Any] = {}
+    try:
+        with open(path, "rb") as stream:
+            record = None
+            for record in StreamReader(stream).records:
+                if isinstance(record, Channel):
+                    channels[record.id] = record
+                elif isinstance(record, Metadata):
+                    yield "metadata", record
+                elif isinstance(record, Message):
+                    count += 1
+                    yield "message", (channels[record.channel_id], record)
+            if not isinstance(record, Footer):
+                raise EOFError("no footer")
+    except OSError as error:
+        raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+    except UnityLinkError:
+        raise
+    except (McapError, ValueError, KeyError, EOFError, struct.error) as error:
+        if count == 0 and not channels:
+            raise UnityLinkError(f"{path}: not an MCAP file ({error})") from error
+        raise RecordingTruncated(
+            f"{path}: cut off behind sample {count}; those before it were read"
+        ) from error

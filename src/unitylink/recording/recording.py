@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a recording is: samples in the order they came, and the spec they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol
+
+from unitylink.errors import UnityLinkError
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+ENDINGS = (".mcap", ".csv")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Values that belong to one moment. `time_s` counts from 1970; `values` by path are numbers, truth
+    values, names of enumeration members, or a mapping of fields."""
+
+    time_s: float
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The spec a recording was made with: file name, text and hash; empty where the file does not tell."""
+
+    name: str = ""
+    text: str = ""
+    hash: str = ""
+
+
+class RecordingTruncated(UnityLinkError):
+    """A recording that was cut off; all samples before that have been given."""
+
+
+class Writer(Protocol):
+    """A recording being written. What was added is whole in the file however it ends; a full disk is an error
+    that names the file and how many samples it holds."""
+
+    @property
+    def count(self) -> int:
+        """How many samples there are."""
+        ...
+
+    @property
+    def size_bytes(self) -> int:
+        """How large the file is so far."""
+        ...
+
+    def add(self, sample: Sample) -> None: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> Self: ...
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+def create(path: str | Path, origin: Origin, names: tuple[str, ...] = ()) -> Writer:
+    """Make a recording; the ending of its name says in which format.
+
+    `names` are the columns a CSV file begins with; without them those of the first sample. Raises
+    UnityLinkError for another ending, a file that cannot be written, a library that is not installed.
+    """
+    if _ending(path) == ".csv":
+        from .csv_file import CsvWriter
+
+        return CsvWriter(path, names)
+    from .mcap_file import McapWriter
+
+    return McapWriter(path, origin)
+
+
+def samples(path: str | Path) -> Iterator[Sample]:
+    """Yield the samples of a recording in the order they were added.
+
+    Raises UnityLinkError, with the place, for what is no recording; RecordingTruncated at the end of one that
+    was cut off.
+    """
+    if _ending(path) == ".csv":
+        from .csv_file import read_csv
+
+        return read_csv(path)
+    from .mcap_file import read_mcap
+
+    return read_mcap(path)
+
+
+def origin(path: str | Path) -> Origin:
+    """Return the spec a recording was made with, as far as the file tells; CSV files do not."""
+    if _ending(path) == ".csv":
+        return Origin()
+    from .mcap_file import read_origin
+
+    return read_origin(path)
+
+
+def _ending(path: str | Path) -> str:
+    ending = Path(path).suffix.lower()
+    if ending not in ENDINGS:
+        raise UnityLinkError(f"{path}: a recording ends in {' or '.join(ENDINGS)}, not in '{ending}'")
+    return ending

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A plant that plays a recording: yesterday's robot, to be looked at today."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from unitylink.errors import UnityLinkError
+from unitylink.recording import RecordingTruncated, Sample, samples
+from unitylink.spec.model import Element, Spec
+from unitylink.values import Codec, Quantity
+
+from ..registers import Registers
+
+
+class RecordingPlant:
+    """Sets every recorded READ to what it was, at its time since the first sample; holds the last one, or
+    begins anew with `loop`. `speed` 2.0 plays twice as fast. What the PC writes goes nowhere: the past does
+    not change.
+
+    A recording that was cut off is played as far as it goes; `notice` then says so.
+    """
+
+    period_s: float = 0.001
+
+    def __init__(self, path: str | Path, *, speed: float = 1.0, loop: bool = False) -> None:
+        self.path = path
+        self.speed = speed
+        self.loop = loop
+        self.notice = ""
+        self.played = 0
+        self.ended = False
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        """Raise UnityLinkError where the recording holds nothing of the spec."""
+        self._registers = registers
+        bits = registers.data_bits
+        elements = dict(spec.walk()) if spec else {}
+        self._targets: dict[str, tuple[Element, Codec]] = {
+            path: (element, Codec(path, Quantity.of(element), bits))
+            for path, element in elements.items()
+            if element.access in ("READ", "READCLEAR")
+        }
+        self._start()
+        if self._next is not None and not self._next.values.keys() & self._targets.keys():
+            known = ", ".join(list(self._next.values)[:3])
+            raise UnityLinkError(
+                f"{self.path}: holds {known}, and nothing the spec reads; give its own with --spec"
+            )
+
+    def _start(self) -> None:
+        self._samples = iter(self._whole(samples(self.path)))
+        self._next = next(self._samples, None)
+        if self._next is None:
+            raise UnityLinkError(
+                f"{self.path}: there is no sample in it{': ' + self.notice if self.notice else ''}"
+            )
+        self._begin_s = self._next.time_s
+
+    def _whole(self, found: Iterable[Sample]) -> Iterator[Sample]:
+        try:
+            yield from found
+        except RecordingTruncated as error:
+            self.notice = str(error)
+
+    def step(self, time_s: float) -> None:
+        """Set what was there `time_s` after the beginning."""
+        if not hasattr(self, "_origin_s"):
+            self._origin_s = time_s
+        now_s = (time_s - self._origin_s) * self.speed
+        while self._next is not None and self._next.time_s - self._begin_s <= now_s:
+            self._set(self._next)
+            self._next = next(self._samples, None)
+            if self._next is None and self.loop:
+                self._start()
+                self._origin_s = time_s
+                return
+        self.ended = self._next is None
+
+    def _set(self, sample: Sample) -> None:
+        for path, value in sample.values.items():
+            target = self._targets.get(path)
+            if target is None or value is None:  # a word of the PC's, or what was no number
+                continue
+            element, codec = target
+            for address, word in zip(element.addresses, codec.split(codec.encode(value)), strict=True):
+                self._registers[address] = word
+        self.played += 1

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink plot`: items over time, as a picture or live in the terminal."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .ended_by_signals import ended_by_signals
+from .failure import Failure
+from .link_option import is_link, open_target, spec_option
+from .output import terminal
+
+if TYPE_CHECKING:
+    from .names import Item
+
+Series = dict[str, tuple[list[float], list[float]]]  # path -> times in s, values
+_PICTURES = (".png", ".svg", ".pdf")
+_REDRAW_S = 0.2
+_WINDOW_S = 10.0  # what a live plot shows
+_LINES_MOST = 8  # in one panel; more would hide each other
+
+
+@click.command()
+@click.argument("source", metavar="LINK|RECORDING")
+@click.argument("names", metavar="[NAME...]", nargs=-1)
+@spec_option
+@click.option(
+    "--out",
+    metavar="FILE",
+    help=f"A picture ({', '.join(_PICTURES)}); without it a terminal shows the plot live.",
+)
+@click.option(
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(0, min_open=True),
+    default=10.0,
+    metavar="HZ",
+    help="As for watch.",
+)
+@click.option(
+    "--duration",
+    "duration_s",
+    type=click.FloatRange(0, min_open=True),
+    metavar="S",
+    help="How long to look at a LINK.",
+)
+def command(
+    source: str,
+    *,
+    names: tuple[str, ...],
+    spec_file: str | None,
+    out: str | None,
+    rate_hz: float,
+    duration_s: float | None,
+) -> None:
+    """Draw items over time: from a LINK as they come, or from a recording.
+
+    Values with the same unit share a panel.
+
+    \b
+    Examples:
+      unitylink plot sim:scara.ul 'j*.cpos'
+      unitylink plot sim:scara.ul 'j*.cpos' --duration 5 --out scara.png
+      unitylink plot scara.mcap j1.cpos --out j1.svg
+    """
+    if out is not None and Path(out).suffix.lower() not in _PICTURES:
+        raise click.UsageError(f"--out {out}: a picture ends in {', '.join(_PICTURES)}")
+    if out is None and not terminal():
+        raise Failure("the output is no terminal to draw on", "add --out FILE.png")
+    if not is_link(source):
+        series = _recorded(source, names)
+        _draw(series, {}, Path(source).name, out)
+        return
+    with ended_by_signals(), open_target(source, spec_file) as target:
+        found = target.names.find_readable(names) if names else [i for i in target.names.all() if _is_read(i)]
+        if not found:
+            raise Failure(f"there is nothing to plot on {source}", "name items of a spec, or an address")
+        from .sampler import Sampler
+
+        series = {item.name: ([], []) for item in found}
+        units = {item.name: item.unit for item in found}
+        with Sampler(target.link, found, rate_hz) as sampler, suppress(KeyboardInterrupt):
+            drawn_s = start_s = time.monotonic()
+            for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
+                if sample is not None:
+                    time_s, values, numbers = sample
+                    _take(series, time_s - start_s, {v.path: n for v, n in zip(values, numbers, strict=True)})
+                if out is None and time.monotonic() - drawn_s > _REDRAW_S:
+                    drawn_s = time.monotonic()
+                    _forget(series, drawn_s - start_s - _WINDOW_S)
+                    _draw_terminal(series, source, clear=True)
+        if out is not None:
+            _draw(series, units, source, out)
+
+
+def _is_read(item: Item) -> bool:
+    return item.element is not None and item.pollable
+
+
+def _take(series: Series, time_s: float, values: Mapping[str, Any]) -> None:
+    for path, value in values.items():
+        if path in series and isinstance(value, (int, float)):  # members of enumerations are ints
+            times, numbers = series[path]
+            times.append(time_s)
+            numbers.append(float(value))
+
+
+def _forget(series: Series, before_s: float) -> None:
+    for times, numbers in series.values():
+        old = sum(1 for time_s in times if time_s < before_s)
+        del times[:old], numbers[:old]
+
+
+def _recorded(path: str, patterns: Iterable[str]) -> Series:
+    from unitylink.recording import RecordingTruncated, samples
+
+    series: Series = {}
+    wanted = tuple(patterns)
+    first_s: float | None = None
+    found = iter(samples(path))
+    try:
+        for sample in found:
+            first_s = sample.time_s if first_s is None else first_s
+            for name in sample.values:
+                if name not in series and (not wanted or any(fnmatchcase(name, p) for p in wanted)):
+                    series[name] = ([], [])
+            _take(series, sample.time_s - first_s, sample.values)
+    except RecordingTruncated as error:
+        click.echo(f"note: {error}", err=True)
+    if not any(times for times, _ in series.values()):
+        raise Failure(
+            f"{path} holds nothing that is called {', '.join(wanted)}" if wanted else f"{path} is empty"
+        )
+    return series
+
+
+def _draw(series: Series, units: Mapping[str, str], title: str, out: str | None) -> None:
+    if out is None:
+        _draw_terminal(series, title, clear=False)
+        return
+    try:
+        import matplotlib as mpl
+    except ImportError:
+        raise Failure("pictures need matplotlib", "pip install 'unitylink[plot]'") from None
+    mpl.use("Agg")
+    from matplotlib import pyplot
+
+    panels: dict[tuple[str, int], list[str]] = {}
+    counts: dict[str, int] = {}
+    for name in series:
+        unit = units.get(name, "")
+        counts[unit] = counts.get(unit, 0) + 1
+        panels.setdefault((unit, (counts[unit] - 1) // _LINES_MOST), []).append(name)
+    figure, axes = pyplot.subplots(
+        len(panels),
+        1,
+        sharex=True,
+        squeeze=False,
+        figsize=(10, 2.8 * len(panels) + 0.6),
+        layout="constrained",
+    )
+    for axis, ((unit, _), names) in zip(axes[:, 0], panels.items(), strict=True):
+        for name in names:
+            axis.step(*series[name], where="post", label=name, linewidth=1.2)
+        axis.set_ylabel(unit)
+        axis.grid(alpha=0.3)
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
+    axes[-1, 0].set_xlabel("s")
+    figure.suptitle(title)
+    try:
+        figure.savefig(out, dpi=130)
+    except OSError as error:
+        raise Failure(f"{out}: {error.strerror or error}") from error
+    finally:
+        pyplot.close(figure)
+    click.echo(f"{out}: {sum(len(times) for times, _ in series.values()):,} values of {len(series)} items")
+
+
+def _draw_terminal(series: Series, title: str, *, clear: bool) -> None:
+    try:
+        import plotext  # type: ignore[import-untyped]
+    except ImportError:
+        raise Failure("plots in the terminal need plotext", "pip install 'unitylink[plot]'") from None
+    plotext.clear_figure()
+    plotext.theme("clear")
+    for name, (times, numbers) in list(series.items())[:_LINES_MOST]:
+        if times:
+            plotext.plot(times, numbers, label=name, marker="braille")
+    plotext.title(title)
+    plotext.xlabel("s")
+    if clear:
+        plotext.clear_terminal()
+    plotext.show()

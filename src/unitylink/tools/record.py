@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink record`: items to a file."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .ended_by_signals import ended_by_signals
+from .failure import Failure
+from .link_option import link_argument, open_target, spec_option
+from .names import Item
+from .output import json_option, print_json
+from .typed import plain
+
+if TYPE_CHECKING:
+    from unitylink.recording import Origin, Writer
+
+    from .names import Names
+
+_SHOW_S = 0.5  # between two progress lines
+
+
+@click.command()
+@link_argument
+@click.argument("names", metavar="[NAME...]", nargs=-1)
+@spec_option
+@click.option(
+    "--out", metavar="FILE", help="FILE.mcap or FILE.csv; the spec's name and the time, if not given."
+)
+@click.option(
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(0, min_open=True),
+    default=10.0,
+    show_default=True,
+    metavar="HZ",
+    help="How often to read what the spec does not publish.",
+)
+@click.option("--count", type=click.IntRange(1), metavar="N", help="End after N samples.")
+@click.option(
+    "--duration",
+    "duration_s",
+    type=click.FloatRange(0, min_open=True),
+    metavar="S",
+    help="End after S seconds.",
+)
+@json_option("how it went, at the end")
+def command(
+    link: str,
+    *,
+    names: tuple[str, ...],
+    spec_file: str | None,
+    out: str | None,
+    rate_hz: float,
+    count: int | None,
+    duration_s: float | None,
+    as_json: bool,
+) -> None:
+    """Record items until Ctrl-C: MCAP for Foxglove and PlotJuggler, CSV for pandas and spreadsheets.
+
+    Items are those of `watch`, and come in the same way. A sample is written with the time it came; samples
+    that were lost are counted, and end the command with 1. The file is whole whatever ends the recording.
+
+    \b
+    Examples:
+      unitylink record sim:scara.ul --out scara.mcap --duration 10
+      unitylink record tcp://127.0.0.1:5555 'j*.cpos' --spec scara.ul --out scara.csv
+      unitylink replay scara.mcap --tcp 5555
+    """
+    with ended_by_signals(), open_target(link, spec_file) as target:
+        known = target.names
+        items = known.find_readable(names) if names else [i for i in known.all() if _is_read(i)]
+        if not items:
+            raise Failure(f"there is nothing to record on {link}", "name items of a spec, or an address")
+        from unitylink.recording import Sample, create
+
+        from .sampler import Sampler
+
+        path = (
+            out or f"{known.spec.name if known.spec else 'recording'}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+        )
+        quantities = {item.name: item.quantity for item in items}
+        since_1970_s = time.time() - time.monotonic()
+        began = time.monotonic()
+        with (
+            create(path, _origin(known), tuple(quantities)) as writer,
+            Sampler(target.link, items, rate_hz) as sampler,
+            suppress(KeyboardInterrupt),
+        ):
+            progress = _Progress(writer, path, quiet=as_json)
+            for sample in sampler.samples(count, duration_s):
+                if sample is not None:
+                    time_s, values, numbers = sample
+                    pairs = zip(values, numbers, strict=True)
+                    named = {v.path: plain(number, quantities[v.path]) for v, number in pairs}
+                    writer.add(Sample(since_1970_s + time_s, named))
+                progress.show()
+        took_s = time.monotonic() - began
+    size = writer.size_bytes
+    if as_json:
+        result = {
+            "file": path,
+            "samples": writer.count,
+            "lost": sampler.lost,
+            "bytes": size,
+            "duration_s": took_s,
+        }
+        print_json(result)
+    else:
+        click.echo(f"{path}: {writer.count:,} samples in {took_s:.1f} s, {size:,} bytes, {sampler.lost} lost")
+    click.get_current_context().exit(1 if sampler.lost else 0)
+
+
+class _Progress:
+    """A line on the terminal that says how far the recording is."""
+
+    def __init__(self, writer: Writer, path: str, *, quiet: bool) -> None:
+        self.writer = writer
+        self.path = path
+        self.active = sys.stderr.isatty() and not quiet
+        self.shown_s = self.began_s = time.monotonic()
+
+    def show(self) -> None:
+        now_s = time.monotonic()
+        if self.active and now_s - self.shown_s > _SHOW_S:
+            self.shown_s = now_s
+            count, size_kb = self.writer.count, self.writer.size_bytes / 1000
+            elapsed_s = now_s - self.began_s
+            rate_hz = count / elapsed_s
+            line = f"{self.path}: {elapsed_s:.0f} s, {count:,} samples, {rate_hz:.0f}/s, {size_kb:,.0f} kB"
+            click.echo(f"\r{line}  (Ctrl-C ends it)\x1b[K", nl=False, err=True)
+
+
+def _is_read(item: Item) -> bool:
+    return item.element is not None and item.pollable
+
+
+def _origin(names: Names) -> Origin:
+    from unitylink.recording import Origin
+
+    if names.spec is None:
+        return Origin()
+    text = Path(names.source).read_text(encoding="utf-8")
+    return Origin(Path(names.source).name, text, names.spec.hash)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink replay`: a recording, served as a device."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING
+
+import click
+
+from .failure import Failure
+from .output import json_option, print_json
+from .simulate import endpoint_of
+
+if TYPE_CHECKING:
+    from unitylink.spec.model import Spec
+
+_TICK_S = 0.2
+
+
+@click.command()
+@click.argument("recording", metavar="FILE")
+@click.option("--spec", "spec_file", metavar="FILE", help="The spec; an MCAP recording brings its own.")
+@click.option("--tcp", metavar="[HOST:]PORT", help="Serve on TCP; port 0 takes a free one (the default).")
+@click.option("--udp", metavar="[HOST:]PORT", help="Serve on UDP.")
+@click.option("--pty", metavar="PATH", help="Serve on a pseudo-terminal at PATH.")
+@click.option("--bind", metavar="ADDRESS", help="Serve others than this machine too.")
+@click.option(
+    "--speed", type=click.FloatRange(0, min_open=True), default=1.0, metavar="X", help="Play X times as fast."
+)
+@click.option("--loop", is_flag=True, help="Begin anew at the end; else the last values stay.")
+@json_option("the address")
+def command(
+    recording: str,
+    *,
+    spec_file: str | None,
+    tcp: str | None,
+    udp: str | None,
+    pty: str | None,
+    bind: str | None,
+    speed: float,
+    loop: bool,
+    as_json: bool,
+) -> None:
+    """Serve a recording as a device until Ctrl-C: it answers and publishes what the robot did then.
+
+    Whatever works on a robot works on its recording: watch, plot, your own program. What is written to it is
+    taken and has no effect. `sim:SPEC.ul?plant=FILE.mcap` is the same inside one program.
+
+    \b
+    Examples:
+      unitylink replay scara.mcap --tcp 5555
+      unitylink replay scara.csv --spec scara.ul --speed 0.1 --loop
+    """
+    endpoint, address = endpoint_of(tcp, udp, pty, bind)
+    from unitylink.simulate import Board
+    from unitylink.simulate.plants.recording import RecordingPlant
+
+    spec = _spec(recording, spec_file)
+    plant = RecordingPlant(recording, speed=speed, loop=loop)
+    with Board(spec, plant=plant, endpoint=endpoint, bind=address) as board:
+        stop = threading.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: stop.set())
+        if as_json:
+            print_json({"url": board.url, "recording": recording, "spec": spec.source}, indent=None)
+        else:
+            click.echo(f"serving {recording} at {board.url}\nCtrl-C ends it")
+        sys.stdout.flush()
+        told = False
+        while not stop.wait(_TICK_S):
+            if board.error is not None:
+                raise board.error
+            if plant.ended and not told:
+                told = True
+                click.echo(f"{plant.notice or 'the recording is over'}; its last values stay", err=True)
+
+
+def _spec(recording: str, spec_file: str | None) -> Spec:
+    from unitylink.recording import origin
+    from unitylink.spec import compile_text, load
+
+    if spec_file is not None:
+        return load(spec_file)
+    known = origin(recording)
+    if not known.text:
+        raise Failure(f"{recording} does not say which spec it belongs to", "add --spec FILE.ul")
+    result = compile_text(known.text.encode("utf-8"), known.name)
+    if result.spec is None:
+        raise Failure(f"{recording}: its spec {known.name} does not compile alone", "add --spec FILE.ul")
+    return result.spec
