@@ -1,116 +1,146 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can be wrong with a spec whose every name is right: addresses, publishing, things without use."""
+"""What can be wrong with the addresses of a spec whose every name is right."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from .. import protocol
+from .blocks import check_blocks
 from .diagnostics import Reporter
-from .model import Element, Instance
-from .resolve import Placed
-from .scope import Scope, Scopes
-from .syntax import Name
-
-# The 2012 gateware never stops publishing a group that is filled to its advertised size.
-_USABLE_2012 = protocol.GROUP_SIZE_2012 - 1
+from .model import Element, Instance, Link
+from .publish_checks import check_publishes
+from .resolve import Placed, Resolver
 
 _Device = tuple[str, "str | None"]  # public constructor and its COMM: one address space, one set of groups
 
+_FIFO_WORDS = 3  # data, words waiting for the PC, room for the PC's
 
-def check_model(placed: Sequence[Placed], reporter: Reporter) -> None:
+
+def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
     """Report what is wrong or doubtful about the addresses and publishes of expanded elements."""
+    placed = resolver.placed
     _check_overlaps(placed, reporter)
+    _check_links(placed, links, reporter)
     for one in placed:
-        if one.element.link.kind == "tosnet":
+        kind = one.element.link.kind
+        if kind == "tosnet":
             _check_tosnet(one, reporter)
-    _check_publishes(placed, reporter)
-
-
-def check_unused(scopes: Scopes, roots: Sequence[Instance], reporter: Reporter) -> None:
-    """Report what has no effect; meant for a spec without errors, where nothing is unused by accident."""
-    for root in roots:
-        _check_groups(root, reporter)
-    expanded = {e.callee.text for scope in scopes.all for e in scope.expansions}
-    for scope in scopes.all:
-        name = scope.node.name
-        if not scope.node.public and name.text not in expanded:
-            message = f"constructor `{name.text}` is never expanded"
-            reporter.report(
-                "UL070", name.start, name.end, message, "make it `public`, expand it, or remove it"
-            )
-            continue
-        _check_parameters(scope, reporter)
-        for address in scope.node.addresses:
-            if address.text not in scope.used_addresses and address.text[0] != "_":
-                _report_unused(reporter, "UL072", "address", address)
-
-
-def _check_groups(instance: Instance, reporter: Reporter) -> None:
-    for group in instance.groups:
-        if not group.elements:
-            message = f"group `{group.path}` has no elements"
-            hint = "what its paths lead to is empty: remove it, or list elements"
-            reporter.report("UL074", group.span.start, group.span.end, message, hint)
-    for inner in instance.instances:
-        _check_groups(inner, reporter)
-
-
-def _check_parameters(scope: Scope, reporter: Reporter) -> None:
-    for parameter in scope.node.parameters:
-        if parameter.text not in scope.used_parameters:
-            if parameter.text[0] != "_":
-                _report_unused(reporter, "UL071", "parameter", parameter)
-        elif scope.node.public and parameter.text not in scope.runtime:
-            message = (
-                f"nothing gives public constructor `{scope.node.name.text}` its string `{parameter.text}`"
-            )
-            hint = f'its value is its own name, "{parameter.text}"; write the text itself instead'
-            reporter.report("UL073", parameter.start, parameter.end, message, hint)
-
-
-def _report_unused(reporter: Reporter, code: str, what: str, name: Name) -> None:
-    message = f"{what} `{name.text}` is never used"
-    reporter.report(
-        code, name.start, name.end, message, f"remove it, or call it `_{name.text}` if it is meant so"
-    )
-
-
-# --- addresses ----------------------------------------------------------------------------------------------
+        elif kind == "double_buffer":
+            _check_double_buffer(one, reporter)
+        elif kind == "fifo":
+            _check_fifo(one, reporter)
+    check_blocks(resolver.blocks, placed, reporter)
+    _check_events(resolver.roots, placed, reporter)
+    check_publishes(tuple(resolver.roots), links, reporter)
 
 
 def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
     """One diagnostic for each pair of statements: an expansion copied whole is one mistake."""
-    first: dict[tuple[_Device, int, str], Placed] = {}
+    first: dict[tuple[_Device, int], list[Placed]] = {}
     pairs: dict[tuple[str, int, int], tuple[Placed, Placed, int]] = {}
     for one in placed:
         element = one.element
         device = (one.root, element.link.comm)
-        other = "WRITE" if element.access == "READ" else "READ"
-        for code, access in (("UL051", element.access), ("UL052", other)):
-            earlier = first.get((device, element.address, access))
-            if earlier is not None:
-                key = (code, earlier.statement, one.statement)
-                count = pairs[key][2] + 1 if key in pairs else 1
-                pairs.setdefault(key, (earlier, one, 0))
-                pairs[key] = (*pairs[key][:2], count)
-        first.setdefault((device, element.address, element.access), one)
+        met: set[int] = set()  # values of several words overlap in several
+        for address in element.addresses:
+            earlier_ones = first.setdefault((device, address), [])
+            for earlier in earlier_ones:
+                if id(earlier) not in met and not _may_share(earlier.element, element):
+                    met.add(id(earlier))
+                    same = (earlier.element.readable and element.readable) or (
+                        earlier.element.writable and element.writable
+                    )
+                    key = ("UL051" if same else "UL052", earlier.statement, one.statement)
+                    count = pairs[key][2] + 1 if key in pairs else 1
+                    pairs[key] = (*pairs.get(key, (earlier, one))[:2], count)
+            if len(earlier_ones) < 2:
+                earlier_ones.append(one)
     for (code, _, _), (earlier, one, count) in pairs.items():
-        line = reporter.source.line_of(earlier.address.start)
-        more = f", and {count - 1} more of the same statements" if count > 1 else ""
-        where = f"at address 0x{one.element.address:X}"
-        if code == "UL051":
-            message = (
-                f"`{one.element.path}` lies {where}, where `{earlier.element.path}` of line {line} is{more}"
-            )
-            hint = "give one of them another address; a second name for elements is a group, `name = path`"
-        else:
-            message = (
-                f"`{one.element.path}` is a {one.element.access} {where}, where line {line} has the "
-                f"{earlier.element.access} `{earlier.element.path}`{more}"
-            )
-            hint = "give one of them another address; a WRITE keeps the value it wrote last, to be read back"
-        reporter.report(code, one.address.start, one.address.end, message, hint)
+        _report_overlap(code, earlier, one, count, reporter)
+
+
+def _may_share(one: Element, other: Element) -> bool:
+    """May two elements have one address? A strobe keeps nothing, so what is read there is something else."""
+    if one.readable == other.readable or one.writable == other.writable:
+        return False
+    return "PULSE" in (one.access, other.access)
+
+
+def _report_overlap(code: str, earlier: Placed, one: Placed, count: int, reporter: Reporter) -> None:
+    more = f", and {count - 1} more of the same statements" if count > 1 else ""
+    words = one.element.addresses
+    at = next((a for a in words if a in earlier.element.addresses), words[0])
+    where = f"at address 0x{at:X}"
+    path, other = one.element.path, earlier.element.path
+    if code == "UL051":
+        message = f"`{path}` lies {where}, where `{other}` is{more}"
+        hint = "give one of them another address; a second name for elements is a group, `name = path`"
+        if one.element.array and earlier.element.array == one.element.array:
+            hint = "the address of an array's elements counts with `i`, such as `0x80 + i`"
+    else:
+        message = f"`{path}` is a {one.element.access} {where}, where the {earlier.element.access} `{other}` is{more}"
+        hint = "give one of them another address; a WRITE keeps the value it wrote last, to be read back"
+    labels = [(earlier.address.start, earlier.address.end, f"`{other}` is here")]
+    if earlier.address.start == one.address.start:
+        labels = []
+    reporter.report(code, one.address.start, one.address.end, message, hint, labels)
+
+
+def _check_links(placed: Sequence[Placed], links: Mapping[str, Link], reporter: Reporter) -> None:
+    several = len(links) > 2  # the declared ones, and "" for the default
+    chosen: dict[_Device, tuple[str, Placed]] = {}
+    for one in placed:
+        element, name = one.element, one.element.link.link
+        link = links[name if name in links else ""]
+        bits = link.address_bits
+        if bits is not None and element.addresses[-1] >> bits:
+            message = f"`{element.path}` lies at 0x{element.addresses[-1]:X}, beyond the {bits} bits of `{link.name}`"
+            hint = "give it a lower address, or the link a wider ADDRESS"
+            reporter.report("UL059", one.address.start, one.address.end, message, hint)
+        if several:
+            first, earlier = chosen.setdefault((one.root, element.link.comm), (name, one))
+            names = ", ".join(f"`{known}`" for known in links if known)
+            span = element.span
+            where = reporter.sources.first.base + span.start
+            if not name and earlier is one:
+                message = f"it is not said by which link `{one.root}` is reached"
+                hint = f"there are {names}: write `MEMORY(LINK=…);` or `TOSNET(…, LINK=…);`"
+                reporter.report("UL096", one.address.start, one.address.end, message, hint)
+            elif first != name:
+                message = (
+                    f"`{element.path}` is reached by `{name}`, other elements of this device by `{first}`"
+                )
+                hint = "one COMM is one link: give the other part a COMM of its own"
+                reporter.report("UL096", one.address.start, one.address.end, message, hint)
+
+
+def _check_double_buffer(one: Placed, reporter: Reporter) -> None:
+    element, size = one.element, one.element.link.size
+    offset = element.addresses[-1] - element.link.base
+    if offset < size:
+        return
+    what = "is the commit" if offset == size else "lies beyond it"
+    message = f"`{element.path}` does not lie in the {size} words of the double buffer: +{offset} {what}"
+    reporter.report("UL058", one.address.start, one.address.end, message, "make SIZE larger, or move it")
+
+
+def _check_fifo(one: Placed, reporter: Reporter) -> None:
+    """+0 is the queue itself, +1 how many words wait for the PC, +2 the room for the PC's."""
+    element = one.element
+    offset = element.addresses[-1] - element.link.base
+    if offset >= _FIFO_WORDS:
+        message = f"`{element.path}` lies at +{offset}, but a FIFO has three words"
+        hint = "+0 is the data, +1 the words that wait, +2 the room"
+    elif offset == 0 and element.access not in ("READCLEAR", "PULSE"):
+        message = f"`{element.path}` is a {element.access}, but reading a FIFO takes a word out and writing puts one in"
+        hint = "make it a READCLEAR to take words out, a PULSE to put words in"
+    elif offset and element.access != "READ":
+        message = f"`{element.path}` is a {element.access}, but the counts of a FIFO can only be read"
+        hint = "make it a READ"
+    else:
+        return
+    reporter.report("UL058", one.address.start, one.address.end, message, hint)
 
 
 def _check_tosnet(one: Placed, reporter: Reporter) -> None:
@@ -125,14 +155,19 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
         hint = f"the shared memory is {memory}; behind TOSNET addresses count from its BASE"
         reporter.report("UL053", number.start, number.end, message, hint)
         return
+    if element.access not in ("READ", "WRITE", "READWRITE"):
+        message = f"`{element.path}` is a {element.access}, but TosNet's shared memory is plain memory"
+        hint = "reading and writing have no effect of their own there: choose READ, WRITE or READWRITE"
+        reporter.report("UL058", number.start, number.end, message, hint)
+        return
     inward = bool(offset >> protocol.TOSNET_IN_BIT & 1)
-    if inward == (element.access == "WRITE"):
+    if inward == element.writable:
         return
     node = offset >> protocol.TOSNET_NODE_SHIFT
     lies = f"0x{offset:X} is an {'IN' if inward else 'OUT'} word of node {node}"
     bit = f"bit {protocol.TOSNET_IN_BIT} of the address tells: 1 = IN, 0 = OUT"
-    if element.access == "WRITE":
-        message = f"`{element.path}` is a WRITE, but {lies}, which only the node itself may write"
+    if element.writable:
+        message = f"`{element.path}` is a {element.access}, but {lies}, which only the node itself may write"
         hint = f"right only if node {node} is the PC's own; {bit}"
     else:
         message = f"`{element.path}` is a READ, but {lies}, which is written from here and not by the node"
@@ -140,46 +175,26 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
     reporter.report("UL054", number.start, number.end, message, hint)
 
 
-# --- publishing ---------------------------------------------------------------------------------------------
-
-
-def _check_publishes(placed: Sequence[Placed], reporter: Reporter) -> None:
-    """Hardware publishes of one device and rate are one group, split where the gateware's are smaller."""
-    rates: dict[_Device, dict[int, list[Element]]] = {}
+def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter: Reporter) -> None:
+    """An event with a dot in its name is one of a component."""
+    known: dict[str, set[str]] = {}
     for one in placed:
         publish = one.element.publish
-        if publish is not None and publish.mode == 1:
-            device = (one.root, one.element.link.comm)
-            rates.setdefault(device, {}).setdefault(publish.divisor, []).append(one.element)
-    for by_divisor in rates.values():
-        groups = 0
-        told = False
-        for divisor, elements in by_divisor.items():
-            _check_rate(divisor, elements, reporter)
-            before, groups = groups, groups + -(-len(elements) // _USABLE_2012)
-            if before <= protocol.GROUPS_2012 < groups and not told:
-                told = True
-                message = f"with this rate the publishes need more than {protocol.GROUPS_2012} groups"
-                hint = f"the 2012 gateware has at most {protocol.GROUPS_2012}: use fewer rates, or mode 2"
-                reporter.report("UL066", *_place(elements[0]), message, hint)
-        if len(by_divisor) > protocol.GROUPS_MAX:
-            message = f"{len(by_divisor)} different rates need more than {protocol.GROUPS_MAX} groups"
-            hint = f"the group number is one byte: use at most {protocol.GROUPS_MAX} rates, or mode 2"
-            last = list(by_divisor.values())[protocol.GROUPS_MAX]
-            reporter.report("UL067", *_place(last[0]), message, hint)
+        if publish is None or "." not in publish.event:
+            continue
+        if one.root not in known:
+            known[one.root] = {event for root in roots if root.name == one.root for event in _events(root)}
+        if publish.event not in known[one.root]:
+            span = one.element.span
+            message = f"no component has the event `{publish.event}`"
+            some = ", ".join(f"`{event}`" for event in sorted(known[one.root])[:6])
+            hint = f"there are {some}" if some else "components say so by `@event(...)`: gpio has `changed`"
+            start = reporter.sources.offset(span)
+            reporter.report("UL102", start, start + span.end - span.start, message, hint)
 
 
-def _check_rate(divisor: int, elements: list[Element], reporter: Reporter) -> None:
-    count = f"{len(elements)} elements publish"
-    if len(elements) > protocol.GROUP_SIZE_MAX:
-        message = f"{count} at divisor {divisor}; a message carries {protocol.GROUP_SIZE_MAX}"
-        hint = "all of one rate are one snapshot: use several rates, or mode 2 for some"
-        reporter.report("UL065", *_place(elements[protocol.GROUP_SIZE_MAX]), message, hint)
-    elif len(elements) > _USABLE_2012:
-        message = f"{count} at divisor {divisor}; a group of the 2012 gateware holds {_USABLE_2012}"
-        hint = "there they come as several groups, no longer as one snapshot; use several rates, or mode 2"
-        reporter.report("UL064", *_place(elements[_USABLE_2012]), message, hint)
-
-
-def _place(element: Element) -> tuple[int, int]:
-    return element.span.start, element.span.end
+def _events(instance: Instance) -> Iterator[str]:
+    if instance.component is not None:
+        yield from (f"{instance.path}.{event}" for event in instance.component.events)
+    for inner in instance.instances:
+        yield from _events(inner)

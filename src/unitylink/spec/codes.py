@@ -74,6 +74,14 @@ _EXPANSION = _errors(
     UL039="expansion nested too deep",
     UL040="string too long",
     UL041="second TOSNET in a constructor",
+    UL042="import cannot be read",
+    UL043="file imports itself",
+    UL044="import outside the search path",
+    UL045="number or expression too large",
+    UL046="not a whole number",
+    UL047="number where a string is needed, or the reverse",
+    UL048="arithmetic without a result",
+    UL049="number out of range",
 )
 
 _HARDWARE = {
@@ -81,6 +89,11 @@ _HARDWARE = {
         UL050="number beyond 32 bits",
         UL051="two elements at one address",
         UL052="READ and WRITE of one word",
+        UL055="address outside the constructor's block",
+        UL056="no room for a block of addresses",
+        UL057="address inside another block",
+        UL058="against the kind of the link",
+        UL059="address beyond the link's width",
         UL060="PUBLISH on a WRITE",
         UL061="PUBLISH mode neither 1 nor 2",
         UL062="PUBLISH divisor 0",
@@ -88,6 +101,9 @@ _HARDWARE = {
         UL065="more publishes at one rate than a message can carry",
         UL067="more publish groups than a message can name",
         UL068="group too large",
+        UL101="rate out of reach",
+        UL102="unknown event of a component",
+        UL103="snapshot group with two rates",
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",
@@ -95,8 +111,31 @@ _HARDWARE = {
         UL064="more publishes at one rate than the 2012 gateware can hold in a group",
         UL066="more publish groups than the 2012 gateware can hold",
         UL069="element twice in a group",
+        UL100="rate rounded",
     ),
 }
+
+_VALUES = _errors(
+    UL080="unknown type",
+    UL081="type that cannot be",
+    UL082="name declared twice",
+    UL083="two values with one number",
+    UL084="type without content",
+    UL085="bit fields overlap",
+    UL086="field that does not fit its bits",
+    UL087="unknown unit",
+    UL088="units that do not fit",
+    UL089="MAX below MIN",
+    UL090="value out of range",
+    UL091="SCALE of 0",
+    UL092="property that does not fit",
+    UL093="unknown choice",
+    UL094="arguments that do not fit the parameters",
+    UL095="unknown link",
+    UL096="link not named",
+    UL097="unknown constant",
+    UL098="component that is not whole",
+)
 
 _UNUSED = _warnings(
     UL070="constructor never expanded",
@@ -104,8 +143,10 @@ _UNUSED = _warnings(
     UL072="address never used",
     UL073="string parameter of a public constructor",
     UL074="group without elements",
+    UL075="documentation of nothing",
+    UL076="constant or type never used",
 )
 
 CODES: dict[str, Code] = dict(
-    sorted({**_TEXT, **_SYNTAX, **_NAMES, **_EXPANSION, **_HARDWARE, **_UNUSED}.items())
+    sorted({**_TEXT, **_SYNTAX, **_NAMES, **_EXPANSION, **_HARDWARE, **_VALUES, **_UNUSED}.items())
 )

@@ -4,18 +4,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
 from ..errors import SpecError
-from .checks import check_model, check_unused
+from .checks import check_model
+from .declared import Declared
 from .diagnostics import Diagnostic, Reporter, render
 from .fingerprint import fingerprint
+from .imports import Importer
 from .model import Link, Spec
-from .parser import parse
 from .publishing import devices
 from .resolve import Resolver
+from .scope import Scopes
 from .source import MAX_BYTES, Source, decode
+from .unused import check_unused
 
 
 @dataclass(frozen=True)
@@ -36,8 +40,13 @@ class Result:
         return len(self.diagnostics) - self.errors
 
 
-def compile_text(text: str | bytes, file: str = "<text>") -> Result:
+def compile_text(
+    text: str | bytes, file: str = "<text>", include: Sequence[str | os.PathLike[str]] = ()
+) -> Result:
     """Compile a spec; never raises for anything the text may hold.
+
+    What it imports is looked for in the folder of `file`, then in `include`, then in the folders of the
+    environment variable UNITYLINK_PATH.
 
     >>> compile_text("public led() { @on = 0x10: WRITE(); }").spec.root().elements[0].address
     16
@@ -56,28 +65,40 @@ def compile_text(text: str | bytes, file: str = "<text>") -> Result:
         text = decoded
     source = Source(file, text)
     reporter = Reporter(source)
-    program, _ = parse(reporter)
-    resolver = Resolver(program, reporter)
-    check_model(resolver.placed, reporter)
+    importer = Importer(reporter, [*include, *search_path()])
+    program = importer.program
+    importer.add_components()
+    declared = Declared(program, reporter)
+    name = program.name or source.stem
+    scopes = Scopes(program, declared, reporter)
+    default = next(iter(declared.links.values()), Link(name))
+    links = {**declared.links, "": default}
+    resolver = Resolver(program, declared, links, scopes)
+    check_model(resolver, links, reporter)
     if reporter.failed:
         return Result(None, reporter.diagnostics())
     roots = tuple(resolver.roots)
-    check_unused(resolver.scopes, roots, reporter)
-    name = program.name or source.stem
-    links = {"": Link(name)}
+    check_unused(scopes, roots, importer.own, reporter)
     spec = Spec(
         name,
         program.package,
         PurePath(file).name,
-        fingerprint(roots),
+        fingerprint(roots, tuple(declared.links.values())),
         roots,
-        links=tuple(links.values()),
-        devices=devices(roots, links),
+        tuple(declared.enums.values()),
+        tuple(declared.bits.values()),
+        tuple(declared.links.values()) or (default,),
+        devices(roots, links),
     )
     return Result(spec, reporter.diagnostics())
 
 
-def compile_file(path: str | os.PathLike[str]) -> Result:
+def search_path() -> list[str]:
+    """Return the folders of UNITYLINK_PATH."""
+    return [folder for folder in os.environ.get("UNITYLINK_PATH", "").split(os.pathsep) if folder]
+
+
+def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Result:
     """Compile a file; one that cannot be read or is not UTF-8 gives a diagnostic."""
     try:
         with Path(path).open("rb") as file:
@@ -89,12 +110,12 @@ def compile_file(path: str | os.PathLike[str]) -> Result:
         return _one(
             Source(os.fspath(path), ""), "UL001", f"the file cannot be read: {reason}", "check the path"
         )
-    return compile_text(data, os.fspath(path))
+    return compile_text(data, os.fspath(path), include)
 
 
-def load(path: str | os.PathLike[str]) -> Spec:
+def load(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Spec:
     """Return the spec of a file; raise `SpecError` with the rendered report if it has errors."""
-    result = compile_file(path)
+    result = compile_file(path, include)
     if result.spec is None:
         raise SpecError(render(result.diagnostics), result.diagnostics)
     return result.spec

@@ -5,11 +5,18 @@ from __future__ import annotations
 
 from bisect import bisect_left
 
-from .diagnostics import Reporter
+from .diagnostics import Advice, Reporter
 from .lexer import Tokens
-from .syntax import Name, Number
+from .source import Source
+from .syntax import Name
 
 _WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")  # no member's beginning
+_AHEAD = 64  # tokens looked ahead, so that a text of open brackets does not take its length's square
+LINK_KINDS = ("TOSNET", "MEMORY", "DOUBLE_BUFFER", "FIFO")
+ACCESS_WORDS = ("READ", "WRITE", "READWRITE", "W1C", "PULSE", "READCLEAR")
+
+
+_IN_HEAD = ("name", "keyword", "number", "string", ",", ":", "=", "+", "-", "*")  # of parameters
 
 
 class Panic(Exception):
@@ -19,7 +26,8 @@ class Panic(Exception):
 class Cursor:
     """Where the parser is; `broken` tells of the member being read."""
 
-    def __init__(self, reporter: Reporter, tokens: Tokens) -> None:
+    def __init__(self, source: Source, reporter: Reporter, tokens: Tokens) -> None:
+        self.source = source
         self.reporter = reporter
         self.tokens = tokens
         self.kinds = tokens.kinds
@@ -36,9 +44,9 @@ class Cursor:
             raise self.unexpected(what)
         text = self.texts[self.i]
         if kind == "keyword":
-            self.report(
-                "UL014", self.i, f"`{text}` is a keyword, not a name", f"as a name it is written `^{text}`"
-            )
+            at = self.tokens.starts[self.i]
+            advice = self.replace(f"as a name it is written `^{text}`", at, at, "^")
+            self.report("UL014", self.i, f"`{text}` is a keyword, not a name", advice)
         self.i += 1
         return Name(text, self.tokens.starts[self.i - 1], self.tokens.ends[self.i - 1])
 
@@ -51,34 +59,6 @@ class Cursor:
             self.expect(",", "`,` or `)`")
             names.append(self.name(what))
         return names
-
-    def number(self, what: str) -> Number:
-        if self.kinds[self.i] != "number":
-            raise self.unexpected(what)
-        text = self.texts[self.i]
-        start, end = self.tokens.starts[self.i], self.tokens.ends[self.i]
-        self.i += 1
-        hexadecimal = text[:2] in ("0x", "0X")
-        digits = (text[2:] if hexadecimal else text).lstrip("0") or "0"
-        if len(digits) > 20:  # beyond 64 bits; int() of a very long text is slow
-            return Number(1 << 64, start, end)
-        try:
-            return Number(int(digits, 16 if hexadecimal else 10), start, end)
-        except ValueError:  # malformed, and reported as UL008
-            self.broken = True
-            return Number(0, start, end)
-
-    def address(self) -> Number:
-        text = self.texts[self.i]
-        number = self.number("an address such as 0x80")
-        if text[:2] not in ("0x", "0X") and not self.broken:
-            if not self.touched():
-                hint = (
-                    f"write 0x{number.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
-                )
-                self.report("UL019", self.i - 1, "addresses are written in hexadecimal", hint)
-            self.broken = True
-        return number
 
     def accept(self, kind: str) -> bool:
         found = self.kinds[self.i] == kind
@@ -102,8 +82,9 @@ class Cursor:
                 return
             if not self.faulty():
                 end = self.tokens.ends[self.i - 1]
-                fixes = [(end, end, ";")]
-                self.reporter.report("UL011", end, end, "`;` is missing here", "add `;`", fixes=fixes)
+                self.reporter.report(
+                    "UL011", end, end, "`;` is missing here", self.replace("add `;`", end, end, ";")
+                )
             return
         raise self.unexpected("`;`")
 
@@ -120,7 +101,10 @@ class Cursor:
         if (kinds[i] != "name" and not (keyword and kinds[i] == "keyword")) or kinds[i + 1] != "(":
             return False
         i += 2
-        while kinds[i] in ("name", ","):
+        last = i + _AHEAD
+        while i < last and kinds[i] in _IN_HEAD:
+            i += 1
+        while kinds[i] in ("name", ","):  # a classic head may be as long as it likes
             i += 1
         return kinds[i] == ")" and kinds[i + 1] in (":", "{")
 
@@ -130,12 +114,41 @@ class Cursor:
         if i is None:
             i = self.i
         if kinds[i] == "@" and kinds[i + 1] == "name":
-            fixed = kinds[i + 2] == "=" and kinds[i + 3] == "number" and kinds[i + 4] == ":"
-            return fixed or kinds[i + 2] == ":"
-        if kinds[i] == "keyword" and self.texts[i] == "TOSNET":
-            return kinds[i + 1] == "("
+            return kinds[i + 2] in (":", "(", "[") or (kinds[i + 2] == "=" and self._addressed_by(i + 3))
+        if self.at_link_kind(i):
+            return True
+        if kinds[i] == "name" and kinds[i + 1] == "[":
+            i = self._behind_index(i + 1) - 1
+            return kinds[i + 1] == ":"
         # `joint: @` is a head without parameters
         return kinds[i] == "name" and (kinds[i + 1] == "=" or (kinds[i + 1] == ":" and kinds[i + 2] != "@"))
+
+    def _addressed_by(self, i: int) -> bool:
+        """Is the expression at token `i` an element's address: does a `:` follow it?"""
+        kinds = self.kinds
+        if kinds[i] == "number" and kinds[i + 1] == ":":
+            return True
+        for j in range(i, i + _AHEAD):
+            if kinds[j] in (";", ",", "@", "{", "}", "end") or self.on_new_line(j):
+                return False
+            if kinds[j] == ":":
+                return True
+        return False
+
+    def _behind_index(self, i: int) -> int:
+        """Return the token behind the `]` that closes the `[` at token `i`, or one that is no `:`."""
+        for j in range(i, i + _AHEAD):
+            if self.kinds[j] == "]":
+                return j + 1
+            if self.kinds[j] in (";", "{", "}", "end"):
+                return j
+        return i
+
+    def at_link_kind(self, i: int) -> bool:
+        """Is token `i` the beginning of `TOSNET(…)` or its like?"""
+        if self.kinds[i + 1 if self.kinds[i] != "end" else i] != "(" or self.texts[i] not in LINK_KINDS:
+            return False
+        return self.kinds[i] == ("keyword" if self.texts[i] == "TOSNET" else "name")
 
     def at_nested(self) -> bool:
         """Is this a whole constructor inside a body: do members follow its closing brace?"""
@@ -167,7 +180,8 @@ class Cursor:
             i = self.i
         if i == 0:
             return True
-        between = self.reporter.source.text[self.tokens.ends[i - 1] : self.tokens.starts[i]]
+        base = self.source.base
+        between = self.source.text[self.tokens.ends[i - 1] - base : self.tokens.starts[i] - base]
         return "\n" in between or "\r" in between
 
     def faulty(self) -> bool:
@@ -186,10 +200,19 @@ class Cursor:
         at = bisect_left(faults, self.tokens.ends[before] if before >= 0 else 0)
         return at < len(faults) and faults[at] < end
 
-    def report(self, code: str, i: int, message: str, hint: str) -> None:
+    def place(self, i: int) -> tuple[int, int]:
+        """Return where token `i` starts and ends."""
+        return self.tokens.starts[i], self.tokens.ends[i]
+
+    @staticmethod
+    def replace(text: str, start: int, end: int, replacement: str) -> Advice:
+        """Advise to put `replacement` where the characters `start` to `end` are."""
+        return Advice(text, ((start, end, replacement),))
+
+    def report(self, code: str, i: int, message: str, hint: str | Advice) -> None:
         self.reporter.report(code, self.tokens.starts[i], self.tokens.ends[i], message, hint)
 
-    def unexpected(self, what: str, hint: str = "", *, begins: bool = False) -> Panic:
+    def unexpected(self, what: str, hint: str | Advice = "", *, begins: bool = False) -> Panic:
         """Report that `what` was expected where the current token stands; return the exception to raise.
 
         With `begins` that is the beginning of something: nothing before it is missing.
@@ -203,7 +226,7 @@ class Cursor:
         if i and (kind == "end" or (self.on_new_line() and not begins)):
             start = end = self.tokens.ends[i - 1]  # behind the line where it is missing
         if not hint and i and self.kinds[i - 1] == "," and kind in (")", ";", "{", "}"):
-            hint = "remove the `,`"
+            hint = self.replace("remove the `,`", *self.place(i - 1), "")
         self.reporter.report("UL010", start, end, f"expected {what} but found {found}", hint)
         return Panic()
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 from unicodedata import combining, east_asian_width
 
 from .codes import CODES
 from .model import Span
-from .source import Source
+from .source import Source, Sources
 from .suggest import nearest
 
 KEPT = 1000  # diagnostics of one compilation that are kept
@@ -79,11 +80,24 @@ class Diagnostic:
         }
 
 
+Edit = tuple[int, int, str]  # put the text where the characters from the first to the second offset are
+
+
+class Advice(NamedTuple):
+    """What to do about a mistake, said to a person, and done by a machine where that is sure."""
+
+    text: str
+    fixes: tuple[Edit, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.text)
+
+
 class Reporter:
-    """Collects the diagnostics of one source; says each thing once for each place."""
+    """Collects the diagnostics of one compilation; says each thing once for each place."""
 
     def __init__(self, source: Source) -> None:
-        self.source = source
+        self.sources = Sources(source)
         self.failed = False  # an error was reported
         self._found: dict[tuple[str, int], Diagnostic] = {}
         self._suggestions = _SUGGESTIONS
@@ -94,14 +108,12 @@ class Reporter:
         start: int,
         end: int,
         message: str,
-        hint: str = "",
-        *,
+        hint: str | Advice = "",
         labels: Iterable[tuple[int, int, str]] = (),
-        fixes: Iterable[tuple[int, int, str]] = (),
     ) -> None:
         """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place.
 
-        `labels` are (start, end, text) of further places, `fixes` (start, end, replacement).
+        `labels` are (start, end, text) of further places it speaks about.
         """
         severity = CODES[code].severity
         self.failed = self.failed or severity == "error"
@@ -109,16 +121,17 @@ class Reporter:
             return
         if self.full:
             return
-        source = self.source
+        source = self.sources
+        advice = Advice(hint) if isinstance(hint, str) else hint
         self._found[code, start] = Diagnostic(
             severity,
             code,
             message,
             source.span(start, end),
-            hint,
+            advice.text,
             *source.excerpt(start, end),
             tuple(Label(source.span(a, b), text, *source.excerpt(a, b)) for a, b, text in labels),
-            tuple(Fix(source.span(a, b), replacement) for a, b, replacement in fixes),
+            tuple(Fix(source.span(a, b), replacement) for a, b, replacement in advice.fixes),
         )
 
     @property
@@ -126,15 +139,19 @@ class Reporter:
         """Are there so many that no more are kept? Then there is no use in looking for more."""
         return len(self._found) >= KEPT
 
-    def did_you_mean(self, name: str, candidates: Iterable[str], otherwise: str = "") -> str:
-        """Return the hint that names the candidate nearest to `name`, or `otherwise` if none is near."""
+    def did_you_mean(
+        self, name: str, candidates: Iterable[str], otherwise: str = "", at: tuple[int, int] | None = None
+    ) -> Advice:
+        """Advise the candidate nearest to `name`, or `otherwise` if none is near; `at` is where to put it."""
         self._suggestions -= 1
         found = nearest(name, candidates) if self._suggestions >= 0 else None
-        return f"did you mean `{found}`?" if found else otherwise
+        if found is None:
+            return Advice(otherwise)
+        return Advice(f"did you mean `{found}`?", () if at is None else ((*at, found),))
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """Return all diagnostics in the order of the text."""
-        ordered = sorted(self._found.values(), key=lambda d: (d.span.start, d.code))
+        """Return all diagnostics in the order of the text, the first file's before those of its imports."""
+        ordered = [self._found[key] for key in sorted(self._found, key=lambda key: (key[1], key[0]))]
         if self.full:
             message = f"there are more than {KEPT:,} diagnostics; the rest is not listed"
             severity = "error" if self.failed else "warning"

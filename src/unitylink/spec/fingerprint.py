@@ -6,25 +6,39 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 
-from .model import Element, Group, Instance
+from .model import Element, Group, Instance, Link
+from .types import INT32, UINT32, ValueType
 
 _FORMAT = "unity-link spec 1"  # changes whenever the lines below change their form
+_PLAIN = ("", 1, 0, None, None, "error", None, None)  # what an element without new properties has
 
 
-def fingerprint(roots: tuple[Instance, ...]) -> str:
+def fingerprint(roots: tuple[Instance, ...], links: tuple[Link, ...] = ()) -> str:
     """Return 16 hex digits over what reaches the wire and the interface, in source order.
 
-    That is: constructor, instance, element and group names, addresses, access, sign, CRC, publish, links and
-    run-time parameters. Comments, layout, display names and the spec's own name do not count.
+    That is: constructor, instance, element and group names, addresses, access, types with their fields and
+    values, units, scaling, limits, initial and safe values, CRC, publish, declared links, components and
+    run-time parameters. Comments, annotations, layout, display names and the spec's own name do not count.
+    What the published language does not have adds nothing where it is not used: a classic spec's hash is
+    what it always was.
     """
-    text = "\n".join(line for root in roots for line in _lines(root))
+    lines = [f"declared {link}" for link in map(_link, links)]
+    text = "\n".join([*lines, *(line for root in roots for line in _lines(root))])
     return hashlib.sha256(f"{_FORMAT}\n{text}\n".encode()).hexdigest()[:16]
+
+
+def _link(link: Link) -> str:
+    return f"{link.name} {link.data_bits} {link.address_bits} {link.base_hz} {link.baud_hz}"
 
 
 def _lines(instance: Instance) -> Iterator[str]:
     link = instance.link
     yield f"( {instance.name} {instance.constructor} {','.join(instance.parameters)}"
-    yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}"
+    more = f" {link.size} {link.link}" if link.size or link.link else ""
+    yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
+    part = instance.component
+    if part is not None:
+        yield f"component {part.entity} {part.base:x} {part.words:x} {part.generics} {part.pins} {part.events}"
     for member in instance.members:
         if isinstance(member, Instance):
             yield from _lines(member)
@@ -38,6 +52,35 @@ def _lines(instance: Instance) -> Iterator[str]:
 def _element(element: Element) -> str:
     publish = element.publish
     rate = f"{publish.mode}/{publish.divisor}" if publish else ""
-    return (
+    if publish and (publish.trigger != "rate" or publish.group):
+        rate += f"/{publish.trigger}/{publish.event}/{publish.group}"
+    line = (
         f"{element.access} {element.name} {element.address:x} {element.signed:d} {element.checked:d} {rate}"
     )
+    kind = element.type
+    facts = (
+        element.unit,
+        element.scale,
+        element.offset,
+        element.minimum,
+        element.maximum,
+        element.overflow,
+        element.initial,
+        element.safe,
+    )
+    if kind not in (UINT32, INT32) or facts != _PLAIN:
+        line += f" {_type(kind)} {facts}"
+    return line
+
+
+def _type(kind: ValueType) -> str:
+    if kind.enum is not None:
+        values = ",".join(f"{one.name}={one.value}" for one in kind.enum.values)
+        return f"enum {kind.name} {kind.width} {kind.enum.open:d} {values}"
+    if kind.kind != "bits":
+        return kind.text
+    fields = ";".join(
+        f"{one.name} {_type(one.type)} {one.low} {one.unit} {one.scale} {one.offset} {one.minimum} {one.maximum}"
+        for one in kind.fields
+    )
+    return f"bits {kind.name} {kind.width} {fields}"

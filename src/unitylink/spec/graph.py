@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from .diagnostics import KEPT, Reporter
 from .scope import Scope, Scopes
-from .syntax import Argument, BrokenNode, ElementNode, ExpansionNode, GroupNode, Property, Step
+from .syntax import Argument, BrokenNode, ElementNode, ExpansionNode, Expression, GroupNode, Operation, Step
 
 MAX_ITEMS = 40_000  # instances, elements and group members of all public constructors: stops macro bombs
 MAX_DEPTH = 64
@@ -37,6 +37,7 @@ class Graph:
         self.reporter = reporter
         self.sizes: dict[str, Size] = {}
         self._group_sizes: dict[tuple[str, str], int] = {}
+        self._expanded: dict[str, dict[str, int]] = {}  # constructor -> callee -> instances directly in it
         self._unknown: set[tuple[str, str]] = set()  # constructor and name: each is reported once
         self._rings: dict[str, dict[str, str]] = {}  # constructor -> what it must not expand -> the ring
         self._ring_count = 0
@@ -80,16 +81,27 @@ class Graph:
         size = Size(items=(len(scope.parameters) + len(scope.addresses)) // _CHEAP)
         for member in scope.usable.values():
             if isinstance(member, ElementNode):
-                size.items += 1 + _parts(member.properties)
-                size.elements += 1
+                times = self.times(member)
+                size.items += times * (1 + cost_of_element(member))
+                size.elements += times
             elif isinstance(member, ExpansionNode):
+                times = self.times(member)
                 inner = self.sizes.get(member.callee.text, Size())
-                size.items += 1 + inner.items + _parts(member.arguments)
-                size.elements += inner.elements
+                size.items += times * (1 + inner.items + cost_of_expansion(member))
+                size.elements += times * inner.elements
                 size.depth = max(size.depth, 1 + inner.depth)
         size.elements = min(size.elements, _ENOUGH)
         self.sizes[scope.node.name.text] = size
         size.items = min(size.items + self._measure_groups(scope), _ENOUGH)
+
+    def times(self, member: ElementNode | ExpansionNode) -> int:
+        """Return how many an array has; 1 where a parameter decides, for then the expansion counts."""
+        if member.count is None:
+            return 1
+        return (
+            self.scopes.declared.evaluator.integer(member.count, {}, "the size of an array", 1, MAX_ITEMS)
+            or 1
+        )
 
     def _measure_groups(self, scope: Scope) -> int:
         groups = {name: member for name, member in scope.usable.items() if isinstance(member, GroupNode)}
@@ -118,6 +130,10 @@ class Graph:
 
     def _check_paths(self, scope: Scope, group: GroupNode) -> int:
         """Report wrong paths; return how many elements the right ones lead to, those named twice twice."""
+        for path in group.paths:
+            for step in path:
+                if step.index is not None:
+                    self.scopes.names_of(scope, step.index)
         return min(sum(self._follow(scope, path) for path in group.paths), _ENOUGH)
 
     def _follow(self, scope: Scope, path: list[Step]) -> int:
@@ -136,6 +152,11 @@ class Graph:
                 if member is None or isinstance(member, BrokenNode):
                     if member is None:
                         self._report_unknown(here, step)
+                    return 0
+                if not isinstance(member, GroupNode) and member.count is not None:
+                    count *= 1 if step.index else self.times(member)
+                elif step.index is not None:
+                    self._report_no_array(step)
                     return 0
                 if not isinstance(member, ExpansionNode):
                     if position + 1 < len(path):
@@ -158,12 +179,25 @@ class Graph:
         if name not in self.scopes.first:
             self.scopes.unknown_constructor(step.name)
             return 0
-        found = here.expanded[name]
-        if not found and here.complete:
+        found = self._instances(here).get(name, 0)
+        if not here.expanded[name] and here.complete:
             message = f"`{here.node.name.text}` has no expansion of `{name}`"
             hint = "ALL takes what stands directly in a constructor; go down with a path such as `a.ALL(b)`"
             self.reporter.report("UL028", step.name.start, step.name.end, message, hint)
         return found
+
+    def _instances(self, here: Scope) -> dict[str, int]:
+        known = self._expanded.get(here.node.name.text)
+        if known is None:
+            known = self._expanded[here.node.name.text] = {}
+            for member in here.expansions:
+                callee = member.callee.text
+                known[callee] = known.get(callee, 0) + self.times(member)
+        return known
+
+    def _report_no_array(self, step: Step) -> None:
+        message = f"`{step.name.text}` is no array"
+        self.reporter.report("UL027", step.name.start, step.name.end, message, "remove the `[…]`")
 
     def _report_unknown(self, here: Scope, step: Step) -> None:
         name = step.name.text
@@ -177,9 +211,9 @@ class Graph:
         others = [f"`{m.name.text}`" for m in some if not isinstance(m, GroupNode)]
         if others and not hint:
             hint = "its members are " + ", ".join(others[:6]) + (", …" if len(others) > 6 else "")
-        hint = self.reporter.did_you_mean(name, here.members, hint)
-        message = f"`{here.node.name.text}` has no member `{name}`"
-        self.reporter.report("UL027", step.name.start, step.name.end, message, hint)
+        at = (step.name.start, step.name.end)
+        advice = self.reporter.did_you_mean(name, here.members, hint, at)
+        self.reporter.report("UL027", *at, f"`{here.node.name.text}` has no member `{name}`", advice)
 
     def _report_below(self, step: Step, member: ElementNode | GroupNode) -> None:
         what = "an element" if isinstance(member, ElementNode) else "a group"
@@ -187,10 +221,24 @@ class Graph:
         self.reporter.report("UL027", step.name.start, step.name.end, message, "end the path before the dot")
 
 
-def _parts(arguments: Sequence[Argument | Property]) -> int:
-    """Return what strings cost that are put together anew for each expansion."""
-    texts = [one.argument if isinstance(one, Property) else one for one in arguments]
-    return sum(len(text.parts) for text in texts if text is not None) // _CHEAP
+def _leaves(node: Expression) -> int:
+    """Return of how many names, numbers and strings an expression is made."""
+    if isinstance(node, Argument):
+        return sum(map(_leaves, node.parts))
+    if isinstance(node, Operation):
+        return _leaves(node.right) + (_leaves(node.left) if node.left is not None else 0)
+    return 1
+
+
+def cost_of_element(node: ElementNode) -> int:
+    """Return what it costs to evaluate an element's properties anew for each expansion."""
+    return sum(_leaves(one.argument) for one in node.properties if one.argument is not None) // _CHEAP
+
+
+def cost_of_expansion(node: ExpansionNode) -> int:
+    """Return what it costs to evaluate the arguments and addresses of an expansion anew."""
+    addresses = sum(len(binding.numbers) for binding in node.bindings)
+    return (sum(map(_leaves, node.arguments)) + addresses) // _CHEAP
 
 
 def _callees_first(

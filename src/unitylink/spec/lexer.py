@@ -7,7 +7,9 @@ import re
 import zlib
 from dataclasses import dataclass, field
 
-from .diagnostics import Reporter
+from .diagnostics import Advice, Reporter
+from .source import Source
+from .units import UNITS
 
 KEYWORDS = frozenset(
     (
@@ -34,15 +36,18 @@ _MASTER = re.compile(
     r"""
       (?P<space>[ \t\r\n\f\v]+)
     | (?P<name>\^?[A-Za-z_][A-Za-z_0-9]*)
-    | (?P<mark>[@(){},;:=.+])
-    | (?P<number>0[xX][0-9A-Fa-f]+(?![A-Za-z_0-9])|[0-9]+(?![A-Za-z_0-9]))
+    | (?P<mark>[@(){},;:=+\[\]]|\.\.?)
+    | (?P<number>0[xX][0-9A-Fa-f]+(?![A-Za-z_0-9])|0[bB][01]+(?![A-Za-z_0-9])
+        |[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?(?![A-Za-z_0-9]))
     | (?P<string>"[^"\\\r\n]*(?:\\[^\r\n][^"\\\r\n]*)*"|'[^'\\\r\n]*(?:\\[^\r\n][^'\\\r\n]*)*')
     | (?P<comment>//[^\r\n]*|/\*[\s\S]*?\*/)
     | (?P<bad_comment>/\*[\s\S]*)
     | (?P<bad_string>["'][^\r\n]*)
     | (?P<bad_number>[0-9][A-Za-z_0-9]*)
-    | (?P<bad>\*/|[“„‘][^"'\r\n]{0,250}?[“”’]|\#[^\r\n]*|--[^\r\n]*
-        |[^ \t\r\n\f\vA-Za-z_0-9@(){},;:=.+"'/^*\#-]+|[/^*-])
+    | (?P<foreign>\*/|--[^\r\n]*)
+    | (?P<operator>[-*/%&|]|<<|>>)
+    | (?P<bad>[“„‘][^"'\r\n]{0,250}?[“”’]|\#[^\r\n]*
+        |[^ \t\r\n\f\vA-Za-z_0-9@(){},;:=.+\[\]"'/^*\#%&|<>-]+|[\^<>])
     """,
     re.VERBOSE,
 )
@@ -55,7 +60,7 @@ _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'"
 class Tokens:
     """The tokens of a text as parallel lists; the last ones are of kind "end", so that one may look ahead.
 
-    A kind is "name", "keyword", "number", "string", "end", or the punctuation mark itself. `texts` holds a
+    A kind is "name", "keyword", "number", "string", "end", or the mark or operator itself. `texts` holds a
     name without its `^` and everything else as written.
     """
 
@@ -64,13 +69,16 @@ class Tokens:
     starts: list[int] = field(default_factory=list)
     ends: list[int] = field(default_factory=list)
     comments: list[tuple[int, int]] = field(default_factory=list)  # (start, end) of each
+    documentation: dict[int, str] = field(default_factory=dict)  # `///` lines by the token they stand before
+    trailing: dict[int, str] = field(default_factory=dict)  # `///` by the token it stands behind, in its line
     faults: list[int] = field(default_factory=list)  # where a wrong character was reported
     truncated: bool = False  # text is missing: a comment or the token limit swallowed the rest
 
 
-def tokenize(reporter: Reporter) -> Tokens:
-    """Return the tokens of the reporter's source; report wrong characters, strings, numbers and comments."""
-    text = reporter.source.text
+def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
+    """Return the tokens of `source`, the reporter's first if none is given; report what is no token."""
+    source = source or reporter.sources.first
+    text, base = source.text, source.base
     tokens = Tokens()
     kinds, texts, starts, ends = tokens.kinds, tokens.texts, tokens.starts, tokens.ends
     position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
@@ -79,9 +87,10 @@ def tokenize(reporter: Reporter) -> Tokens:
         kind = match.lastgroup
         if kind == "space":
             continue
-        start, end = match.span()
-        word = text[start:end]
-        if kind == "mark":
+        word = match.group()
+        start = match.start() + base
+        end = start + len(word)
+        if kind in ("mark", "operator"):
             kind = word
         elif kind == "name":
             if word in KEYWORDS:
@@ -92,6 +101,8 @@ def tokenize(reporter: Reporter) -> Tokens:
                 word = _shorten(reporter, word, start, end)
         elif kind == "comment":
             tokens.comments.append((start, end))
+            if word.startswith("///") and word[3:4] != "/":
+                _document(tokens, word, text[ends[-1] - base : start - base] if ends else "\n")
             if len(kinds) + len(tokens.comments) < MAX_TOKENS:
                 continue
             _report_too_many(reporter, tokens, start, end)
@@ -101,11 +112,11 @@ def tokenize(reporter: Reporter) -> Tokens:
                 _check_escapes(reporter, tokens, word, start)
         elif kind != "number":
             assert kind is not None  # every alternative of the pattern is named
-            if kind == "bad":
+            if kind in ("bad", "foreign"):
                 tokens.faults.append(start)
-                if word[0] not in "]>" or not _closes(reporter, open_bracket, start):
+                if word[0] != ">" or not _closes(reporter, open_bracket, start):
                     _report_bad(reporter, word, start, end)
-                open_bracket = start if word[0] in "[<" else -1 if word[0] in "]>" else open_bracket
+                open_bracket = start if word[0] == "<" else -1 if word[0] == ">" else open_bracket
                 if reporter.full:
                     tokens.truncated = True
                     break
@@ -124,9 +135,19 @@ def tokenize(reporter: Reporter) -> Tokens:
             break
     kinds.extend(["end"] * _LOOKAHEAD)
     texts.extend([""] * _LOOKAHEAD)
-    starts.extend([len(text)] * _LOOKAHEAD)
-    ends.extend([len(text)] * _LOOKAHEAD)
+    starts.extend([base + len(text)] * _LOOKAHEAD)
+    ends.extend([base + len(text)] * _LOOKAHEAD)
     return tokens
+
+
+def _document(tokens: Tokens, word: str, before: str) -> None:
+    """Note the text of a `///` comment; `before` stands between it and the token before it."""
+    behind = "\n" not in before and "\r" not in before
+    table, key = (
+        (tokens.trailing, len(tokens.kinds) - 1) if behind else (tokens.documentation, len(tokens.kinds))
+    )
+    line = word[3:].strip()
+    table[key] = f"{table[key]}\n{line}" if key in table else line
 
 
 def _report_too_many(reporter: Reporter, tokens: Tokens, start: int, end: int) -> None:
@@ -137,8 +158,8 @@ def _report_too_many(reporter: Reporter, tokens: Tokens, start: int, end: int) -
 
 def _closes(reporter: Reporter, open_bracket: int, start: int) -> bool:
     """Is this the other half of a wrong pair of brackets in one line? Then it is no news."""
-    source = reporter.source
-    return open_bracket >= 0 and source.line_of(open_bracket) == source.line_of(start)
+    line_of = reporter.sources.line_of
+    return open_bracket >= 0 and line_of(open_bracket) == line_of(start)
 
 
 def unescape(text: str) -> str:
@@ -198,10 +219,8 @@ def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
         hint = "strings stand in straight quotes, \"…\" or '…'"
     elif any(ord(c) > 127 for c in word):
         hint = "names are made of A-Z a-z 0-9 _; other characters may stand in strings and comments"
-    elif word[0] in "[]<>":
-        hint = "UL-spec has only round brackets and braces"
-    elif word[0] == "-":
-        hint = "UL-spec has no negative numbers and no minus"
+    elif word[0] in "<>":
+        hint = "brackets are `(…)`, `{…}` and `[…]`; numbers are shifted by `<<` and `>>`"
     shown = _show(word if len(word) <= 12 else word[:12] + "…")
     reporter.report("UL004", start, end, f"unexpected {shown}", hint)
 
@@ -215,7 +234,14 @@ def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end:
         message = "this string does not end on its line"
         reporter.report("UL006", start, end, message, f"close it with {word[0]}")
         return "string"
-    hint = "hexadecimal numbers are 0x followed by digits 0-9 A-F, decimal ones digits 0-9 only"
+    hint: str | Advice = "numbers are 10, 0x1F, 0b101, 0.5 and 1e-3"
+    unit = word.lstrip("0123456789")
+    if unit in UNITS:
+        number = word[: -len(unit)]
+        hint = Advice(
+            f"a space stands between a number and its unit: `{number} {unit}`",
+            ((start, end, f"{number} {unit}"),),
+        )
     reporter.report("UL008", start, end, f"{_show(word[:24])} is not a number", hint)
     return "number"
 

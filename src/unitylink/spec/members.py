@@ -5,29 +5,76 @@ from __future__ import annotations
 
 from itertools import islice
 
-from ..protocol import RATE_BYTES_MAX
-from .scope import Scope, Scopes, UsableNode
-from .syntax import Argument, Binding, ElementNode, ExpansionNode, Name, Property
+from .diagnostics import Advice
+from .elements import ElementReader
+from .model import Link
+from .scope import Scope, Scopes, UsableNode, matched
+from .syntax import (
+    Argument,
+    Binding,
+    ElementNode,
+    ExpansionNode,
+    Name,
+    Notes,
+    Number,
+    Parameter,
+    Text,
+)
 
-_DIVISOR_MAX = (1 << 8 * RATE_BYTES_MAX) - 1
 _SHOWN = 150  # characters of a declaration in a hint
 _NAMES = 20  # names of a list that are looked at for a message
 
 
-def check_members(scopes: Scopes) -> None:
+_PARAMETER_TYPES = ("string", "int", "real", "bool")
+
+
+def check_members(scopes: Scopes, elements: ElementReader, link: Link) -> None:
     """Report what is wrong with members, and take those out of `usable` that cannot be expanded."""
-    checker = _Checker(scopes)
+    checker = _Checker(scopes, elements, link)
     checker.find_wrong_heads()
     for scope in scopes.all:
+        checker.check_head(scope)
         for member in [*scope.usable.values()]:
             if not checker.check(scope, member):
                 del scope.usable[member.name.text]
 
 
 class _Checker:
-    def __init__(self, scopes: Scopes) -> None:
+    def __init__(self, scopes: Scopes, elements: ElementReader, link: Link) -> None:
         self.scopes = scopes
+        self.elements = elements
+        self.link = link  # any: what depends on it is worked out again when it is known
         self.reporter = scopes.reporter
+
+    def check_head(self, scope: Scope) -> None:
+        """Report types and defaults of parameters, and notes, that cannot be."""
+        behind_default: Parameter | None = None
+        for one in scope.node.parameters:
+            if one.type is not None and one.type.text not in _PARAMETER_TYPES:
+                at = (one.type.start, one.type.end)
+                advice = self.reporter.did_you_mean(
+                    one.type.text, _PARAMETER_TYPES, "there are string, int, real and bool", at
+                )
+                self.reporter.report("UL093", *at, f"`{one.type.text}` is no type of a parameter", advice)
+            if one.default is not None:
+                self.scopes.names_of(scope, one.default)
+                behind_default = behind_default or one
+            elif behind_default is not None:
+                message = f"`{one.text}` has no default, but `{behind_default.text}` before it has one"
+                hint = "put the parameters with a default last"
+                labels = [(behind_default.start, behind_default.end, "this one has a default")]
+                self.reporter.report("UL094", one.start, one.end, message, hint, labels)
+        if scope.node.block is not None:
+            self.scopes.names_of(scope, scope.node.block)
+        self._check_notes(scope, scope.node.notes, array=False)
+
+    def _check_notes(self, scope: Scope, notes: Notes, *, array: bool) -> bool:
+        known = [
+            self.scopes.names_of(scope, argument, array=array)
+            for node in notes.annotations
+            for argument in node.arguments
+        ]
+        return all(known)
 
     def find_wrong_heads(self) -> None:
         """Where all expansions of a constructor give the same wrong count, its head is the one mistake."""
@@ -45,6 +92,8 @@ class _Checker:
             if callee is None or callee.node.broken or len(counts) == 1 or len({*counts}) > 1:
                 continue
             node, count = callee.node, counts[0]
+            if node.block is not None or any(one.default for one in node.parameters):
+                continue  # not all that is taken must be given
             if code == "UL030":
                 wrong = count != len(node.parameters)
                 takes = _count(len(node.parameters), "argument")
@@ -68,87 +117,139 @@ class _Checker:
         return True  # a group is checked when all names are known
 
     def _check_element(self, scope: Scope, member: ElementNode) -> bool:
-        good = (
-            self.scopes.word(member.fixed, "an address")
-            if member.fixed
-            else self.scopes.own_address(scope, member.name)
-        )
+        array = member.count is not None
+        if member.fixed is None:
+            good = self.scopes.own_address(scope, member.name)
+        elif isinstance(member.fixed, Number):
+            good = self.scopes.word(member.fixed, "an address")
+        else:
+            good = self.scopes.names_of(scope, member.fixed, array=array)
+        if not (member.count or member.type or member.properties or member.notes.annotations):
+            return good
+        depends = False
+        given = [member.count] if member.count else []
+        if member.type is not None:
+            given += member.type.arguments
+            self.scopes.declared.used.add(member.type.name.text)
         for one in member.properties:
-            if one.argument is not None:
-                good = self._text(scope, one.argument, "ID") and good
-            elif one.key == "PUBLISH":
-                good = self._publish(member, one) and good
+            if one.key == "ID" and one.argument is not None:
+                good = self._text(scope, one.argument, "ID", array=array) and good
+            elif one.publish is not None:
+                given += one.publish.rates
+            elif one.key in ("INITIAL", "SAFE") and one.name and self._is_value(member, one.name):
+                continue
+            elif one.key == "UNIT" and one.argument is not None:
+                good = self._unit(scope, one.argument) and good
+                depends = depends or self.scopes.depends(scope, one.argument)
+            elif one.argument is not None and one.key != "OVERFLOW":
+                given.append(one.argument)
+        for argument in given:
+            good = self.scopes.names_of(scope, argument, array=array) and good
+            depends = depends or self.scopes.depends(scope, argument, array=array)
+        good = self._check_notes(scope, member.notes, array=array) and good
+        if good and not depends:
+            return self.elements.read(member, {}, self.link) is not None
         return good
 
-    def _publish(self, member: ElementNode, one: Property) -> bool:
-        mode, divisor = one.numbers
-        problems = [
-            (
-                member.access == "WRITE",
-                ("UL060", one.start, one.end),
-                f"`{member.name.text}` is a WRITE: only what the PC reads can be published",
-                "remove PUBLISH, or make it a READ",
-            ),
-            (
-                mode.value not in (1, 2),
-                ("UL061", mode.start, mode.end),
-                f"PUBLISH({mode.value},…) has no meaning: the first number is the mode, 1 or 2",
-                "1 = hardware publish (the gateware sends), 2 = software publish (the PC polls); "
-                "if a subscription group's number was meant: the compiler makes one for each rate: write 1",
-            ),
-            (
-                divisor.value == 0,
-                ("UL062", divisor.start, divisor.end),
-                "the divisor of the base publish frequency is 0",
-                "1 publishes at the base frequency (1000 Hz unless the gateware says otherwise), 10 at a "
-                "tenth of it; to publish nothing remove PUBLISH",
-            ),
-            (
-                divisor.value > _DIVISOR_MAX,
-                ("UL063", divisor.start, divisor.end),
-                f"the divisor is larger than {_DIVISOR_MAX:,}",
-                f"the protocol sends it in at most {RATE_BYTES_MAX} bytes",
-            ),
-        ]
-        for wrong, place, message, hint in problems:
-            if wrong:
-                self.reporter.report(*place, message, hint)
-                return False
-        return True
+    def _is_value(self, member: ElementNode, name: Name) -> bool:
+        """Is this meant as a value of the element's enumeration?"""
+        if member.type is None or member.type.name.text not in self.scopes.declared.enums:
+            return False
+        return name.text not in self.scopes.declared.constants
+
+    def _unit(self, scope: Scope, argument: Argument) -> bool:
+        quoted = None
+        if len(argument.parts) == 1 and isinstance(argument.parts[0], Name):
+            name = argument.parts[0]
+            quoted = Advice(
+                f'a unit stands in quotes: `"{name.text}"`', ((name.start, name.end, f'"{name.text}"'),)
+            )
+        return self.scopes.names_of(scope, argument, advice=quoted)
 
     def _check_expansion(self, scope: Scope, member: ExpansionNode) -> bool:
-        words = [self.scopes.word(number, "an address") for b in member.bindings for number in b.numbers]
-        good = all(words)
+        array = member.count is not None
+        good = True
+        for binding in member.bindings:
+            for number in binding.numbers:
+                if isinstance(number, Number):
+                    good = self.scopes.word(number, "an address") and good
+                else:
+                    good = self.scopes.names_of(scope, number, array=array) and good
+        if member.count is not None:
+            good = self.scopes.names_of(scope, member.count) and good
+        if member.notes.annotations:
+            good = self._check_notes(scope, member.notes, array=array) and good
         if member.forwards:
             good = self.scopes.own_address(scope, member.name) and good
         callee = self.scopes.first.get(member.callee.text)
         if callee is None:
             self.scopes.unknown_constructor(member.callee)
+        if callee is None or callee.node.broken:
             for given in member.arguments:
-                self.scopes.names_of(scope, given)
-            return False
-        if callee.node.broken:
-            for given in member.arguments:
-                self.scopes.names_of(scope, given)
+                self.scopes.names_of(scope, given, array=array)
             return False
         taken = callee.node.parameters
-        given_count = len(member.arguments)
-        if len(taken) != given_count:
-            if "UL030" not in callee.wrong_head:
-                takes = _count(len(taken), "argument")
-                message = f"`{member.callee.text}` takes {takes} but is given {given_count}"
-                place = member.arguments[-1] if given_count > len(taken) else member.callee
-                hint = f"it is declared as `{declaration(callee)}`"
-                self.reporter.report("UL030", place.start, place.end, message, hint)
-            good = False
-        for given, name in zip(member.arguments, taken, strict=False):
+        good = self._check_count(member, callee) and good
+        for name, given in matched(taken, member.arguments):
             if name.text in callee.runtime:
                 good = self._runtime_argument(scope, given, name, member.callee) and good
+            elif name.type is None or name.type.text == "string":
+                what = f"`{name.text}` of `{member.callee.text}`"
+                good = self._text(scope, given, what, array=array) and good
             else:
-                good = self._text(scope, given, f"`{name.text}` of `{member.callee.text}`") and good
+                good = self.scopes.names_of(scope, given, array=array) and good
         for given in member.arguments[len(taken) :]:
-            self.scopes.names_of(scope, given)
+            self.scopes.names_of(scope, given, array=array)
         return self._check_bindings(scope, member, callee) and good
+
+    def _check_count(self, member: ExpansionNode, callee: Scope) -> bool:
+        """Is everything given that a constructor takes, once, and nothing else?"""
+        taken = callee.node.parameters
+        hint = f"it is declared as `{declaration(callee)}`"
+        if not any(one.key for one in member.arguments):
+            least = sum(1 for one in taken if one.default is None)
+            count = len(member.arguments)
+            if least <= count <= len(taken):
+                return True
+            if "UL030" not in callee.wrong_head:
+                takes = (
+                    _count(len(taken), "argument")
+                    if least == len(taken)
+                    else f"{least} to {len(taken)} arguments"
+                )
+                message = f"`{member.callee.text}` takes {takes} but is given {count}"
+                place = member.arguments[-1] if count > len(taken) else member.callee
+                self.reporter.report("UL030", place.start, place.end, message, hint)
+            return False
+        good = True
+        given: set[str] = set()
+        for position, one in enumerate(member.arguments):
+            place = one.key or one
+            if one.key is None:
+                text = taken[position].text if position < len(taken) else ""
+            else:
+                text = one.key.text
+            if text not in callee.parameters:
+                advice = self.reporter.did_you_mean(text, callee.parameters, hint, (place.start, place.end))
+                message = (
+                    f"`{member.callee.text}` has no parameter `{text}`" if text else "one argument too many"
+                )
+                self.reporter.report("UL094", place.start, place.end, message, advice)
+                good = False
+            elif text in given or (one.key is None and given and member.arguments[position - 1].key):
+                message = (
+                    f"`{text}` is given twice"
+                    if text in given
+                    else "an argument without a name behind one with a name"
+                )
+                self.reporter.report("UL094", place.start, place.end, message, hint)
+                good = False
+            given.add(text)
+        missing = [one.text for one in taken if one.default is None and one.text not in given]
+        if missing and good:
+            message = f"`{member.callee.text}` is given no " + ", ".join(f"`{text}`" for text in missing[:5])
+            self.reporter.report("UL030", member.callee.start, member.callee.end, message, hint)
+        return good and not missing
 
     def _check_bindings(self, scope: Scope, member: ExpansionNode, callee: Scope) -> bool:
         """Do the bindings give the callee's addresses? What a forwarded vector's length tells comes later."""
@@ -170,6 +271,8 @@ class _Checker:
                 )
             elif scope.node.tuple_form and callee.node.tuple_form and len(names) > 1:
                 message = f"`{member.name.text}` is 1 address but `{member.callee.text}` takes {len(names)}"
+        elif callee.node.block is not None and (not bindings or _one_number(bindings, names[0].text)):
+            return True  # where nothing is bound the compiler finds room
         elif not bindings:
             place = member.callee
             message = f"`{member.callee.text}` takes {_count(len(names), 'address')} but none is bound"
@@ -207,9 +310,12 @@ class _Checker:
             if text not in callee.addresses:
                 if not self.scopes.news(f"address of {member.callee.text}", one.name):
                     return False
-                hint = self.reporter.did_you_mean(text, callee.addresses, f"it is declared as `{declared}`")
+                at = (one.name.start, one.name.end)
+                advice = self.reporter.did_you_mean(
+                    text, callee.addresses, f"it is declared as `{declared}`", at
+                )
                 message = f"`{member.callee.text}` has no address `{text}`"
-                self.reporter.report("UL026", one.name.start, one.name.end, message, hint)
+                self.reporter.report("UL026", *at, message, advice)
                 return False
             if text in bound:
                 message = f"address `{text}` is bound twice"
@@ -229,9 +335,11 @@ class _Checker:
             )
         return good and not missing
 
-    def _text(self, scope: Scope, argument: Argument, what: str) -> bool:
+    def _text(self, scope: Scope, argument: Argument, what: str, *, array: bool = False) -> bool:
         """An argument that must be a string."""
-        good = self.scopes.names_of(scope, argument)
+        if len(argument.parts) == 1 and isinstance(argument.parts[0], Text):
+            return True
+        good = self.scopes.names_of(scope, argument, array=array)
         for part in argument.parts:
             if isinstance(part, Name) and part.text in scope.runtime:
                 message = f"{what} is a string, but `{part.text}` is a run-time parameter"
@@ -253,14 +361,26 @@ class _Checker:
 def declaration(scope: Scope) -> str:
     """Return the head of a constructor as it would be written."""
     node = scope.node
-    parameters = ",".join(name.text for name in node.parameters[:_NAMES])
+    parameters = ",".join(_parameter(one) for one in node.parameters[:_NAMES])
     head = f"{node.name.text}({parameters})"
-    if node.addresses:
+    if node.block is not None and node.addresses:
+        head += f": @{node.addresses[0].text}[…]"
+    elif node.addresses:
         names = [name.text for name in node.addresses[:_NAMES]]
         head += ": " + (
             f"@ ({','.join(names)})" if node.tuple_form else ", ".join(f"@{name}" for name in names)
         )
     return head if len(head) <= _SHOWN else head[:_SHOWN] + "…"
+
+
+def _parameter(one: Parameter) -> str:
+    return one.text + (f": {one.type.text}" if one.type else "") + (" = …" if one.default else "")
+
+
+def _one_number(bindings: list[Binding], address: str) -> bool:
+    """Is this the one address a block is bound to?"""
+    (first, *others) = bindings
+    return not others and len(first.numbers) == 1 and (first.name is None or first.name.text == address)
 
 
 def _count(number: int, noun: str) -> str:

@@ -3,36 +3,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Union
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from ..protocol import BASE_HZ_DEFAULT, GROUP_SIZE_MAX
-from .diagnostics import Reporter
-from .graph import MAX_DEPTH, MAX_ITEMS, Graph
-from .members import check_members, declaration
-from .model import Element, Group, Instance, LinkBinding, Member, Publish, Span
-from .scope import ADDRESS_MAX, Scope, Scopes
-from .syntax import Argument, ElementNode, ExpansionNode, GroupNode, Name, Number, Program, Step, Text
-from .types import INT32, UINT32
-
-MAX_STRING = 250  # characters of an evaluated string
-
-
-@dataclass(frozen=True)
-class _RunTime:
-    """The value of a run-time parameter: which parameter of the public constructor it is."""
-
-    name: str
-
-
-@dataclass(frozen=True)
-class _Vector:
-    """Addresses as they were bound; `start` to `end` is the binding, `statement` the member it stands in."""
-
-    numbers: list[Number]
-    start: int
-    end: int
-    statement: int
+from .annotation import Annotation
+from .allocate import TOSNET_WORDS, Block, allocate
+from .declared import Declared
+from .elements import ElementFacts, ElementReader
+from .evaluate import Value
+from .graph import MAX_DEPTH, MAX_ITEMS, Graph, cost_of_element, cost_of_expansion
+from .group_members import Found, GroupMaker
+from .link_kinds import bind_link
+from .members import check_members
+from .model import Component, Element, Instance, Link, LinkBinding, Member, Span
+from .notes import annotations_of, component
+from .parameters import Parameters
+from .scope import ADDRESS_MAX, INDEX, Scope, Scopes
+from .syntax import ElementNode, ExpansionNode, GroupNode, Name, Number, Program
+from .type_names import names_of
+from .vectors import Vector, Vectors
 
 
 @dataclass(frozen=True)
@@ -45,47 +34,60 @@ class Placed:
     statement: int  # where the member that gave the address starts
 
 
-_Values = dict[str, Union[str, _RunTime]]
-
-
 @dataclass
 class _Frame:
     """One expansion under way."""
 
     scope: Scope
     path: str
-    values: _Values
-    vectors: dict[str, _Vector]
+    names: dict[str, Value]
+    vectors: dict[str, Vector]
     link: LinkBinding
+    block: Block | None = None
+    component: Component | None = None
+
+
+class _TooMany(Exception):
+    """More is expanded than is allowed; a diagnostic was given."""
 
 
 class Resolver:
     """Expands the public constructors of a program; `roots` are instances, `placed` all their elements."""
 
-    def __init__(self, program: Program, reporter: Reporter) -> None:
-        self.reporter = reporter
-        self.scopes = Scopes(program, reporter)
+    def __init__(
+        self, program: Program, declared: Declared, links: Mapping[str, Link], scopes: Scopes
+    ) -> None:
+        self.reporter = scopes.reporter
+        self.scopes = scopes
+        self.declared = declared
+        self.links = links
+        self.evaluator = declared.evaluator
         self.roots: list[Instance] = []
         self.placed: list[Placed] = []
-        check_members(self.scopes)
-        self._graph = Graph(self.scopes, reporter)
+        self.blocks: list[Block] = []
+        self.events: dict[str, tuple[str, Element]] = {}  # event of a component -> an element that names it
+        self._elements = ElementReader(declared)
+        self._parameters = Parameters(self.evaluator)
+        self._vectors = Vectors(scopes, self.evaluator)
+        self._groups = GroupMaker(self.evaluator)
+        check_members(scopes, self._elements, links[""])
+        self._graph = Graph(scopes, self.reporter)
         self._root = ""
+        self._items = 0
         self._spans: dict[int, Span] = {}
-        # (constructor, address taken as one word or "") -> wrong vectors and users; one user of a right one
-        self._lengths: dict[tuple[str, str], tuple[dict[int, tuple[_Vector, Name]], list[Name]]] = {}
-        self._members: dict[str, dict[str, Member]] = {}  # path -> members by name, while a root is expanded
-        self._by_constructor: dict[str, dict[str, list[Instance]]] = {}
-        publics = [scope for scope in self.scopes.all if scope.node.public]
-        if not publics and not program.damaged and not any(s.node.broken for s in self.scopes.all):
+        self._allocated: dict[tuple[str, str], int] = {}
+        publics = [scope for scope in scopes.all if scope.node.public]
+        if not publics and not program.damaged and not any(s.node.broken for s in scopes.all):
             self._report_no_public(program)
-        items = 0
-        for scope in publics:
-            if scope.node.broken or self.scopes.first.get(scope.node.name.text) is not scope:
-                continue
-            items += self._graph.sizes[scope.node.name.text].items
-            if self._may_expand(scope, items):
-                self._expand_root(scope)
-        self._report_lengths()
+        ready = [scope for scope in publics if self._may_expand(scope)]
+        self._expand_roots(ready)
+        if any(block.first is None for block in self.blocks) and not self.reporter.failed:
+            taken = [
+                ((p.root, p.element.link.comm), p.element.address, p.element.words) for p in self.placed
+            ] + self._tosnets()
+            self._allocated = allocate(self.blocks, taken, self.reporter)
+            self._expand_roots(ready)  # again, for now every address is known
+        self._vectors.report_lengths()
 
     # --- roots ----------------------------------------------------------------------------------------------
 
@@ -98,17 +100,18 @@ class Resolver:
             hint = "a spec has at least one: `public robot(ctrl,comm) { … }`"
             self.reporter.report("UL029", 0, 0, "there is no public constructor", hint)
 
-    def _may_expand(self, scope: Scope, items: int) -> bool:
+    def _may_expand(self, scope: Scope) -> bool:
         at = scope.node.name
+        if scope.node.broken or self.scopes.first.get(at.text) is not scope:
+            return False
         size = self._graph.sizes[at.text]
+        self._items += size.items
         if scope.addresses:
             message = f"public constructor `{at.text}` takes addresses, but nothing binds them"
             hint = "remove `public`, or fix each address: `@name = 0x…: …`"
             self.reporter.report("UL036", at.start, at.end, message, hint)
-        elif items > MAX_ITEMS:
-            shown = f"{items:,}" if items < 10**9 else "more than a billion"
-            message = f"with `{at.text}` the spec expands to {shown} instances, elements and group members"
-            self.reporter.report("UL038", at.start, at.end, message, f"at most {MAX_ITEMS:,} are allowed")
+        elif self._items > MAX_ITEMS:
+            self._report_too_many(at, f"{self._items:,}" if self._items < 10**9 else "more than a billion")
         elif size.depth > MAX_DEPTH:
             message = f"the expansion of `{at.text}` is {size.depth:,} constructors deep"
             self.reporter.report("UL039", at.start, at.end, message, f"at most {MAX_DEPTH} are allowed")
@@ -116,276 +119,318 @@ class Resolver:
             return True
         return False
 
+    def _report_too_many(self, at: Name, shown: str) -> None:
+        message = f"with `{at.text}` the spec expands to {shown} instances, elements and group members"
+        self.reporter.report("UL038", at.start, at.end, message, f"at most {MAX_ITEMS:,} are allowed")
+
+    def _expand_roots(self, scopes: list[Scope]) -> None:
+        self.roots.clear()
+        self.placed.clear()
+        self.blocks.clear()
+        self.events.clear()
+        self._items = 0
+        for scope in scopes:
+            self._groups.clear()
+            try:
+                self._expand_root(scope)
+            except _TooMany:
+                self._report_too_many(scope.node.name, f"more than {MAX_ITEMS:,}")
+                return
+
     def _expand_root(self, scope: Scope) -> None:
         name = scope.node.name
         self._root = name.text
-        runtime = [p.text for p in scope.node.parameters if p.text in scope.runtime]
-        values: _Values = {p: _RunTime(p) if p in scope.runtime else p for p in scope.parameters}
+        runtime = tuple(p.text for p in scope.node.parameters if p.text in scope.runtime)
+        values = self._parameters.of_public(scope)
         frame = _Frame(scope, "", values, {}, LinkBinding("memory"))
-        self.roots.append(
-            self._expand(frame, name.text, name.text, self._span(name.start, name.end), tuple(runtime))
-        )
-        self._members.clear()
-        self._by_constructor.clear()
+        root = self._expand(frame, name.text, name.text, self._span(name))
+        self.roots.append(replace(root, parameters=runtime) if runtime else root)
+
+    def _spend(self, items: int) -> None:
+        """Count what is made: how many an array has may depend on parameters."""
+        self._items += items
+        if self._items > MAX_ITEMS:
+            raise _TooMany
 
     # --- expansion ------------------------------------------------------------------------------------------
 
-    def _expand(
-        self, frame: _Frame, name: str, display: str, span: Span, parameters: tuple[str, ...] = ()
-    ) -> Instance:
+    def _expand(self, frame: _Frame, name: str, display: str, span: Span) -> Instance:
         scope = frame.scope
-        if scope.tosnet is not None:
-            frame.link = self._tosnet(frame)
-        prefix = f"{frame.path}." if frame.path else ""
-        found: dict[str, Member] = {}
-        groups = False
+        if scope.link_kind is not None:
+            frame.link = bind_link(scope, frame.link, frame.names, self.evaluator)
+        documentation = scope.node.notes.documentation
+        notes: tuple[Annotation, ...] = ()
+        if scope.node.notes.annotations:
+            notes = annotations_of(scope.node.notes, self.evaluator, frame.names)
+            self._make_component(frame)
+        found: Found = {}
+        groups: list[GroupNode] = []
         for node in scope.usable.values():
-            text = node.name.text
             if isinstance(node, ElementNode):
-                element = self._element(frame, node, prefix + text)
-                if element is not None:
-                    found[text] = element
+                found[node.name.text] = self._element_or_array(frame, node)
             elif isinstance(node, ExpansionNode):
-                instance = self._instance(frame, node, prefix + text)
-                if instance is not None:
-                    found[text] = instance
+                found[node.name.text] = self._instance_or_array(frame, node)
             else:
-                groups = True
-        self._members[frame.path] = found
+                groups.append(node)
+        self._groups.members[frame.path] = found
         if groups:
-            self._add_groups(frame, found, prefix)
-        members = tuple(found[text] for text in scope.usable if text in found)
+            self._groups.add(groups, frame.path, frame.names)
+            for group in groups:
+                self._spend(
+                    sum(
+                        len(one.elements)
+                        for one in found[group.name.text]
+                        if not isinstance(one, (Element, Instance))
+                    )
+                )
+        members = tuple(member for text in scope.usable for member in found.get(text, ()))
         return Instance(
-            name, frame.path, scope.node.name.text, display, frame.link, members, parameters, span
+            name,
+            frame.path,
+            scope.node.name.text,
+            display,
+            frame.link,
+            members,
+            (),
+            span,
+            documentation,
+            notes,
+            frame.component,
         )
 
-    def _instance(self, frame: _Frame, node: ExpansionNode, path: str) -> Instance | None:
+    def _make_component(self, frame: _Frame) -> None:
+        node, block = frame.scope.node, frame.block
+        made = component(node.notes, self.evaluator, frame.names, 0, 1)
+        if made is None:
+            return
+        at = node.name
+        if node.block is None:
+            message = f"`{at.text}` stands for an entity, but does not say how many words it takes"
+            hint = f"give it a block of addresses: `{at.text}(…): @base[4] {{ … }}`"
+            self.reporter.report("UL098", at.start, at.end, message, hint)
+        elif block is not None and frame.link.kind != "memory":
+            message = f"a component of the gateware lies on its bus, not behind {frame.link.kind.upper()}"
+            hint = "put it into a constructor with `MEMORY();`"
+            self.reporter.report("UL058", block.start, block.end, message, hint)
+        elif block is not None and block.first is not None:
+            frame.component = replace(made, base=block.first, words=block.words)
+
+    def _instance_or_array(self, frame: _Frame, node: ExpansionNode) -> list[Member]:
+        if node.count is None:
+            one = self._instance(frame, node, frame.names, node.name.text, None)
+            return [] if one is None else [one]
+        count = self._count(frame, node)
+        made: list[Member] = []
+        for index in range(count):
+            names = {**frame.names, INDEX: index}
+            one = self._instance(frame, node, names, f"{node.name.text}[{index}]", index)
+            if one is not None:
+                made.append(one)
+        return made
+
+    def _count(self, frame: _Frame, node: ElementNode | ExpansionNode) -> int:
+        assert node.count is not None  # the caller looked
+        return self.evaluator.integer(node.count, frame.names, "the size of an array", 1, MAX_ITEMS) or 0
+
+    def _instance(
+        self, frame: _Frame, node: ExpansionNode, names: dict[str, Value], name: str, index: int | None
+    ) -> Instance | None:
+        self._spend(1 + cost_of_expansion(node))
         callee = self.scopes.first[node.callee.text]
-        values: _Values = {}
-        display = ""
-        for parameter, argument in zip(callee.node.parameters, node.arguments, strict=True):
-            value = self._value(frame, argument)
-            if value is None:
-                return None
-            values[parameter.text] = value
-            if isinstance(value, str) and not display:
-                display = value
-        vectors = self._bind(frame, node, callee)
+        path = f"{frame.path}.{name}" if frame.path else name
+        values = self._parameters.given(node, callee, names)
+        if values is None:
+            return None
+        vectors = self._vectors.bound(node, callee, frame.vectors, names)
         if vectors is None:
             return None
+        display = next((value for value in values.values() if isinstance(value, str) and value), path)
         inner = _Frame(callee, path, values, vectors, frame.link)
-        return self._expand(
-            inner, node.name.text, display or path, self._span(node.name.start, node.name.end)
+        if callee.node.block is not None:
+            self._place_block(inner, node)
+        for text, user in callee.computed.items():
+            vector = vectors.get(text)
+            if vector is None:
+                continue
+            if len(vector.numbers) == 1:
+                address = vector.numbers[0].value
+                assert isinstance(address, int)  # an address was made of it
+                values[text] = address
+            else:
+                self._vectors.note_length((callee.node.name.text, text), vector, False, user)
+        made = self._expand(inner, name, display, self._span(node.name))
+        notes = node.notes
+        if index is None and not notes.documentation and not notes.annotations:
+            return made
+        further = annotations_of(notes, self.evaluator, names) if notes.annotations else ()
+        return replace(
+            made,
+            documentation=notes.documentation or made.documentation,
+            annotations=(*made.annotations, *further),
+            array="" if index is None else node.name.text,
+            index=index,
         )
 
-    def _bind(self, frame: _Frame, node: ExpansionNode, callee: Scope) -> dict[str, _Vector] | None:
-        """Return the callee's vectors; the scope has checked all but forwarded lengths."""
-        names = [name.text for name in callee.node.addresses]
-        if node.forwards:
-            vector = frame.vectors[node.name.text]
-            if not callee.node.tuple_form:
-                return {names[0]: vector}
-            return self._take_apart(vector, names, node)
-        vectors: dict[str, _Vector] = {}
-        for position, one in enumerate(node.bindings):
-            vector = _Vector(one.numbers, one.start, one.end, node.name.start)
-            if one.name is None and callee.node.tuple_form:
-                return self._take_apart(vector, names, node)
-            vectors[one.name.text if one.name else names[position]] = vector
-        return vectors
+    def _place_block(self, frame: _Frame, node: ExpansionNode) -> None:
+        """Note the block of an instance; where it is bound to nothing it lies where there is room."""
+        head = frame.scope.node
+        assert head.block is not None  # the caller looked
+        what = f"the number of words of `{head.name.text}`"
+        words = self.evaluator.integer(head.block, frame.names, what, 1, 1 << 20)
+        if words is None:
+            frame.vectors.clear()
+            return
+        name = head.addresses[0].text
+        vector = frame.vectors.get(name)
+        first: int | None = None
+        kind, base = frame.link.kind, frame.link.base
+        place = vector or node.callee
+        if vector is not None and isinstance(vector.numbers[0].value, int):
+            first = base + vector.numbers[0].value
+        elif (self._root, frame.path) in self._allocated:
+            first = self._allocated[self._root, frame.path]
+            number = Number(first - base, node.callee.start, node.callee.end)
+            frame.vectors[name] = Vector([number], number.start, number.end, node.name.start)
+        bits = self._link_of(frame.link).address_bits or 32
+        limit = 1 << bits if kind == "memory" else 0
+        frame.block = Block(
+            self._root,
+            frame.link.comm,
+            frame.path,
+            first,
+            words,
+            base,
+            limit,
+            place.start,
+            place.end,
+            any(one.name.text == "component" for one in head.notes.annotations),
+        )
+        self.blocks.append(frame.block)
 
-    def _take_apart(
-        self, vector: _Vector, names: list[str], node: ExpansionNode
-    ) -> dict[str, _Vector] | None:
-        fits = len(vector.numbers) == len(names)
-        if node.forwards:
-            self._note_length((node.callee.text, ""), vector, fits, node.name)
-        if fits:
-            return {
-                n: _Vector([a], a.start, a.end, vector.statement)
-                for n, a in zip(names, vector.numbers, strict=True)
-            }
-        return None
+    def _tosnets(self) -> list[tuple[tuple[str, str | None], int, int]]:
+        """Return the windows of the TosNet slaves: nothing else may lie there."""
+        links = {
+            ((p.root, p.element.link.comm), p.element.link.base)
+            for p in self.placed
+            if p.element.link.kind == "tosnet"
+        }
+        return [(device, base, TOSNET_WORDS) for device, base in sorted(links, key=str)]
 
-    def _note_length(self, key: tuple[str, str], vector: _Vector, fits: bool, user: Name) -> None:
-        wrong, right = self._lengths.setdefault(key, ({}, []))
-        if not fits:
-            wrong[vector.start] = vector, user
-        elif not right:
-            right.append(user)
+    def _link_of(self, binding: LinkBinding) -> Link:
+        return self.links[binding.link if binding.link in self.links else ""]
 
-    def _report_lengths(self) -> None:
-        """Report each wrong vector; but where several all have one wrong length, their user is wrong."""
-        for (constructor, address), (wrong, right) in self._lengths.items():
-            scope = self.scopes.first[constructor]
-            names = scope.node.addresses
-            takes = f"`{address}` is one word" if address else f"`{constructor}` takes {len(names)} addresses"
-            counts = {len(vector.numbers) for vector, _ in wrong.values()}
-            if len(wrong) > 1 and len(counts) == 1 and not right:
-                at = next((name for name in names if name.text == address), scope.node.name)
-                message = f"{takes}, but all {len(wrong)} vectors it is given have {counts.pop()}"
-                hint = f"make `{declaration(scope)}` agree with them"
-                if address:
-                    hint = f"take them apart in a constructor of its own: `@{address}: …(…)`"
-                self.reporter.report("UL031", at.start, at.end, message, hint)
-                continue
-            for vector, user in wrong.values():
-                does = "but is bound to" if address else f"but `{user.text}` forwards"
-                message = f"{takes} {does} these {len(vector.numbers)}"
-                hint = f"they are used in line {self.reporter.source.line_of(user.start)}"
-                self.reporter.report("UL031", vector.start, vector.end, message, hint)
+    # --- elements -------------------------------------------------------------------------------------------
 
-    def _tosnet(self, frame: _Frame) -> LinkBinding:
-        """What a TOSNET does not give comes from the one around it; BASE does not: it is 0 unless given."""
-        link, scope = frame.link, frame.scope
-        names: dict[str, str | None] = {"CTRL": link.ctrl, "COMM": link.comm}
-        for key in names:
-            one = scope.link_property(key)
-            if one is not None and one.name is not None:
-                value = frame.values.get(one.name.text)
-                names[key] = value.name if isinstance(value, _RunTime) else None
-        base = scope.link_property("BASE")
-        offset = base.numbers[0].value if base is not None else 0
-        return LinkBinding("tosnet", min(offset, ADDRESS_MAX), names["CTRL"], names["COMM"])
+    def _element_or_array(self, frame: _Frame, node: ElementNode) -> list[Member]:
+        if node.count is None:
+            one = self._element(frame, node, frame.names, node.name.text)
+            return [] if one is None else [one]
+        count = self._count(frame, node)
+        made: list[Member] = []
+        for index in range(count):
+            names = {**frame.names, INDEX: index}
+            one = self._element(frame, node, names, f"{node.name.text}[{index}]", index)
+            if one is not None:
+                made.append(one)
+        return made
 
-    def _element(self, frame: _Frame, node: ElementNode, path: str) -> Element | None:
+    def _element(
+        self,
+        frame: _Frame,
+        node: ElementNode,
+        names: Mapping[str, Value],
+        name: str,
+        index: int | None = None,
+    ) -> Element | None:
+        self._spend(1 + cost_of_element(node))
+        number: Number | None
         if node.fixed is not None:
-            number, statement = node.fixed, node.name.start
+            number, statement = self._vectors.address(node.fixed, names), node.name.start
         else:
-            vector = frame.vectors[node.name.text]
+            vector = frame.vectors.get(node.name.text)
+            if vector is None:  # of a block for which room is still to be found
+                return None
             fits = len(vector.numbers) == 1
             key = (frame.scope.node.name.text, node.name.text)
-            self._note_length(key, vector, fits, node.name)
-            if not fits:
-                return None
-            number, statement = vector.numbers[0], vector.statement
-        address = frame.link.base + number.value
-        if address > ADDRESS_MAX:
-            message = f"with BASE 0x{frame.link.base:X} this address is 0x{address:X}, beyond 32 bits"
-            self.reporter.report(
-                "UL050", number.start, number.end, message, f"the largest is 0x{ADDRESS_MAX:X}"
-            )
+            self._vectors.note_length(key, vector, fits, node.name)
+            number, statement = (vector.numbers[0] if fits else None), vector.statement
+        if number is None:
             return None
-        display: str = path
-        checked = False
-        publish: Publish | None = None
-        for one in node.properties:
-            if one.key == "CRC":
-                checked = True
-            elif one.key == "PUBLISH":
-                mode, divisor = (number.value for number in one.numbers)
-                publish = Publish(mode, divisor, BASE_HZ_DEFAULT / divisor)
-            elif one.argument is not None:
-                value = self._value(frame, one.argument)
-                if not isinstance(value, str):
-                    return None
-                display = value
-        span = self._span(node.name.start, node.name.end)
-        element = Element(
-            node.name.text,
-            path,
-            address,
-            node.access,
-            INT32 if node.signed else UINT32,
-            display,
-            checked,
-            publish,
-            frame.link,
-            span,
-        )
+        assert isinstance(number.value, int)  # an address was made of it
+        path = f"{frame.path}.{name}" if frame.path else name
+        display = self._display(node, names, path)
+        facts = self._elements.read(node, names, self._link_of(frame.link))
+        if facts is None or display is None:
+            return None
+        address = frame.link.base + number.value
+        if index and not (node.fixed is not None and any(one.text == INDEX for one in names_of(node.fixed))):
+            address += index * facts.words  # an array lies in consecutive words unless its address says where
+        if address + facts.words - 1 > ADDRESS_MAX:
+            message = f"with BASE 0x{frame.link.base:X} this address is 0x{address:X}, beyond 32 bits"
+            hint = f"the largest is 0x{ADDRESS_MAX:X}"
+            self.reporter.report("UL050", number.start, number.end, message, hint)
+            return None
+        element = self._made(frame, node, names, name, index, path, address, display, facts)
         self.placed.append(Placed(self._root, element, number, statement))
         return element
 
-    def _value(self, frame: _Frame, argument: Argument) -> str | _RunTime | None:
-        """Return the value of an argument, or None after a diagnostic."""
-        parts = argument.parts
-        first = parts[0]
-        if len(parts) == 1 and not isinstance(first, Text):
-            return frame.values.get(first.text)
-        texts: list[str] = []
-        length = 0
-        for part in parts:
-            value = part.value if isinstance(part, Text) else frame.values.get(part.text)
-            if not isinstance(value, str):
-                return None
-            texts.append(value)
-            length += len(value)
-            if length > MAX_STRING:
-                message = f"this string is longer than {MAX_STRING} characters"
-                self.reporter.report("UL040", argument.start, argument.end, message, "shorten it")
-                return None
-        return "".join(texts)
-
-    # --- groups ---------------------------------------------------------------------------------------------
-
-    def _add_groups(self, frame: _Frame, found: dict[str, Member], prefix: str) -> None:
-        """Make the groups of one instance; one that lists another is made after it."""
-        waiting = [node for node in frame.scope.usable.values() if isinstance(node, GroupNode)]
-        names = {node.name.text for node in waiting}
-        needed = {
-            n.name.text: [p[0].name.text for p in n.paths if not p[0].all and p[0].name.text in names]
-            for n in waiting
-        }
-        by_name = {node.name.text: node for node in waiting}
-        for first in waiting:
-            stack = [first.name.text]
-            while stack:
-                text = stack[-1]
-                missing = [name for name in needed[text] if name not in found]
-                if missing:
-                    stack.extend(missing)
-                    continue
-                stack.pop()
-                if text not in found:
-                    found[text] = self._group(frame, by_name[text], prefix + text)
-
-    def _group(self, frame: _Frame, node: GroupNode, path: str) -> Group:
-        elements: dict[str, Element] = {}
-        for steps in node.paths:
-            for element in self._elements(steps, frame.path):
-                if element.path in elements:
-                    at = steps[0].name
-                    message = f"`{element.path}` is in group `{node.name.text}` already"
-                    self.reporter.report("UL069", at.start, steps[-1].name.end, message, "list it once")
-                elements[element.path] = element
-        if len(elements) > GROUP_SIZE_MAX:
-            message = f"group `{node.name.text}` has {len(elements):,} elements"
-            hint = f"a message carries at most {GROUP_SIZE_MAX}: divide it into several groups"
-            self.reporter.report("UL068", node.name.start, node.name.end, message, hint)
-        return Group(
-            node.name.text, path, tuple(elements.values()), self._span(node.name.start, node.name.end)
+    def _made(
+        self,
+        frame: _Frame,
+        node: ElementNode,
+        names: Mapping[str, Value],
+        name: str,
+        index: int | None,
+        path: str,
+        address: int,
+        display: str,
+        known: ElementFacts,
+    ) -> Element:
+        facts, notes, publish = known.facts, node.notes, known.publish
+        if publish is not None and publish.event:
+            publish = replace(publish, event=self._event(frame, publish.event))
+        return Element(
+            name,
+            path,
+            address,
+            node.access,
+            known.type,
+            display,
+            known.checked,
+            publish,
+            frame.link,
+            self._span(node.name),
+            notes.documentation,
+            facts.unit,
+            known.words,
+            facts.scale,
+            facts.offset,
+            facts.minimum,
+            facts.maximum,
+            facts.overflow,
+            facts.initial,
+            facts.safe,
+            annotations_of(notes, self.evaluator, names) if notes.annotations else (),
+            "" if index is None else node.name.text,
+            index,
         )
 
-    def _elements(self, steps: list[Step], path: str) -> list[Element]:
-        paths = [path]
-        reached: list[Member] = []
-        for step in steps:
-            name = step.name.text
-            if step.all:
-                reached = [one for at in paths for one in self._expansions(at).get(name, ())]
-            else:
-                reached = [self._members[at][name] for at in paths if name in self._members[at]]
-            paths = [member.path for member in reached if isinstance(member, Instance)]
-        elements: list[Element] = []
-        for member in reached:
-            if isinstance(member, Element):
-                elements.append(member)
-            else:
-                elements.extend(member.walk() if isinstance(member, Instance) else member.elements)
-        return elements
+    def _event(self, frame: _Frame, event: str) -> str:
+        """An event of the component itself, or of one below, gets its whole path; another is the design's."""
+        if frame.component is not None and event in frame.component.events:
+            return f"{frame.path}.{event}"
+        if "." in event and frame.path:
+            return f"{frame.path}.{event}"
+        return event
 
-    def _expansions(self, path: str) -> dict[str, list[Instance]]:
-        """Return the instances directly below `path` by their constructor."""
-        known = self._by_constructor.get(path)
-        if known is None:
-            known = self._by_constructor[path] = {}
-            for member in self._members[path].values():
-                if isinstance(member, Instance):
-                    known.setdefault(member.constructor, []).append(member)
-        return known
+    def _display(self, node: ElementNode, names: Mapping[str, Value], path: str) -> str | None:
+        for one in node.properties:
+            if one.key == "ID" and one.argument is not None:
+                return self.evaluator.text(one.argument, names, "ID")
+        return path
 
-    def _span(self, start: int, end: int) -> Span:
-        span = self._spans.get(start)
+    def _span(self, name: Name) -> Span:
+        span = self._spans.get(name.start)
         if span is None:
-            span = self._spans[start] = self.reporter.source.span(start, end)
+            span = self._spans[name.start] = self.reporter.sources.span(name.start, name.end)
         return span

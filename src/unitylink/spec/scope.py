@@ -10,25 +10,30 @@ from itertools import chain
 from typing import TypeVar, Union
 
 from ..protocol import ADDRESS_BITS_MAX
-from .diagnostics import Reporter
+from .declared import Declared
+from .diagnostics import Advice, Reporter
 from .syntax import (
     Argument,
     BrokenNode,
     ConstructorNode,
     ElementNode,
     ExpansionNode,
+    Expression,
     GroupNode,
+    LinkKindNode,
     Name,
     Number,
+    Parameter,
     Program,
     Property,
-    TosNetNode,
 )
+from .type_names import names_of
 
 UsableNode = Union[ExpansionNode, ElementNode, GroupNode]
 ADDRESS_MAX = (1 << ADDRESS_BITS_MAX) - 1
+INDEX = "i"  # what the number of an array's element is called in its own statement
 
-_T = TypeVar("_T", "Scope", Name, Union[ExpansionNode, ElementNode, GroupNode, BrokenNode])
+_T = TypeVar("_T", "Scope", Name, Parameter, Union[ExpansionNode, ElementNode, GroupNode, BrokenNode])
 
 
 @dataclass
@@ -40,10 +45,11 @@ class Scope:
     addresses: dict[str, int] = field(default_factory=dict)
     members: dict[str, UsableNode | BrokenNode] = field(default_factory=dict)
     usable: dict[str, UsableNode] = field(default_factory=dict)  # those without a mistake: what is expanded
-    tosnet: TosNetNode | None = None
+    link_kind: LinkKindNode | None = None
     runtime: set[str] = field(default_factory=set)  # parameters that reach CTRL or COMM
     used_parameters: set[str] = field(default_factory=set)
     used_addresses: set[str] = field(default_factory=set)
+    computed: dict[str, Name] = field(default_factory=dict)  # addresses that stand in expressions, first use
     expanded: Counter[str] = field(
         default_factory=Counter
     )  # constructor -> members that expand it, wrong or not
@@ -66,15 +72,32 @@ class Scope:
         return self.excused[code] >= 0
 
     def link_property(self, key: str) -> Property | None:
-        """Return the TOSNET property `key`, if it is given."""
-        return next((p for p in self.tosnet.properties if p.key == key), None) if self.tosnet else None
+        """Return the property `key` of TOSNET or its like, if it is given."""
+        properties = self.link_kind.properties if self.link_kind else ()
+        return next((one for one in properties if one.key == key), None)
+
+
+def matched(parameters: list[Parameter], arguments: list[Argument]) -> Iterable[tuple[Parameter, Argument]]:
+    """Return what is given to which parameter; leave out what fits none."""
+    if not any(argument.key for argument in arguments):
+        return zip(parameters, arguments, strict=False)
+    places = {parameter.text: parameter for parameter in parameters}
+    pairs = []
+    for position, argument in enumerate(arguments):
+        parameter = places.get(argument.key.text) if argument.key else None
+        if argument.key is None and position < len(parameters):
+            parameter = parameters[position]
+        if parameter is not None:
+            pairs.append((parameter, argument))
+    return pairs
 
 
 class Scopes:
     """The scopes of a program. `first` finds one by its name; `all` has also those declared twice."""
 
-    def __init__(self, program: Program, reporter: Reporter) -> None:
+    def __init__(self, program: Program, declared: Declared, reporter: Reporter) -> None:
         self.program = program
+        self.declared = declared
         self.reporter = reporter
         self.all: list[Scope] = []
         self.first: dict[str, Scope] = {}
@@ -90,17 +113,17 @@ class Scopes:
         self.all.append(scope)
         if node.name.text:
             self._once(self.first, scope, node.name, "UL020")
+        known: dict[str, Parameter] = {}
+        for position, one in enumerate(node.parameters):
+            scope.excused["UL025"] += not self._once(known, one, one, "UL022")
+            scope.parameters.setdefault(one.text, position)
         seen: dict[str, Name] = {}
-        for position, name in enumerate(node.parameters):
-            scope.excused["UL025"] += not self._once(seen, name, name, "UL022")
-            scope.parameters.setdefault(name.text, position)
-        seen = {}
         for position, name in enumerate(node.addresses):
             scope.excused["UL026"] += not self._once(seen, name, name, "UL023")
             scope.addresses.setdefault(name.text, position)
         for member in node.members:
-            if isinstance(member, TosNetNode):
-                self._declare_tosnet(scope, member)
+            if isinstance(member, LinkKindNode):
+                self._declare_link_kind(scope, member)
                 continue
             if isinstance(member, BrokenNode) and member.name.text in scope.members:
                 continue
@@ -121,25 +144,43 @@ class Scopes:
         if name.text not in table:
             table[name.text] = value
             return True
-        line = self.reporter.source.line_of(_name_of(table[name.text]).start)
+        first = _name_of(table[name.text])
         what = {"UL020": "constructor", "UL021": "member", "UL022": "parameter", "UL023": "address"}[code]
-        message = f"{what} `{name.text}` is declared twice, first in line {line}"
-        self.reporter.report(code, name.start, name.end, message, "give one of them another name")
+        message = f"{what} `{name.text}` is declared twice"
+        labels = [(first.start, first.end, "first declared here")]
+        self.reporter.report(code, name.start, name.end, message, "give one of them another name", labels)
         return False
 
-    def _declare_tosnet(self, scope: Scope, node: TosNetNode) -> None:
-        if scope.tosnet is not None:
-            line = self.reporter.source.line_of(scope.tosnet.start)
-            message = f"`{scope.node.name.text}` has a TOSNET already, in line {line}"
+    def _declare_link_kind(self, scope: Scope, node: LinkKindNode) -> None:
+        if scope.link_kind is not None:
+            first = scope.link_kind
+            message = f"`{scope.node.name.text}` has a {first.kind} already"
             hint = "one instance has one hardware proxy: put the second into a constructor of its own"
-            self.reporter.report("UL041", node.start, node.end, message, hint)
+            labels = [(first.start, first.end, "the first one")]
+            self.reporter.report("UL041", node.start, node.end, message, hint, labels)
             return
-        scope.tosnet = node
+        scope.link_kind = node
         for one in node.properties:
-            if one.name is not None and self.parameter(scope, one.name):
-                scope.runtime.add(one.name.text)
-            for number in one.numbers:
-                self.word(number, "BASE")
+            if one.key in ("CTRL", "COMM"):
+                if one.name is not None and self.parameter(scope, one.name):
+                    scope.runtime.add(one.name.text)
+            elif one.key == "LINK":
+                self._link(one)
+            elif one.argument is not None:
+                self.names_of(scope, one.argument)
+                for part in one.argument.parts[:1]:
+                    if isinstance(part, Number):
+                        self.word(part, one.key)
+
+    def _link(self, one: Property) -> None:
+        name, links = one.name, self.declared.links
+        if name is None or name.text in links or name.text in self.declared.lost:
+            return
+        at = name.start, name.end
+        advice = self.reporter.did_you_mean(
+            name.text, links, f"declare it: `link {name.text} (DATA=32);`", at
+        )
+        self.reporter.report("UL095", *at, f"there is no link `{name.text}` with properties", advice)
 
     def _find_runtime_parameters(self) -> None:
         """A parameter is a run-time one if it reaches CTRL or COMM, here or where it is handed down to."""
@@ -149,7 +190,7 @@ class Scopes:
                 callee = self.first.get(expansion.callee.text)
                 if callee is None:
                     continue
-                for taken, given in zip(callee.node.parameters, expansion.arguments, strict=False):
+                for taken, given in matched(callee.node.parameters, expansion.arguments):
                     part = given.parts[0]
                     if len(given.parts) == 1 and isinstance(part, Name) and part.text in scope.parameters:
                         givers.setdefault((expansion.callee.text, taken.text), []).append((scope, part.text))
@@ -167,10 +208,10 @@ class Scopes:
         """Report that there is no constructor of this name, unless part of the text is missing."""
         if not self.program.damaged and self.news("constructor", name):
             candidates = chain(("READ", "WRITE"), self.first)
-            hint = self.reporter.did_you_mean(name.text, candidates, f"declare it: `{name.text}(…) {{ … }}`")
-            self.reporter.report(
-                "UL024", name.start, name.end, f"there is no constructor `{name.text}`", hint
-            )
+            otherwise = f"declare it: `{name.text}(…) {{ … }}`"
+            at = (name.start, name.end)
+            advice = self.reporter.did_you_mean(name.text, candidates, otherwise, at)
+            self.reporter.report("UL024", *at, f"there is no constructor `{name.text}`", advice)
 
     def own_address(self, scope: Scope, name: Name) -> bool:
         if name.text in scope.addresses:
@@ -178,27 +219,60 @@ class Scopes:
             return not scope.node.broken
         known = not scope.node.broken and "UL031" not in scope.wrong_head
         if known and self.news(f"address of {scope.node.name.text}", name) and not scope.excuses("UL026"):
-            hint = self.reporter.did_you_mean(name.text, scope.addresses)
-            hint = hint or f"declare it behind the parameters, or give the address: `@{name.text} = 0x…`"
+            otherwise = f"declare it behind the parameters, or give the address: `@{name.text} = 0x…`"
+            at = (name.start, name.end)
+            advice = self.reporter.did_you_mean(name.text, scope.addresses, otherwise, at)
             message = f"`{scope.node.name.text}` has no address `{name.text}`"
-            self.reporter.report("UL026", name.start, name.end, message, hint)
+            self.reporter.report("UL026", *at, message, advice)
         return False
 
     def parameter(self, scope: Scope, name: Name) -> bool:
         if name.text in scope.parameters:
             scope.used_parameters.add(name.text)
             return True
-        known = not scope.node.broken and "UL030" not in scope.wrong_head
-        if known and self.news(f"parameter of {scope.node.name.text}", name) and not scope.excuses("UL025"):
-            hint = self.reporter.did_you_mean(name.text, scope.parameters)
-            hint = hint or f"declare it: `{scope.node.name.text}({name.text})`, or put text into quotes"
-            message = f"`{scope.node.name.text}` has no parameter `{name.text}`"
-            self.reporter.report("UL025", name.start, name.end, message, hint)
+        self._no_parameter(scope, name, "parameter", scope.parameters)
         return False
 
-    def names_of(self, scope: Scope, argument: Argument) -> bool:
-        known = [self.parameter(scope, part) for part in argument.parts if isinstance(part, Name)]
-        return all(known)
+    def _no_parameter(
+        self, scope: Scope, name: Name, what: str, candidates: Iterable[str], advice: Advice | None = None
+    ) -> None:
+        known = not scope.node.broken and "UL030" not in scope.wrong_head
+        if not known or not self.news(f"parameter of {scope.node.name.text}", name) or scope.excuses("UL025"):
+            return
+        at = (name.start, name.end)
+        if advice is None:
+            otherwise = f"declare it: `{scope.node.name.text}({name.text})`, or put text into quotes"
+            advice = self.reporter.did_you_mean(name.text, candidates, otherwise, at)
+        message = f"`{scope.node.name.text}` has no {what} `{name.text}`"
+        self.reporter.report("UL025", *at, message, advice)
+
+    def names_of(
+        self, scope: Scope, node: Expression, *, array: bool = False, advice: Advice | None = None
+    ) -> bool:
+        """Are all names of an expression known here? Parameters, addresses, constants, the index of an array."""
+        known = True
+        for name in names_of(node):
+            text = name.text
+            if text in scope.parameters:
+                scope.used_parameters.add(text)
+            elif text in scope.addresses:
+                scope.used_addresses.add(text)
+                scope.computed.setdefault(text, name)
+            elif text in self.declared.constants:
+                self.declared.used.add(text)
+            elif not (array and text == INDEX) and text not in ("true", "false"):
+                if text not in self.declared.lost:
+                    candidates = chain(scope.parameters, self.declared.constants)
+                    self._no_parameter(scope, name, "parameter", candidates, advice)
+                known = False
+        return known
+
+    def depends(self, scope: Scope, node: Expression, *, array: bool = False) -> bool:
+        """Does the value of an expression differ from expansion to expansion?"""
+        return any(
+            name.text in scope.parameters or name.text in scope.addresses or (array and name.text == INDEX)
+            for name in names_of(node)
+        )
 
     def word(self, number: Number, what: str) -> bool:
         if number.value <= ADDRESS_MAX:

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The text of one spec file: decoding, and where in it an offset lies."""
+"""The texts of a spec's files: decoding, and where in them an offset lies.
+
+All files of one compilation share one space of offsets: each begins where the one before has ended. So a
+single number says where something stands, whichever file that is.
+"""
 
 from __future__ import annotations
 
@@ -17,15 +21,16 @@ _EXCERPT_AFTER = 90
 
 
 class Source:
-    """The text of one file, with a line map; offsets count characters from 0, lines and columns from 1.
+    """The text of one file, with a line map; lines and columns count from 1, offsets from `base`.
 
-    >>> Source("a.ul", "ab\\ncd").span(4, 5)
+    >>> Source("a.ul", "ab\\ncd", 100).span(104, 105)
     Span(file='a.ul', line=2, column=2, start=4, end=5)
     """
 
-    def __init__(self, file: str, text: str) -> None:
+    def __init__(self, file: str, text: str, base: int = 0) -> None:
         self.file = file
         self.text = text
+        self.base = base
         self._starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
 
     @property
@@ -36,15 +41,17 @@ class Source:
 
     def line_of(self, offset: int) -> int:
         """Return the line `offset` lies in."""
-        return bisect_right(self._starts, offset)
+        return bisect_right(self._starts, offset - self.base)
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of the characters from `start` up to, without, `end`."""
+        """Return the span of the characters from `start` up to, without, `end`; it counts from the file's 0."""
+        start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         return Span(self.file, line, start - self._starts[line - 1] + 1, start, end)
 
     def excerpt(self, start: int, end: int) -> tuple[str, int, int]:
         """Return (the line around `start`, fit for a terminal; the caret's offset in it; its length)."""
+        start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         first = self._starts[line - 1]
         last = self._starts[line] if line < len(self._starts) else len(self.text)
@@ -55,6 +62,51 @@ class Source:
         shown = "".join(c if c.isprintable() else " " if c == "\t" else "\ufffd" for c in shown)
         caret = start - left
         return shown, caret, max(1, min(end - start, len(shown) - caret))
+
+
+class Sources:
+    """The files of one compilation; the first is the one that was asked for."""
+
+    def __init__(self, first: Source) -> None:
+        self._all = [first]
+        self._bases = [first.base]
+
+    @property
+    def first(self) -> Source:
+        return self._all[0]
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def add(self, file: str, text: str) -> Source:
+        """Add a file behind the last one."""
+        last = self._all[-1]
+        source = Source(file, text, last.base + len(last.text) + 1)
+        self._all.append(source)
+        self._bases.append(source.base)
+        return source
+
+    def at(self, offset: int) -> Source:
+        """Return the file an offset lies in."""
+        return self._all[bisect_right(self._bases, offset) - 1]
+
+    def offset(self, span: Span) -> int:
+        """Return where a span starts, among all files."""
+        if span.file == self.first.file:
+            return span.start
+        return next(one.base for one in self._all if one.file == span.file) + span.start
+
+    def line_of(self, offset: int) -> int:
+        """Return the line `offset` lies in, in its file."""
+        return self.at(offset).line_of(offset)
+
+    def span(self, start: int, end: int) -> Span:
+        """Return the span of the characters from `start` up to, without, `end`."""
+        return self.at(start).span(start, end)
+
+    def excerpt(self, start: int, end: int) -> tuple[str, int, int]:
+        """Return what `Source.excerpt` says of these characters."""
+        return self.at(start).excerpt(start, end)
 
 
 def decode(data: bytes) -> tuple[str, int | None]:

@@ -11,7 +11,7 @@ It works on the syntax tree, so it also answers for a text that has mistakes.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from .diagnostics import Reporter
@@ -22,13 +22,14 @@ from .syntax import (
     ConstructorNode,
     ElementNode,
     ExpansionNode,
+    Expression,
     GroupNode,
     Name,
     Program,
     Step,
-    Text,
-    TosNetNode,
+    LinkKindNode,
 )
+from .type_names import names_of
 
 
 @dataclass(eq=False)
@@ -133,7 +134,7 @@ class Symbols:
         for address in node.addresses:
             self._once(scope.members, Symbol("address", address.text, name, declared=address))
         for member in node.members:
-            if isinstance(member, TosNetNode):
+            if isinstance(member, LinkKindNode):
                 continue
             kind = {ElementNode: "element", ExpansionNode: "instance", GroupNode: "group"}.get(
                 type(member), "member"
@@ -155,19 +156,23 @@ class Symbols:
     # --- references -----------------------------------------------------------------------------------------
 
     def _refer(self, scope: Scope, member: object) -> None:
-        if isinstance(member, TosNetNode):
+        if isinstance(member, LinkKindNode):
             for one in member.properties:
-                self._note(scope.parameters, one.name)
+                self._refer_expression(scope, one.argument)
         elif isinstance(member, ElementNode):
             for one in member.properties:
-                if one.argument is not None:
-                    self._refer_parts(scope, one.argument.parts)
+                self._refer_expression(scope, one.argument)
+            self._refer_expression(scope, member.fixed)
+            self._refer_expression(scope, member.count)
         elif isinstance(member, ExpansionNode):
             self._note(self.constructors, member.callee)
             for argument in member.arguments:
-                self._refer_parts(scope, argument.parts)
+                self._refer_expression(scope, argument)
+            self._refer_expression(scope, member.count)
             callee = self._by_name.get(member.callee.text)
             for binding in member.bindings:
+                for number in binding.numbers:
+                    self._refer_expression(scope, number)
                 if callee is not None:
                     self._note(callee.members, binding.name)
         elif isinstance(member, GroupNode):
@@ -176,10 +181,9 @@ class Symbols:
         else:
             assert isinstance(member, BrokenNode)  # nothing more is known of it
 
-    def _refer_parts(self, scope: Scope, parts: Sequence[Text | Name]) -> None:
-        for part in parts:
-            if isinstance(part, Name):
-                self._note(scope.parameters, part)
+    def _refer_expression(self, scope: Scope, node: Expression | None) -> None:
+        for name in names_of(node) if node is not None else ():
+            self._note(scope.parameters if name.text in scope.parameters else scope.members, name)
 
     def _follow(self, scope: Scope, path: list[Step]) -> None:
         here: Scope | None = scope

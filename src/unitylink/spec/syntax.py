@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Union
 
 
@@ -18,11 +19,12 @@ class Name:
 
 @dataclass(slots=True)
 class Number:
-    """A number where it is written; a value beyond 64 bits is kept as 2**64."""
+    """A number where it is written, with its unit; a whole value beyond 64 bits is kept as 2**64."""
 
-    value: int
+    value: int | Fraction
     start: int
     end: int
+    unit: str = ""
 
 
 @dataclass(slots=True)
@@ -35,48 +37,98 @@ class Text:
 
 
 @dataclass(slots=True)
-class Argument:
-    """Strings and parameters put together with `+`."""
+class Operation:
+    """`left operator right`; without `left` it is a sign."""
 
-    parts: list[Text | Name]
+    operator: str
+    left: Expression | None
+    right: Expression
     start: int
     end: int
+
+
+@dataclass(slots=True)
+class Argument:
+    """A sum of parts: strings and parameters put together, or numbers; `key` is that of `key=…`."""
+
+    parts: list[Expression]
+    start: int
+    end: int
+    key: Name | None = None
+
+
+Expression = Union[Number, Text, Name, Operation, Argument]
 
 
 @dataclass(slots=True)
 class Property:
-    """`ID=…`, `CRC`, `PUBLISH(…)`, `CTRL=…`, `COMM=…`, `BASE=…`; `key` is COMM for UART too."""
+    """`ID=…`, `CRC`, `PUBLISH(…)`, `CTRL=…`, `UNIT=…`; `key` is COMM for UART too."""
 
     key: str
     start: int
     end: int
-    argument: Argument | None = None  # ID
-    name: Name | None = None  # CTRL, COMM
-    numbers: list[Number] = field(default_factory=list)  # BASE one, PUBLISH two
+    argument: Argument | None = None  # what stands behind `=`
+    publish: PublishNode | None = None
+
+    @property
+    def name(self) -> Name | None:
+        """The name it is given, if it is one and nothing else."""
+        part = self.argument.parts[0] if self.argument and len(self.argument.parts) == 1 else None
+        return part if isinstance(part, Name) else None
+
+
+@dataclass(slots=True)
+class PublishNode:
+    """`PUBLISH(mode, divisor)`, `PUBLISH(100 Hz)`, `PUBLISH(on name)`, each also with `GROUP=name`."""
+
+    rates: list[Argument]  # mode and divisor, or a frequency
+    event: list[Name]  # `on change` and `on a.b`
+    group: Name | None
 
 
 @dataclass(slots=True)
 class Binding:
-    """`@ (0x1,0x2)`, `@l=(0x1,0x2)` or `@l=0x1` after an expansion."""
+    """`@ (0x1,0x2)`, `@l=(0x1,0x2)`, `@l=0x1` or `@ 0x1` after an expansion."""
 
     name: Name | None
-    numbers: list[Number]
+    numbers: list[Expression]
     start: int
     end: int
 
 
 @dataclass(slots=True)
 class Step:
-    """One step of a group's path: a name, or `ALL(constructor)`."""
+    """One step of a group's path: a name, `name[2]` of an array, or `ALL(constructor)`."""
 
     name: Name
     all: bool
+    index: Argument | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Notes:
+    """What stands before a declaration: the `///` text and the annotations."""
+
+    documentation: str = ""
+    annotations: tuple[AnnotationNode, ...] = ()
+
+
+NO_NOTES = Notes()
 
 
 @dataclass(slots=True)
-class TosNetNode:
-    """`TOSNET(CTRL=…, COMM=…, BASE=…)`"""
+class AnnotationNode:
+    """`@name(arguments)`"""
 
+    name: Name
+    arguments: list[Argument]
+
+
+@dataclass(slots=True)
+class LinkKindNode:
+    """`TOSNET(CTRL=…, COMM=…, BASE=…)`, `MEMORY(…)`, `DOUBLE_BUFFER(…)`, `FIFO(…)`"""
+
+    kind: str
     properties: list[Property]
     start: int
     end: int
@@ -84,24 +136,37 @@ class TosNetNode:
 
 @dataclass(slots=True)
 class ExpansionNode:
-    """`name: constructor(arguments) bindings`; `forwards` if it is `@name: constructor(arguments)`."""
+    """`name[count]: constructor(arguments) bindings`; `forwards` if it is `@name: constructor(arguments)`."""
 
     name: Name
     callee: Name
     arguments: list[Argument]
     bindings: list[Binding]
     forwards: bool
+    count: Argument | None = None
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class TypeNode:
+    """`u8`, `fixed(8,8)`, the name of an enumeration or of packed bits."""
+
+    name: Name
+    arguments: list[Argument]
+    end: int
 
 
 @dataclass(slots=True)
 class ElementNode:
-    """`@name: signed READ(properties)`; `fixed` is the address of `@name = 0x1: …`."""
+    """`@name[count] = address: type ACCESS(properties)`; `fixed` is the address, `type` None if bare."""
 
     name: Name
-    fixed: Number | None
-    signed: bool
+    fixed: Expression | None
+    type: TypeNode | None
     access: str
     properties: list[Property]
+    count: Argument | None = None
+    notes: Notes = NO_NOTES
 
 
 @dataclass(slots=True)
@@ -110,6 +175,7 @@ class GroupNode:
 
     name: Name
     paths: list[list[Step]]
+    notes: Notes = NO_NOTES
 
 
 @dataclass(slots=True)
@@ -119,7 +185,15 @@ class BrokenNode:
     name: Name
 
 
-MemberNode = Union[TosNetNode, ExpansionNode, ElementNode, GroupNode, BrokenNode]
+MemberNode = Union[LinkKindNode, ExpansionNode, ElementNode, GroupNode, BrokenNode]
+
+
+@dataclass(slots=True)
+class Parameter(Name):
+    """`name`, `name: int` or `name: string = "left"`; without a type it is a string or a run-time object."""
+
+    type: Name | None = None
+    default: Argument | None = None
 
 
 @dataclass(slots=True)
@@ -129,12 +203,84 @@ class ConstructorNode:
 
     public: bool
     name: Name
-    parameters: list[Name] = field(default_factory=list)
+    parameters: list[Parameter] = field(default_factory=list)
     addresses: list[Name] = field(default_factory=list)
     tuple_form: bool = False  # `@ (a,b)`: one vector taken apart; else each address is a vector
+    block: Argument | None = None  # `@ name[words]`: the only address is the first of so many words
     members: list[MemberNode] = field(default_factory=list)
     broken: bool = False
     incomplete: bool = False
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class ImportNode:
+    """`import "file.ul";`"""
+
+    file: Text
+
+
+@dataclass(slots=True)
+class ConstantNode:
+    """`const NAME = expression;`"""
+
+    name: Name
+    value: Argument
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class EnumValueNode:
+    """`name = number` of an enumeration."""
+
+    name: Name
+    value: Argument
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class EnumNode:
+    """`open enum NAME: u2 { values }`"""
+
+    name: Name
+    open: bool
+    type: TypeNode
+    values: list[EnumValueNode]
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class FieldNode:
+    """`name: type @ high..low (properties)` of packed bits; `low` None for a single bit."""
+
+    name: Name
+    type: TypeNode
+    high: Argument
+    low: Argument | None
+    properties: list[Property]
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class BitsNode:
+    """`bits NAME: u8 { fields }`"""
+
+    name: Name
+    type: TypeNode
+    fields: list[FieldNode]
+    notes: Notes = NO_NOTES
+
+
+@dataclass(slots=True)
+class LinkNode:
+    """`link NAME (properties);`"""
+
+    name: Name
+    properties: list[Property]
+    notes: Notes = NO_NOTES
+
+
+DeclarationNode = Union[ConstantNode, EnumNode, BitsNode, LinkNode]
 
 
 @dataclass(slots=True)
@@ -144,4 +290,7 @@ class Program:
     package: str = ""
     name: str = ""
     constructors: list[ConstructorNode] = field(default_factory=list)
+    imports: list[ImportNode] = field(default_factory=list)
+    declarations: list[DeclarationNode] = field(default_factory=list)
+    lost: set[str] = field(default_factory=set)  # names of declarations with a mistake
     damaged: bool = False

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Annotations of the syntax tree to those of the model; and the ones by which a constructor is a component.
+
+`@component("pwm")` says which entity of the gateware library a constructor stands for, `@generic(name=value)`
+what its generics are, `@pin("pins", "out", 4)` and `@event("changed")` which of its ports are to be connected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from .annotation import Annotation, AnnotationValue
+from .evaluate import Evaluator, Value
+from .model import Component
+from .syntax import AnnotationNode, Notes
+
+RESERVED = ("component", "generic", "pin", "event")
+_DIRECTIONS = ("in", "out", "inout")
+_MAX_BITS = 4096
+
+
+def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> tuple[Annotation, ...]:
+    """Return the annotations but for those which make a component."""
+    found = []
+    for node in notes.annotations:
+        if node.name.text not in RESERVED:
+            values: list[AnnotationValue] = []
+            options: list[tuple[str, AnnotationValue]] = []
+            for argument in node.arguments:
+                value = _plain(evaluator.value(argument, names))
+                if value is None:
+                    continue
+                if argument.key is None:
+                    values.append(value)
+                else:
+                    options.append((argument.key.text, value))
+            found.append(Annotation(node.name.text, tuple(values), tuple(options)))
+    return tuple(found)
+
+
+def _plain(value: Value | None) -> AnnotationValue | None:
+    if isinstance(value, Fraction):
+        return float(value)
+    return value if isinstance(value, (int, str)) else None
+
+
+def component(
+    notes: Notes, evaluator: Evaluator, names: Mapping[str, Value], base: int, words: int
+) -> Component | None:
+    """Return the component a constructor stands for, or None if it is none or has a mistake."""
+    entity = ""
+    generics: list[tuple[str, int]] = []
+    pins: list[tuple[str, str, int]] = []
+    events: list[str] = []
+    for node in notes.annotations:
+        kind = node.name.text
+        if kind not in RESERVED:
+            continue
+        texts = [
+            v for a in node.arguments if a.key is None and isinstance(v := evaluator.value(a, names), str)
+        ]
+        if kind == "component" and len(texts) == 1 and len(node.arguments) == 1:
+            entity = texts[0]
+        elif kind == "event" and len(texts) == 1 and len(node.arguments) == 1:
+            events.append(texts[0])
+        elif kind == "generic" and node.arguments and all(a.key is not None for a in node.arguments):
+            for argument in node.arguments:
+                value = evaluator.integer(argument, names, "a generic", -(1 << 31), (1 << 31) - 1)
+                if value is not None and argument.key is not None:
+                    generics.append((argument.key.text, value))
+        elif kind == "pin" and len(texts) == 2 and texts[1] in _DIRECTIONS and len(node.arguments) <= 3:
+            bits: int | None = 0
+            if len(node.arguments) == 3:
+                bits = evaluator.integer(node.arguments[2], names, "the number of pins", 0, _MAX_BITS)
+            if bits is not None:
+                pins.append((texts[0], texts[1], bits))
+        else:
+            _wrong(node, evaluator)
+    if not entity:
+        return None
+    return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events))
+
+
+def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
+    kind = node.name.text
+    hint = {
+        "component": '`@component("entity")`',
+        "generic": "`@generic(name=number)`",
+        "pin": '`@pin("port", "in")`, `@pin("port", "out", bits)`',
+        "event": '`@event("port")`',
+    }[kind]
+    message = f"this is no `@{kind}` of a component"
+    evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")

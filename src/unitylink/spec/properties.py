@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reading properties in brackets: `(ID="x", UNIT="rad", PUBLISH(100 Hz))`; and types."""
+
+from __future__ import annotations
+
+from .expressions import ExpressionReader
+from .syntax import Argument, Name, Property, PublishNode, TypeNode
+
+LINK_KIND_PROPERTIES = {
+    "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK"),
+    "MEMORY": ("CTRL", "COMM", "UART", "BASE", "LINK"),
+    "DOUBLE_BUFFER": ("CTRL", "COMM", "UART", "BASE", "LINK", "SIZE"),
+    "FIFO": ("CTRL", "COMM", "UART", "BASE", "LINK", "DEPTH"),
+}
+FIELD_PROPERTIES = ("UNIT", "SCALE", "OFFSET", "MIN", "MAX")
+ELEMENT_PROPERTIES = ("ID", "CRC", "PUBLISH", *FIELD_PROPERTIES, "OVERFLOW", "INITIAL", "SAFE")
+LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD")
+
+_EXPECTED = {"ID": "a string or a parameter", "UNIT": 'a unit such as "rad"'}
+_NAMED = {
+    "CTRL": "a parameter of the constructor",
+    "COMM": "a parameter of the constructor",
+    "LINK": "the name of a link",
+    "OVERFLOW": "error or saturate",
+}
+
+
+class PropertyReader(ExpressionReader):
+    """A cursor that reads properties and types."""
+
+    def properties(self, known: tuple[str, ...]) -> list[Property]:
+        """Read properties in brackets, each at most once."""
+        self.expect("(", "`(`")
+        found: list[Property] = []
+        if self.accept(")"):
+            return found
+        while True:
+            start = self.i
+            one = self._property(known)
+            if one is not None:
+                earlier = next((other for other in found if other.key == one.key), None)
+                if earlier is not None:
+                    labels = [(earlier.start, earlier.end, "first given here")]
+                    where = self.place(start)
+                    message = f"{one.key} is given twice"
+                    self.reporter.report("UL016", *where, message, "remove one of the two", labels)
+                else:
+                    found.append(one)
+            if self.accept(")"):
+                return found
+            self.expect(",", "`,` or `)`")
+
+    def _property(self, known: tuple[str, ...]) -> Property | None:
+        key = self.texts[self.i]
+        if self.kinds[self.i] not in ("name", "keyword"):
+            raise self.unexpected("a property: " + ", ".join(known))
+        start, end = self.place(self.i)
+        if key not in known:
+            otherwise = "there are " + ", ".join(known)
+            advice = self.reporter.did_you_mean(key, known, otherwise, (start, end))
+            self.report("UL015", self.i, f"there is no property `{key}` here", advice)
+            self._skip_property()
+            return None
+        self.i += 1
+        one = Property("COMM" if key == "UART" else key, start, end)
+        if key == "PUBLISH":
+            one.publish = self._publish()
+        elif key != "CRC":
+            self.expect("=", f"`=` after {key}")
+            if one.key in _NAMED:
+                name = self.name(_NAMED[one.key])
+                one.argument = Argument([name], name.start, name.end)
+            else:
+                one.argument = self.argument(_EXPECTED.get(one.key, "a number"))
+        return one
+
+    def _skip_property(self) -> None:
+        depth = 0
+        while (kind := self.kinds[self.i]) not in ("end", ";", "{", "}"):
+            if depth == 0 and kind in (",", ")"):
+                return
+            depth += (kind == "(") - (kind == ")")
+            self.i += 1
+
+    def _publish(self) -> PublishNode:
+        self.expect("(", "`(` after PUBLISH: `(mode, divisor)`, `(100 Hz)` or `(on …)`")
+        node = PublishNode([], [], None)
+        if self.kinds[self.i] == "name" and self.texts[self.i] == "on" and self.kinds[self.i + 1] == "name":
+            self.i += 1
+            node.event.append(self.name("change, or the name of an event"))
+            while self.accept("."):
+                node.event.append(self.name("the name of an event"))
+        else:
+            first = self.argument("the mode: 1 hardware, 2 software; or a rate such as 100 Hz")
+            node.rates.append(first)
+            grouped = self.kinds[self.i] == "," and self.texts[self.i + 1] == "GROUP"
+            if not (grouped or (self.kinds[self.i] == ")" and _has_unit(first))):
+                self.expect(",", "`,` and the divisor of the base publish frequency")
+                node.rates.append(self.argument("the divisor of the base publish frequency"))
+        if self.accept(","):
+            if self.texts[self.i] != "GROUP":
+                raise self.unexpected("GROUP=name")
+            self.i += 1
+            self.expect("=", "`=` after GROUP")
+            node.group = self.name("the name of a snapshot group")
+        self.expect(")", "`)`")
+        return node
+
+    # --- types ----------------------------------------------------------------------------------------------
+
+    def type(self) -> TypeNode:
+        """Read `u8`, `fixed(8,8)` or the name of a type."""
+        name = self.name("a type such as u8")
+        arguments = self.arguments(name) if self.kinds[self.i] == "(" else []
+        return TypeNode(name, arguments, self.tokens.ends[self.i - 1])
+
+    def arguments(self, callee: Name) -> list[Argument]:
+        """Read arguments in brackets, with or without a name."""
+        self.expect("(", f"`(` and the arguments of `{callee.text}`")
+        found: list[Argument] = []
+        if self.accept(")"):
+            return found
+        found.append(self._one_argument(callee))
+        while not self.accept(")"):
+            self.expect(",", "`,` or `)`")
+            found.append(self._one_argument(callee))
+        return found
+
+    def _one_argument(self, callee: Name) -> Argument:
+        what = "a string or a parameter"
+        kind = self.kinds[self.i]
+        if kind in ("name", "keyword") and self.kinds[self.i + 1] == "=":
+            if kind == "keyword" and callee.text.upper() in ("READ", "WRITE"):
+                upper = callee.text.upper()
+                hint = f"keywords are written in capitals: `{upper}`"
+                raise self.unexpected(what, self.replace(hint, callee.start, callee.end, upper))
+            key = self.name("a parameter")
+            self.i += 1
+            return self.argument(what, key)
+        return self.argument(what)
+
+
+def _has_unit(argument: Argument) -> bool:
+    """Is this a number with a unit, or a name that may stand for one?"""
+    part = argument.parts[0]
+    return not isinstance(part, Name) if len(argument.parts) > 1 else getattr(part, "unit", "x") != ""

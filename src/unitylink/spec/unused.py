@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What has no effect in a spec without errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .diagnostics import Reporter
+from .model import Instance
+from .scope import Scope, Scopes
+from .syntax import ConstantNode, LinkNode, Name
+
+
+def check_unused(scopes: Scopes, roots: Sequence[Instance], own: int, reporter: Reporter) -> None:
+    """Report what has no effect; meant for a spec without errors, where nothing is unused by accident.
+
+    Only the first `own` constructors are of the main file: of an imported one not all needs to be used.
+    """
+    for root in roots:
+        _check_groups(root, reporter)
+    _check_declarations(scopes, reporter)
+    expanded = {e.callee.text for scope in scopes.all for e in scope.expansions}
+    for scope in scopes.all[:own]:
+        name = scope.node.name
+        if not scope.node.public and name.text not in expanded:
+            message = f"constructor `{name.text}` is never expanded"
+            reporter.report(
+                "UL070", name.start, name.end, message, "make it `public`, expand it, or remove it"
+            )
+            continue
+        _check_parameters(scope, reporter)
+        for address in scope.node.addresses:
+            if address.text not in scope.used_addresses and address.text[0] != "_":
+                _report_unused(reporter, "UL072", "address", address)
+
+
+def _check_declarations(scopes: Scopes, reporter: Reporter) -> None:
+    declared = scopes.declared
+    last = len(reporter.sources.first.text)
+    for node in declared.nodes:
+        name = node.name
+        if isinstance(node, LinkNode) or name.text in declared.used or name.text[0] == "_" or name.end > last:
+            continue
+        what = "constant" if isinstance(node, ConstantNode) else "type"
+        _report_unused(reporter, "UL076", what, name)
+
+
+def _check_groups(instance: Instance, reporter: Reporter) -> None:
+    for group in instance.groups:
+        if not group.elements:
+            message = f"group `{group.path}` has no elements"
+            hint = "what its paths lead to is empty: remove it, or list elements"
+            reporter.report("UL074", group.span.start, group.span.end, message, hint)
+    for inner in instance.instances:
+        _check_groups(inner, reporter)
+
+
+def _check_parameters(scope: Scope, reporter: Reporter) -> None:
+    for parameter in scope.node.parameters:
+        if parameter.text not in scope.used_parameters:
+            if parameter.text[0] != "_":
+                _report_unused(reporter, "UL071", "parameter", parameter)
+        elif scope.node.public and parameter.text not in scope.runtime and parameter.default is None:
+            message = (
+                f"nothing gives public constructor `{scope.node.name.text}` its string `{parameter.text}`"
+            )
+            hint = f'its value is its own name, "{parameter.text}"; write the text itself instead'
+            reporter.report("UL073", parameter.start, parameter.end, message, hint)
+
+
+def _report_unused(reporter: Reporter, code: str, what: str, name: Name) -> None:
+    message = f"{what} `{name.text}` is never used"
+    reporter.report(
+        code, name.start, name.end, message, f"remove it, or call it `_{name.text}` if it is meant so"
+    )
