@@ -24,8 +24,10 @@ def check_blocks(blocks: Sequence[Block], placed: Sequence[Placed], reporter: Re
         at = one.address.start, one.address.end
         if block is not None and block.first is not None:
             if not block.first <= element.address <= last < block.first + block.words:
-                message = f"`{element.path}` lies at 0x{element.address:X}, outside the {block.words} words of `{block.path}`"
-                hint = f"they are 0x{block.first:X} to 0x{block.first + block.words - 1:X}: make the block larger"
+                where = f"0x{element.address:X}, outside the {block.words} words of `{block.path}`"
+                end = block.first + block.words - 1
+                message = f"`{element.path}` lies at {where}"
+                hint = f"they are 0x{block.first:X} to 0x{end:X}: make the block larger"
                 reporter.report("UL055", *at, message, hint)
             continue
         for block in _around(outer.get((one.root, element.link.comm), []), element.addresses):
@@ -37,7 +39,7 @@ def check_blocks(blocks: Sequence[Block], placed: Sequence[Placed], reporter: Re
                     f"`{block.path}` takes {block.words} words from 0x{block.first or 0:X} on",
                 )
             ]
-            reporter.report("UL057", *at, message, "give one of them another address", labels)
+            reporter.report("UL057", *at, message, "give one of them another address", labels=labels)
 
 
 def _innermost(own: dict[tuple[str, str], Block], root: str, path: str) -> Block | None:
@@ -51,7 +53,7 @@ def _innermost(own: dict[tuple[str, str], Block], root: str, path: str) -> Block
 def _outermost(
     device: tuple[str, str | None], blocks: Sequence[Block], reporter: Reporter
 ) -> list[tuple[int, Block]]:
-    """Return the blocks of a device that lie in no other, by their first address; report those that overlap."""
+    """Return the blocks of a device that lie in no other, by their first address; report overlaps."""
     found: list[tuple[int, Block]] = []
     mine = [(b.first, b) for b in blocks if b.device == device and b.first is not None]
     for first, block in sorted(mine, key=lambda one: (one[0], -one[1].words)):
@@ -63,7 +65,7 @@ def _outermost(
                 if outer.start == block.start:
                     labels = []
                 hint = "give one of them another address, or none: the compiler finds room"
-                reporter.report("UL057", block.start, block.end, message, hint, labels)
+                reporter.report("UL057", block.start, block.end, message, hint, labels=labels)
             continue
         found.append((first, block))
     return found

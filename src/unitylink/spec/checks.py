@@ -79,12 +79,13 @@ def _report_overlap(code: str, earlier: Placed, one: Placed, count: int, reporte
         if one.element.array and earlier.element.array == one.element.array:
             hint = "the address of an array's elements counts with `i`, such as `0x80 + i`"
     else:
-        message = f"`{path}` is a {one.element.access} {where}, where the {earlier.element.access} `{other}` is{more}"
+        there = f"where the {earlier.element.access} `{other}` is{more}"
+        message = f"`{path}` is a {one.element.access} {where}, {there}"
         hint = "give one of them another address; a WRITE keeps the value it wrote last, to be read back"
     labels = [(earlier.address.start, earlier.address.end, f"`{other}` is here")]
     if earlier.address.start == one.address.start:
         labels = []
-    reporter.report(code, one.address.start, one.address.end, message, hint, labels)
+    reporter.report(code, one.address.start, one.address.end, message, hint, labels=labels)
 
 
 def _check_links(placed: Sequence[Placed], links: Mapping[str, Link], reporter: Reporter) -> None:
@@ -95,14 +96,13 @@ def _check_links(placed: Sequence[Placed], links: Mapping[str, Link], reporter: 
         link = links[name if name in links else ""]
         bits = link.address_bits
         if bits is not None and element.addresses[-1] >> bits:
-            message = f"`{element.path}` lies at 0x{element.addresses[-1]:X}, beyond the {bits} bits of `{link.name}`"
+            where = f"0x{element.addresses[-1]:X}, beyond the {bits} bits of `{link.name}`"
+            message = f"`{element.path}` lies at {where}"
             hint = "give it a lower address, or the link a wider ADDRESS"
             reporter.report("UL059", one.address.start, one.address.end, message, hint)
         if several:
             first, earlier = chosen.setdefault((one.root, element.link.comm), (name, one))
             names = ", ".join(f"`{known}`" for known in links if known)
-            span = element.span
-            where = reporter.sources.first.base + span.start
             if not name and earlier is one:
                 message = f"it is not said by which link `{one.root}` is reached"
                 hint = f"there are {names}: write `MEMORY(LINK=…);` or `TOSNET(…, LINK=…);`"
@@ -133,7 +133,8 @@ def _check_fifo(one: Placed, reporter: Reporter) -> None:
         message = f"`{element.path}` lies at +{offset}, but a FIFO has three words"
         hint = "+0 is the data, +1 the words that wait, +2 the room"
     elif offset == 0 and element.access not in ("READCLEAR", "PULSE"):
-        message = f"`{element.path}` is a {element.access}, but reading a FIFO takes a word out and writing puts one in"
+        does = "reading a FIFO takes a word out and writing puts one in"
+        message = f"`{element.path}` is a {element.access}, but {does}"
         hint = "make it a READCLEAR to take words out, a PULSE to put words in"
     elif offset and element.access != "READ":
         message = f"`{element.path}` is a {element.access}, but the counts of a FIFO can only be read"

@@ -19,7 +19,7 @@ from .publishing import devices
 from .resolve import Resolver
 from .scope import Scopes
 from .source import MAX_BYTES, Source, decode
-from .unused import check_unused
+from .unused import check_notes, check_unused
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,7 @@ def compile_text(
         return Result(None, reporter.diagnostics())
     roots = tuple(resolver.roots)
     check_unused(scopes, roots, importer.own, reporter)
+    check_notes(importer.tokens, reporter)
     spec = Spec(
         name,
         program.package,

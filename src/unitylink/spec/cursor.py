@@ -90,12 +90,13 @@ class Cursor:
 
     # --- looking ahead, reporting, skipping -----------------------------------------------------------------
 
-    def at_head(self, keyword: bool = False) -> bool:
-        """Is this the beginning of a constructor: `public`, or `name(names)` and then `:` or `{`?
+    def at_head(self, i: int | None = None, *, keyword: bool = False) -> bool:
+        """Is this, or token `i`, the beginning of a constructor: `public`, or `name(names)` and `:` or `{`?
 
-        With `keyword` one whose name is a keyword by mistake counts too.
+        Annotations may stand before it. With `keyword` one whose name is a keyword by mistake counts too.
         """
-        kinds, i = self.kinds, self.i
+        kinds = self.kinds
+        i = self.behind_annotations(self.i if i is None else i)
         if kinds[i] == "keyword" and self.texts[i] == "public":
             return True
         if (kinds[i] != "name" and not (keyword and kinds[i] == "keyword")) or kinds[i + 1] != "(":
@@ -113,8 +114,10 @@ class Cursor:
         kinds = self.kinds
         if i is None:
             i = self.i
+        if self.at_annotation(i):
+            return not self.at_head(i)
         if kinds[i] == "@" and kinds[i + 1] == "name":
-            return kinds[i + 2] in (":", "(", "[") or (kinds[i + 2] == "=" and self._addressed_by(i + 3))
+            return kinds[i + 2] in (":", "[") or (kinds[i + 2] == "=" and self._addressed_by(i + 3))
         if self.at_link_kind(i):
             return True
         if kinds[i] == "name" and kinds[i + 1] == "[":
@@ -122,6 +125,28 @@ class Cursor:
             return kinds[i + 1] == ":"
         # `joint: @` is a head without parameters
         return kinds[i] == "name" and (kinds[i + 1] == "=" or (kinds[i + 1] == ":" and kinds[i + 2] != "@"))
+
+    def at_annotation(self, i: int) -> bool:
+        """Is token `i` the beginning of `@name(…)`?"""
+        return self.kinds[i] == "@" and self.kinds[i + 1] == "name" and self.kinds[i + 2] == "("
+
+    def behind_annotations(self, i: int) -> int:
+        """Return the first token from `i` on that belongs to no annotation, as far as one looks ahead."""
+        last = i + _AHEAD
+        while i < last and self.at_annotation(i):
+            i = self.behind_bracket(i + 2)
+        return i
+
+    def behind_bracket(self, i: int) -> int:
+        """Return the token behind the `)` that closes the `(` at token `i`, or one where it cannot be."""
+        depth = 0
+        for j in range(i, min(i + _AHEAD, len(self.kinds) - 5)):
+            depth += (self.kinds[j] == "(") - (self.kinds[j] == ")")
+            if depth == 0:
+                return j + 1
+            if self.kinds[j] in (";", "{", "}"):
+                return j
+        return i
 
     def _addressed_by(self, i: int) -> bool:
         """Is the expression at token `i` an element's address: does a `:` follow it?"""

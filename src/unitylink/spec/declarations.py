@@ -54,7 +54,7 @@ class DeclarationReader(MemberReader):
             node = self._constant(notes) if word == "const" else self._type(word, notes)
         except Panic:
             program.lost.add(name)
-            self._skip_declaration(word != "const" and word != "import")
+            self._skip_declaration(word in ("enum", "open", "bits"))
             return
         if self.broken or self.touched():
             program.lost.add(name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a spec declares beside constructors: constants, enumerations, packed bits and links, with their meaning."""
+"""What a spec declares beside constructors, with its meaning: constants, enumerations, packed bits, links."""
 
 from __future__ import annotations
 
@@ -74,7 +74,9 @@ class Declared:
             return True
         message = f"{what} `{name.text}` is declared twice"
         labels = [(first.start, first.end, "first declared here")]
-        self.reporter.report("UL082", name.start, name.end, message, "give one of them another name", labels)
+        self.reporter.report(
+            "UL082", name.start, name.end, message, "give one of them another name", labels=labels
+        )
         return False
 
     def known(self, node: Expression) -> bool:
@@ -133,7 +135,7 @@ class Declared:
                 message = f"`{label.text}` is in `{name}` twice"
                 labels = [(earlier.start, earlier.end, "first declared here")]
                 self.reporter.report(
-                    "UL082", label.start, label.end, message, "give one another name", labels
+                    "UL082", label.start, label.end, message, "give one another name", labels=labels
                 )
                 continue
             earlier = places.setdefault(number, label)
@@ -141,7 +143,7 @@ class Declared:
                 message = f"`{label.text}` has the number {number}, which `{earlier.text}` has"
                 labels = [(earlier.start, earlier.end, "first used here")]
                 hint = "every value of an enumeration has a number of its own"
-                self.reporter.report("UL083", item.value.start, item.value.end, message, hint, labels)
+                self.reporter.report("UL083", item.value.start, item.value.end, message, hint, labels=labels)
                 continue
             values[label.text] = EnumValue(label.text, number, item.notes.documentation)
         if not node.values:
@@ -177,7 +179,7 @@ class Declared:
                 message = f"`{field.name}` is in `{name}` twice"
                 labels = [(first.name.start, first.name.end, "first declared here")]
                 at = item.name.start, item.name.end
-                self.reporter.report("UL082", *at, message, "give one of them another name", labels)
+                self.reporter.report("UL082", *at, message, "give one of them another name", labels=labels)
                 continue
             taken = next((owners[bit] for bit in range(field.low, field.high + 1) if bit in owners), None)
             if taken is not None:
@@ -185,7 +187,7 @@ class Declared:
                 end = (item.low or item.high).end
                 labels = [(taken.high.start, (taken.low or taken.high).end, f"`{taken.name.text}` is here")]
                 hint = "every field has bits of its own"
-                self.reporter.report("UL085", item.high.start, end, message, hint, labels)
+                self.reporter.report("UL085", item.high.start, end, message, hint, labels=labels)
                 continue
             owners.update(dict.fromkeys(range(field.low, field.high + 1), item))
             fields[field.name] = field

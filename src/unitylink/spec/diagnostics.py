@@ -109,6 +109,7 @@ class Reporter:
         end: int,
         message: str,
         hint: str | Advice = "",
+        *,
         labels: Iterable[tuple[int, int, str]] = (),
     ) -> None:
         """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place.

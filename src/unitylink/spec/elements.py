@@ -89,5 +89,5 @@ class ElementReader:
         key = ("uint" if node.type is None else "int", link.data_bits)
         bare = self._bare.get(key)
         if bare is None:
-            bare = self._bare[key] = ValueType(*key)
+            bare = self._bare[key] = ValueType(*key, bus=True)
         return bare

@@ -168,7 +168,7 @@ class Evaluator:
         texts: list[str] = []
         length = 0
         for value, part in zip(values, node.parts, strict=True):
-            if isinstance(value, (RunTime, Quantity)) or isinstance(part, Operation) and part.left is None:
+            if isinstance(value, (RunTime, Quantity)) or (isinstance(part, Operation) and part.left is None):
                 self._wrong_kind(part, "this sum is a string", value)
                 raise Stop
             text = (

@@ -119,7 +119,8 @@ class ExpressionReader(Cursor):
                 self.report("UL045", self.i - 1, "this number has too many digits", "60 are enough")
                 self.broken = True
                 return 0
-            return Fraction(text)
+            value = Fraction(text)
+            return value if value.denominator > 1 else value.numerator
         except ValueError:  # malformed, and reported as UL008
             self.broken = True
             return 0

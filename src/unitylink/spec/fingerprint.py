@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Iterator
 
 from .model import Element, Group, Instance, Link
-from .types import INT32, UINT32, ValueType
+from .types import ValueType
 
 _FORMAT = "unity-link spec 1"  # changes whenever the lines below change their form
 _PLAIN = ("", 1, 0, None, None, "error", None, None)  # what an element without new properties has
@@ -38,7 +38,8 @@ def _lines(instance: Instance) -> Iterator[str]:
     yield f"link {link.kind} {link.base:x} {link.ctrl or ''} {link.comm or ''}{more}"
     part = instance.component
     if part is not None:
-        yield f"component {part.entity} {part.base:x} {part.words:x} {part.generics} {part.pins} {part.events}"
+        ports = f"{part.generics} {part.pins} {part.events}"
+        yield f"component {part.entity} {part.base:x} {part.words:x} {ports}"
     for member in instance.members:
         if isinstance(member, Instance):
             yield from _lines(member)
@@ -68,7 +69,7 @@ def _element(element: Element) -> str:
         element.initial,
         element.safe,
     )
-    if kind not in (UINT32, INT32) or facts != _PLAIN:
+    if not kind.bus or facts != _PLAIN:
         line += f" {_type(kind)} {facts}"
     return line
 
@@ -80,7 +81,8 @@ def _type(kind: ValueType) -> str:
     if kind.kind != "bits":
         return kind.text
     fields = ";".join(
-        f"{one.name} {_type(one.type)} {one.low} {one.unit} {one.scale} {one.offset} {one.minimum} {one.maximum}"
+        f"{one.name} {_type(one.type)} {one.low} "
+        f"{one.unit} {one.scale} {one.offset} {one.minimum} {one.maximum}"
         for one in kind.fields
     )
     return f"bits {kind.name} {kind.width} {fields}"

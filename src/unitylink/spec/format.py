@@ -17,6 +17,7 @@ from .source import MAX_BYTES, Source
 WIDTH = 110  # a longer statement goes on in the next line, behind a comma
 _INDENT = "   "
 _CONTINUATION = "      "  # added to the indent of a statement's further lines
+_WORDS = ("name", "keyword", "number", "string")
 _NEW_LINE = re.compile(r"\r\n?|\n")
 
 
@@ -49,9 +50,13 @@ class _Writer:
         self.depth = 0
         self.opened = False  # the line before opened a body
         self.brackets: list[bool] = []  # for each open bracket: is there a space behind its commas?
+        self.annotation = False  # what is being written is an annotation before the statement
+        self.first = ""  # word of the statement
+        self.of_type: list[bool] = []  # for each open body: is it that of an enumeration or of packed bits?
         self.head = False  # the statement has had no `:` yet, so its `=` is a definition
         self.previous = ""  # the token before, "" at the beginning of a statement
         self.before_previous = ""
+        self.previous_kind = ""
         self.commented = False  # a comment stands between the token before and this one
 
     def run(self) -> str:
@@ -66,7 +71,7 @@ class _Writer:
             if i < 0:
                 self._comment(_NEW_LINE.sub("\n", word.rstrip()), breaks)
             else:
-                self._token(word, self.tokens.kinds[i], breaks)
+                self._token(word, i, breaks)
             last = end
         return "".join("".join(line).rstrip(" ") + "\n" for line in self.lines)
 
@@ -85,48 +90,89 @@ class _Writer:
             self._blank_line(breaks)
             self._add(_INDENT * self.depth + word)
 
-    def _token(self, word: str, kind: str, breaks: int) -> None:
-        if kind == "}" and not self.in_statement:
-            self.depth -= 1
-            self._add("}")
-            return
+    def _token(self, word: str, i: int, breaks: int) -> None:
+        kind = self.tokens.kinds[i]
+        if kind == "}":
+            if self.in_statement and self.of_type and self.of_type[-1]:
+                self._end_statement()  # the last `;` of an enumeration may be left out
+            if not self.in_statement:
+                self.depth -= 1
+                if self.of_type:
+                    self.of_type.pop()
+                self._add("}")
+                return
         if not self.in_statement:
             self._blank_line(breaks)
             self.in_statement = self.head = True
-            self.previous = self.before_previous = ""
-        if self.commented or self._space_before(word, kind):
+            self.annotation = kind == "@" and self.tokens.kinds[i + 2] == "("
+            self.first = word
+            self.previous = self.before_previous = self.previous_kind = ""
+        if self.commented or self._space_before(word, i):
             word = " " + word
         self.commented = False
         self._piece(word)
-        self._note(word.strip(), kind)
+        self._note(word.strip(), i)
         if kind in (";", "{"):
-            self._flush()
-            self.in_statement = self.continued = False
+            self._end_statement()
             self.opened = kind == "{"
             self.depth += self.opened
+            if self.opened:
+                self.of_type.append(self.first in ("enum", "open", "bits"))
+        elif self.annotation and kind == ")" and not self.brackets:
+            self._end_statement()
 
-    def _note(self, word: str, kind: str) -> None:
+    def _end_statement(self) -> None:
+        self._flush()
+        self.in_statement = self.continued = self.annotation = False
+
+    def _note(self, word: str, i: int) -> None:
         """Remember what the spaces behind this token depend on."""
+        kind = self.tokens.kinds[i]
         if kind == "(":
-            in_body = self.depth > 0
-            spaced = self.previous in ("TOSNET", "READ", "WRITE")
-            call = in_body and self.previous not in ("@", "=", "PUBLISH", "ALL")
-            self.brackets.append(spaced or call)
-        elif kind == ")" and self.brackets:
+            self.brackets.append(self._is_spaced(i))
+        elif kind == "[":
+            self.brackets.append(False)
+        elif kind in (")", "]") and self.brackets:
             self.brackets.pop()
         elif kind == ":":
             self.head = False
-        self.before_previous, self.previous = self.previous, word
+        self.before_previous, self.previous, self.previous_kind = self.previous, word, kind
 
-    def _space_before(self, word: str, kind: str) -> bool:
-        previous = self.previous
-        if previous in ("public", "link", "signed", ":"):
+    def _is_spaced(self, i: int) -> bool:
+        """Is there a space behind the commas of the bracket that opens at token `i`?"""
+        if self.annotation or self.first == "link" or self.previous in ("TOSNET", "READ", "WRITE"):
+            return True
+        if self.previous in ("@", "=", "fixed", "ufixed", "ALL"):
+            return False
+        if self.depth > 0 and self.previous != "PUBLISH":
+            return True
+        kinds = self.tokens.kinds  # a head, or PUBLISH: as the published language has it, if that is all
+        behind = i
+        while kinds[behind] not in (")", ";", "{", "}", "end"):
+            behind += 1
+        return ":" in kinds[i:behind] or "=" in kinds[i:behind]
+
+    def _space_before(self, word: str, i: int) -> bool:
+        kind, previous = self.tokens.kinds[i], self.previous
+        if previous == ":" or (kind in _WORDS and self.previous_kind in (*_WORDS, ")")):
             return True
         if previous == ",":
             return self.brackets[-1] if self.brackets else True
         if previous == "=" or kind == "=":
-            return self.head and not self.brackets
-        return kind == "{" or (kind == "@" and previous == ")") or (kind == "(" and previous == "@")
+            in_head = len(self.brackets) == 1 and self.depth == 0 and self.brackets[0]
+            return (self.head and not self.brackets) or (in_head and self._is_head())
+        if self.of_type and self.of_type[-1] and not self.brackets:
+            return "@" in (kind, previous) or kind == "("
+        if self.first == "link" and kind == "(":
+            return not self.brackets
+        if previous == "@":  # `@ (0x1,0x2)` and `@ 0x1` bind, `@l=0x1` names
+            names = kind == "name" and (self.tokens.kinds[i + 1] == "=" or self.before_previous != ")")
+            return not names and kind != "keyword"
+        return kind == "{" or (kind == "@" and previous == ")")
+
+    def _is_head(self) -> bool:
+        """Is this the head of a constructor, where parameters have types and defaults?"""
+        return not self.annotation and self.first != "link"
 
     def _piece(self, word: str) -> None:
         """Add to the line; a line may be broken behind a comma, and nowhere else."""

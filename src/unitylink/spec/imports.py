@@ -30,7 +30,7 @@ class Importer:
     def __init__(self, reporter: Reporter, include: Sequence[str | os.PathLike[str]]) -> None:
         self.reporter = reporter
         self.include = [Path(folder) for folder in include]
-        self.program, _ = parse(reporter)
+        self.program, self.tokens = parse(reporter)
         self.own = len(self.program.constructors)  # so many are of the main file
         self._read_files: dict[str, Source] = {}  # by their real path
         self._bytes = len(reporter.sources.first.text)
@@ -69,7 +69,7 @@ class Importer:
         parts = name.split("/")
         if not all(_PART.fullmatch(part) and part not in (".", "..") for part in parts):
             message = "this is not the name of a file below the search path"
-            hint = 'write it relative to this file, such as "parts/joint.ul"; `..` and absolute paths are not allowed'
+            hint = 'write it relative to this file, such as "parts/joint.ul", without `..`'
             self.reporter.report("UL044", *place, message, hint)
             return None
         folders = [Path(source.file).parent, *self.include]
@@ -122,7 +122,7 @@ class Importer:
         return None
 
     def _merge(self, program: Program) -> None:
-        """Add what an imported file declares; its `link` header and what is public there are its own matter."""
+        """Add what an imported file declares; its header and what is public there are its own matter."""
         for constructor in program.constructors:
             constructor.public = False
         self.program.constructors += program.constructors

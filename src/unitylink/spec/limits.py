@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The engineering side of a value: unit, scale, limits, initial and safe value, from properties to numbers."""
+"""The engineering side of a value, from properties to numbers: unit, scale, limits, initial and safe."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class _Reader:
         self.good = False
 
 
-# --- checks ---------------------------------------------------------------------------------------------------
+# --- checks -------------------------------------------------------------------------------------------------
 
 
 def raw_range(kind: ValueType) -> tuple[Plain, Plain]:
@@ -212,7 +212,7 @@ def check_limits(facts: Facts, kind: ValueType, reporter: Reporter) -> bool:
     if minimum is not None and maximum is not None and minimum > maximum:
         labels = [(*_place(facts, "MIN"), "the smallest")]
         message = f"MAX {_shown(maximum)} is below MIN {_shown(minimum)}"
-        reporter.report("UL089", *_place(facts, "MAX"), message, "exchange them", labels)
+        reporter.report("UL089", *_place(facts, "MAX"), message, "exchange them", labels=labels)
         return False
     for key in ("INITIAL", "SAFE"):
         number = facts.numbers.get(key)
@@ -226,7 +226,9 @@ def check_limits(facts: Facts, kind: ValueType, reporter: Reporter) -> bool:
                 labels = [(*_place(facts, limit), "the limit")]
                 beyond = "below MIN" if limit == "MIN" else "above MAX"
                 message = f"{key} {_shown(number)} is {beyond} {_shown(facts.numbers[limit])}"
-                reporter.report("UL090", *_place(facts, key), message, "choose one within the limits", labels)
+                reporter.report(
+                    "UL090", *_place(facts, key), message, "choose one within the limits", labels=labels
+                )
                 good = False
         enum = kind.enum
         if enum is not None and not enum.open and number not in [one.value for one in enum.values]:
@@ -259,4 +261,4 @@ def _place(facts: Facts, key: str) -> tuple[int, int]:
 def _shown(value: Plain) -> str:
     if isinstance(value, int) and abs(value) < 10**20:
         return f"{value:,}"
-    return f"{float(value):.6g}" if abs(value) <= _FLOAT_MAX[64] else "more than a float holds"
+    return f"{float(value):.6g}" if -_FLOAT_MAX[64] <= value <= _FLOAT_MAX[64] else "more than a float holds"

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from .evaluate import Evaluator, RunTime, Value
 from .model import LinkBinding
 from .scope import ADDRESS_MAX, Scope
-from .syntax import Number
+from .syntax import Number, Property
 
 _DEPTH_DEFAULT = 16  # words of a FIFO whose DEPTH is not given
 _SIZE_MAX = 1 << 20  # words of a double buffer
@@ -27,7 +27,7 @@ def bind_link(
         if one is not None and one.name is not None:
             value = names.get(one.name.text)
             objects[key] = value.name if isinstance(value, RunTime) else None
-    base = _number(scope, "BASE", (0, ADDRESS_MAX), 0, names, evaluator)
+    base = _number(scope.link_property("BASE"), (0, ADDRESS_MAX), 0, names, evaluator)
     chosen = scope.link_property("LINK")
     link = chosen.name.text if chosen is not None and chosen.name is not None else outer.link
     kind = node.kind.lower()
@@ -39,25 +39,23 @@ def bind_link(
                 "write `DOUBLE_BUFFER(BASE=…, SIZE=16)`",
             )
             evaluator.reporter.report("UL058", node.start, node.end, message, hint)
-        size = _number(scope, "SIZE", (1, _SIZE_MAX), 1, names, evaluator)
+        size = _number(scope.link_property("SIZE"), (1, _SIZE_MAX), 1, names, evaluator)
     elif kind == "fifo":
-        size = _number(scope, "DEPTH", (2, _DEPTH_MAX), _DEPTH_DEFAULT, names, evaluator)
+        size = _number(scope.link_property("DEPTH"), (2, _DEPTH_MAX), _DEPTH_DEFAULT, names, evaluator)
     return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link)
 
 
 def _number(
-    scope: Scope,
-    key: str,
+    given: Property | None,
     limits: tuple[int, int],
     default: int,
     names: Mapping[str, Value],
     evaluator: Evaluator,
 ) -> int:
-    one = scope.link_property(key)
-    if one is None or one.argument is None:
+    if given is None or given.argument is None:
         return default
-    part = one.argument.parts[0]
+    part = given.argument.parts[0]
     if isinstance(part, Number) and part.value > ADDRESS_MAX:
         return default  # reported with the constructor
-    value = evaluator.integer(one.argument, names, key, *limits)
+    value = evaluator.integer(given.argument, names, given.key, *limits)
     return default if value is None else value

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from .cursor import ACCESS_WORDS, Panic
 from .diagnostics import Advice
+from .interpolation import interpolate
 from .properties import ELEMENT_PROPERTIES, LINK_KIND_PROPERTIES, PropertyReader
 from .syntax import (
     NO_NOTES,
@@ -148,21 +149,15 @@ class MemberReader(PropertyReader):
         if self.texts[i] in _NEW_ACCESS and self.texts[i] not in self.constructors:
             return self.kinds[i + 1] == "("
         if self.kinds[i + 1] == "(":  # `fixed(8,8) READ`, or an expansion
-            i = self._behind_bracket(i + 1)
+            i = self.behind_bracket(i + 1)
         else:
             i += 1
         if self.kinds[i] == "keyword":
             return self.texts[i] in ("READ", "WRITE")
         return self.kinds[i] == "name" and self.texts[i] in _NEW_ACCESS and self.kinds[i + 1] == "("
 
-    def _behind_bracket(self, i: int) -> int:
-        """Return the token behind the `)` that closes the `(` at token `i`, or one a little further on."""
-        depth = 0
-        for j in range(i, min(i + 32, len(self.kinds) - 2)):
-            depth += (self.kinds[j] == "(") - (self.kinds[j] == ")")
-            if depth == 0 or self.kinds[j] in (";", "{", "}", "end"):
-                return j + 1 if depth == 0 else j
-        return i
+    def _at_new_access(self) -> bool:
+        return self.texts[self.i] in _NEW_ACCESS and self.kinds[self.i + 1] == "("
 
     def _element(
         self, name: Name, fixed: Expression | None, count: Argument | None, notes: Notes
@@ -171,9 +166,8 @@ class MemberReader(PropertyReader):
         if self.kinds[self.i] == "keyword" and self.texts[self.i] == "signed":
             kind = TypeNode(Name("signed", *self.place(self.i)), [], self.tokens.ends[self.i])
             self.i += 1
-        elif self.texts[self.i] not in ACCESS_WORDS or self.kinds[self.i + 1] != "(":
-            if self.texts[self.i] not in ("READ", "WRITE"):
-                kind = self.type()
+        elif self.texts[self.i] not in ("READ", "WRITE") and not self._at_new_access():
+            kind = self.type()
         access = self.texts[self.i]
         if access not in ACCESS_WORDS or self.kinds[self.i] == "string":
             raise self.unexpected("READ or WRITE")
@@ -183,6 +177,9 @@ class MemberReader(PropertyReader):
             both = (self.tokens.starts[self.i - 1], self.tokens.ends[self.i], f"signed {access}")
             raise self.unexpected("`(`", Advice(hint, (both,)))
         found = self.properties(ELEMENT_PROPERTIES)
+        for one in found if count is not None else ():
+            if one.key == "ID" and one.argument is not None:
+                one.argument = interpolate(one.argument, self.reporter)
         node = ElementNode(name, fixed, kind, access, found, count, notes)
         if self.kinds[self.i] == "@" and self.kinds[self.i + 1] == "(":
             hint = f"an element's address stands behind its name: `@{name.text} = 0x…: …`"
@@ -205,6 +202,8 @@ class MemberReader(PropertyReader):
             advice = self.replace(f"remove `{callee.text}`", callee.start, callee.end, "")
             raise self.unexpected(f"`(` and the arguments of `{callee.text}`", advice)
         arguments = self.arguments(callee)
+        if count is not None:
+            arguments = [interpolate(one, self.reporter) for one in arguments]
         bindings: list[Binding] = []
         if self.kinds[self.i] == ";" and self.at_binding(self.i + 1):
             self.unexpected("the addresses", self.replace("remove this `;`", *self.place(self.i), ""))
@@ -240,7 +239,7 @@ class MemberReader(PropertyReader):
 
     def _is_sum(self) -> bool:
         """Is the bracket that opens here part of an expression, `(A+1)*8`, and not a list of addresses?"""
-        behind = self._behind_bracket(self.i)
+        behind = self.behind_bracket(self.i)
         return self.kinds[behind] in ("+", "-", "*", "/", "%", "<<", ">>", "&", "|")
 
     # --- groups ---------------------------------------------------------------------------------------------
@@ -280,9 +279,7 @@ class MemberReader(PropertyReader):
         """Read what stands before a declaration: annotations, and the `///` lines around them."""
         texts = [self.tokens.documentation.pop(self.i, "")] if self.tokens.documentation else []
         annotations: list[AnnotationNode] = []
-        while (
-            self.kinds[self.i] == "@" and self.kinds[self.i + 1] == "name" and self.kinds[self.i + 2] == "("
-        ):
+        while self.at_annotation(self.i):
             self.i += 1
             name = self.name("an annotation")
             annotations.append(AnnotationNode(name, self.arguments(name)))

@@ -63,7 +63,7 @@ class _Checker:
                 message = f"`{one.text}` has no default, but `{behind_default.text}` before it has one"
                 hint = "put the parameters with a default last"
                 labels = [(behind_default.start, behind_default.end, "this one has a default")]
-                self.reporter.report("UL094", one.start, one.end, message, hint, labels)
+                self.reporter.report("UL094", one.start, one.end, message, hint, labels=labels)
         if scope.node.block is not None:
             self.scopes.names_of(scope, scope.node.block)
         self._check_notes(scope, scope.node.notes, array=False)
@@ -126,7 +126,7 @@ class _Checker:
             good = self.scopes.names_of(scope, member.fixed, array=array)
         if not (member.count or member.type or member.properties or member.notes.annotations):
             return good
-        depends = False
+        depends, known = False, True
         given = [member.count] if member.count else []
         if member.type is not None:
             given += member.type.arguments
@@ -139,17 +139,17 @@ class _Checker:
             elif one.key in ("INITIAL", "SAFE") and one.name and self._is_value(member, one.name):
                 continue
             elif one.key == "UNIT" and one.argument is not None:
-                good = self._unit(scope, one.argument) and good
+                known = self._unit(scope, one.argument) and known
                 depends = depends or self.scopes.depends(scope, one.argument)
             elif one.argument is not None and one.key != "OVERFLOW":
                 given.append(one.argument)
         for argument in given:
-            good = self.scopes.names_of(scope, argument, array=array) and good
+            known = self.scopes.names_of(scope, argument, array=array) and known
             depends = depends or self.scopes.depends(scope, argument, array=array)
         good = self._check_notes(scope, member.notes, array=array) and good
-        if good and not depends:
-            return self.elements.read(member, {}, self.link) is not None
-        return good
+        if known and not depends:
+            known = self.elements.read(member, {}, self.link) is not None
+        return good and known
 
     def _is_value(self, member: ElementNode, name: Name) -> bool:
         """Is this meant as a value of the element's enumeration?"""

@@ -2,7 +2,7 @@
 """Annotations of the syntax tree to those of the model; and the ones by which a constructor is a component.
 
 `@component("pwm")` says which entity of the gateware library a constructor stands for, `@generic(name=value)`
-what its generics are, `@pin("pins", "out", 4)` and `@event("changed")` which of its ports are to be connected.
+what its generics are, `@pin("pins", "out", 4)` and `@event("changed")` which ports are to be connected.
 """
 
 from __future__ import annotations

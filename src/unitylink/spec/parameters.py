@@ -33,7 +33,8 @@ class Parameters:
             elif one.type is None or one.type.text == "string":
                 values[one.text] = one.text
             else:
-                message = f"nothing gives public constructor `{scope.node.name.text}` its {one.type.text} `{one.text}`"
+                which = f"its {one.type.text} `{one.text}`"
+                message = f"nothing gives public constructor `{scope.node.name.text}` {which}"
                 hint = f"give it a default: `{one.text}: {one.type.text} = 1`"
                 self.evaluator.reporter.report("UL094", one.start, one.end, message, hint)
         return values

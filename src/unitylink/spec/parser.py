@@ -69,16 +69,13 @@ class _Parser(DeclarationReader):
     def _declared(self) -> frozenset[str]:
         """Return the names of this file's constructors, as far as they can be told before it is read."""
         kinds, texts = self.kinds, self.texts
-        found = set()
-        for i, kind in enumerate(kinds[:-1]):
-            if (
-                kind == "("
-                and i
-                and kinds[i - 1] == "name"
-                and (i < 2 or kinds[i - 2] in ("}", ";", "keyword"))
-            ):
-                found.add(texts[i - 1])
-        return frozenset(found)
+        return frozenset(
+            texts[i - 1]
+            for i, kind in enumerate(kinds)
+            if kind == "("
+            and kinds[i - 1] == "name"
+            and (i < 2 or kinds[i - 2] in ("}", ";", ")") or texts[i - 2] == "public")
+        )
 
     def _notes(self) -> Notes:
         """Read annotations and documentation before something outside constructors."""
@@ -111,7 +108,7 @@ class _Parser(DeclarationReader):
         if self.header is not None and plain:
             labels = [(*self.place(self.header), "the first one")]
             message = "there is a `link` header already"
-            self.reporter.report("UL017", *self.place(start), message, "remove one of the two", labels)
+            self.reporter.report("UL017", *self.place(start), message, "remove one of the two", labels=labels)
         elif program.constructors:
             hint = "move it before the first constructor"
             self.report("UL018", start, "the `link` header stands after a constructor", hint)
@@ -201,7 +198,7 @@ class _Parser(DeclarationReader):
                 self._constructor(program, Notes(), node.name.text)
                 continue
             if at_end or (self.at_head() and not self.at_public_member()):
-                swallowed = at_end and self._swallowed_brace()
+                swallowed = (at_end and self._swallowed_brace()) or self.kinds[self.i - 1] == "]"
                 self.first = self.i
                 if brace is not None and not (swallowed or self.faulty()):
                     where = "at the end of the file"

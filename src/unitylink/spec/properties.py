@@ -43,7 +43,7 @@ class PropertyReader(ExpressionReader):
                     labels = [(earlier.start, earlier.end, "first given here")]
                     where = self.place(start)
                     message = f"{one.key} is given twice"
-                    self.reporter.report("UL016", *where, message, "remove one of the two", labels)
+                    self.reporter.report("UL016", *where, message, "remove one of the two", labels=labels)
                 else:
                     found.append(one)
             if self.accept(")"):

@@ -83,7 +83,7 @@ def _check_names(device: Device, reporter: Reporter) -> None:
             other = earlier.elements[0].span
             start = reporter.sources.offset(other)
             labels = [(start, start + other.end - other.start, "the other way is here")]
-            _report(reporter, "UL103", element, message, hint, labels)
+            _report(reporter, "UL103", element, message, hint, labels=labels)
 
 
 def _report(
@@ -92,8 +92,9 @@ def _report(
     element: Element,
     message: str,
     hint: str,
+    *,
     labels: list[tuple[int, int, str]] | None = None,
 ) -> None:
     start = reporter.sources.offset(element.span)
     end = start + element.span.end - element.span.start
-    reporter.report(code, start, end, message, hint, labels or ())
+    reporter.report(code, start, end, message, hint, labels=labels or ())

@@ -8,7 +8,7 @@ its event line, so that gateware, twin and PC agree without asking.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from .model import Device, Element, Instance, Link, Publish, SubscriptionGroup
 
@@ -19,14 +19,13 @@ def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Dev
     """Return the devices of a spec in the order of the text; `links` has "" for bindings that name none."""
     found: dict[tuple[str, str | None], tuple[Link, dict[_Key, list[Element]]]] = {}
     for root in roots:
-        for instance in _instances(root):
-            for element in instance.elements:
-                binding = element.link
-                link = links[binding.link if binding.link in links else ""]
-                _, table = found.setdefault((root.name, binding.comm), (link, {}))
-                publish = element.publish
-                if publish is not None and publish.mode == 1:
-                    table.setdefault(key_of(publish), []).append(element)
+        for element in root.walk():
+            binding = element.link
+            link = links[binding.link if binding.link in links else ""]
+            _, table = found.setdefault((root.name, binding.comm), (link, {}))
+            publish = element.publish
+            if publish is not None and publish.mode == 1:
+                table.setdefault(key_of(publish), []).append(element)
     return tuple(
         Device(root, comm, link, tuple(_group(number, key, table[key]) for number, key in enumerate(table)))
         for (root, comm), (link, table) in found.items()
@@ -45,9 +44,3 @@ def _group(number: int, key: _Key, elements: list[Element]) -> SubscriptionGroup
     if not name:
         name = f"{first.rate_hz:g} Hz" if trigger == "rate" else f"on {event or trigger}"
     return SubscriptionGroup(number, name, trigger, divisor, first.rate_hz, event, tuple(elements))
-
-
-def _instances(instance: Instance) -> Iterator[Instance]:
-    yield instance
-    for inner in instance.instances:
-        yield from _instances(inner)

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from .annotation import Annotation
 from .allocate import TOSNET_WORDS, Block, allocate
+from .annotation import Annotation
 from .declared import Declared
-from .elements import ElementFacts, ElementReader
+from .elements import ElementReader
 from .evaluate import Value
 from .graph import MAX_DEPTH, MAX_ITEMS, Graph, cost_of_element, cost_of_expansion
 from .group_members import Found, GroupMaker
@@ -359,37 +359,21 @@ class Resolver:
         assert isinstance(number.value, int)  # an address was made of it
         path = f"{frame.path}.{name}" if frame.path else name
         display = self._display(node, names, path)
-        facts = self._elements.read(node, names, self._link_of(frame.link))
-        if facts is None or display is None:
+        known = self._elements.read(node, names, self._link_of(frame.link))
+        if known is None or display is None:
             return None
         address = frame.link.base + number.value
         if index and not (node.fixed is not None and any(one.text == INDEX for one in names_of(node.fixed))):
-            address += index * facts.words  # an array lies in consecutive words unless its address says where
-        if address + facts.words - 1 > ADDRESS_MAX:
+            address += index * known.words  # an array lies in consecutive words unless its address says where
+        if address + known.words - 1 > ADDRESS_MAX:
             message = f"with BASE 0x{frame.link.base:X} this address is 0x{address:X}, beyond 32 bits"
             hint = f"the largest is 0x{ADDRESS_MAX:X}"
             self.reporter.report("UL050", number.start, number.end, message, hint)
             return None
-        element = self._made(frame, node, names, name, index, path, address, display, facts)
-        self.placed.append(Placed(self._root, element, number, statement))
-        return element
-
-    def _made(
-        self,
-        frame: _Frame,
-        node: ElementNode,
-        names: Mapping[str, Value],
-        name: str,
-        index: int | None,
-        path: str,
-        address: int,
-        display: str,
-        known: ElementFacts,
-    ) -> Element:
         facts, notes, publish = known.facts, node.notes, known.publish
         if publish is not None and publish.event:
             publish = replace(publish, event=self._event(frame, publish.event))
-        return Element(
+        element = Element(
             name,
             path,
             address,
@@ -414,6 +398,8 @@ class Resolver:
             "" if index is None else node.name.text,
             index,
         )
+        self.placed.append(Placed(self._root, element, number, statement))
+        return element
 
     def _event(self, frame: _Frame, event: str) -> str:
         """An event of the component itself, or of one below, gets its whole path; another is the design's."""

@@ -148,7 +148,9 @@ class Scopes:
         what = {"UL020": "constructor", "UL021": "member", "UL022": "parameter", "UL023": "address"}[code]
         message = f"{what} `{name.text}` is declared twice"
         labels = [(first.start, first.end, "first declared here")]
-        self.reporter.report(code, name.start, name.end, message, "give one of them another name", labels)
+        self.reporter.report(
+            code, name.start, name.end, message, "give one of them another name", labels=labels
+        )
         return False
 
     def _declare_link_kind(self, scope: Scope, node: LinkKindNode) -> None:
@@ -157,7 +159,7 @@ class Scopes:
             message = f"`{scope.node.name.text}` has a {first.kind} already"
             hint = "one instance has one hardware proxy: put the second into a constructor of its own"
             labels = [(first.start, first.end, "the first one")]
-            self.reporter.report("UL041", node.start, node.end, message, hint, labels)
+            self.reporter.report("UL041", node.start, node.end, message, hint, labels=labels)
             return
         scope.link_kind = node
         for one in node.properties:
@@ -249,7 +251,7 @@ class Scopes:
     def names_of(
         self, scope: Scope, node: Expression, *, array: bool = False, advice: Advice | None = None
     ) -> bool:
-        """Are all names of an expression known here? Parameters, addresses, constants, the index of an array."""
+        """Are all names of an expression known here: parameters, addresses, constants, an array's index?"""
         known = True
         for name in names_of(node):
             text = name.text

@@ -44,7 +44,7 @@ class Source:
         return bisect_right(self._starts, offset - self.base)
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of the characters from `start` up to, without, `end`; it counts from the file's 0."""
+        """Return the span of the characters from `start` up to `end`; it counts from the file's 0."""
         start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         return Span(self.file, line, start - self._starts[line - 1] + 1, start, end)

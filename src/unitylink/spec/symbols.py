@@ -24,10 +24,10 @@ from .syntax import (
     ExpansionNode,
     Expression,
     GroupNode,
+    LinkKindNode,
     Name,
     Program,
     Step,
-    LinkKindNode,
 )
 from .type_names import names_of
 

@@ -3,12 +3,25 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 from .diagnostics import Reporter
+from .lexer import Tokens
 from .model import Instance
 from .scope import Scope, Scopes
 from .syntax import ConstantNode, LinkNode, Name
+
+
+def check_notes(tokens: Tokens, reporter: Reporter) -> None:
+    """Report `///` that stands before or behind nothing it could be said of: the parser took the others."""
+    for start, end in tokens.comments if tokens.documentation or tokens.trailing else ():
+        if reporter.sources.first.text.startswith("///", start):
+            after = bisect_right(tokens.starts, start)
+            if after in tokens.documentation or after - 1 in tokens.trailing:
+                message = "this documents nothing"
+                hint = "`///` stands before a declaration, or behind one in its line; other comments are `//`"
+                reporter.report("UL075", start, end, message, hint)
 
 
 def check_unused(scopes: Scopes, roots: Sequence[Instance], own: int, reporter: Reporter) -> None:

@@ -112,4 +112,4 @@ class Vectors:
                 message = f"{takes} {does} these {len(vector.numbers)}"
                 hint = f"they are used in line {self.reporter.sources.line_of(user.start)}"
                 labels = [(user.start, user.end, "used here")]
-                self.reporter.report("UL031", vector.start, vector.end, message, hint, labels)
+                self.reporter.report("UL031", vector.start, vector.end, message, hint, labels=labels)

@@ -91,8 +91,17 @@ def test_file_that_is_not_there(tmp_path: Path) -> None:
     _only(compile_file("a\0b.ul"), "UL001", (1, 1))
 
 
+def test_file_that_imports_itself(tmp_path: Path) -> None:
+    (tmp_path / "a.ul").write_text('import "b.ul";\npublic a() { x: b(); }\n')
+    (tmp_path / "b.ul").write_text('import "a.ul";\nb() { @x = 0x1: READ(); }\n')
+    result = compile_file(tmp_path / "a.ul")
+    _only(result, "UL043", (1, 8))
+    assert result.diagnostics[0].span.file == str(tmp_path / "b.ul")
+    assert "a.ul → b.ul → a.ul" in result.diagnostics[0].message
+
+
 def test_every_code_has_an_example() -> None:
-    assert set(CODES) == {*SHOWN, *BUILT, "UL001"}
+    assert set(CODES) == {*SHOWN, *BUILT, "UL001", "UL043"}
 
 
 def test_every_page_is_a_code() -> None:

@@ -43,7 +43,7 @@ joint(name): @ (spd,cpos) {
         ("UL010", 5),
         ("UL024", 6),
         ("UL019", 7),
-        ("UL010", 8),
+        ("UL047", 8),
         ("UL031", 9),
         ("UL010", 10),
         ("UL027", 11),
@@ -70,8 +70,8 @@ ONE = {
     "element without semicolon": (SCARA.replace('spd_SP");', 'spd_SP")'), "UL011", 12),
     "string not closed": (SCARA.replace('"joint 3"', '"joint 3'), "UL006", 5),
     "comment not closed": (SCARA.replace("joint(name)", "/* joint(name)"), "UL005", 8),
-    "wrong character in a head": (SCARA.replace("joint(name)", "joint[name)"), "UL004", 8),
-    "wrong character for a brace": (SCARA.replace("}\njoint", "]\njoint"), "UL004", 7),
+    "wrong character in a head": (SCARA.replace("joint(name)", "joint[name)"), "UL010", 8),
+    "wrong character for a brace": (SCARA.replace("}\njoint", "]\njoint"), "UL010", 7),
     "wrong character in place of public": (SCARA.replace("public", "§"), "UL004", 1),
     "keyword in small letters": (SCARA.replace("TOSNET(", "tosnet("), "UL010", 2),
     "constructor misspelt everywhere": (SCARA.replace("joint(name)", "join(name)"), "UL024", 3),
@@ -113,7 +113,7 @@ ONE = {
     ),
     "public member": (SCARA.replace("j1:", "public j1:"), "UL010", 3),
     "READ without @": (SCARA.replace('j1: joint("joint 1") @', "j1: WRITE() @"), "UL010", 3),
-    "foreign brackets": (SCARA.replace("(0x80,0x88,0x8C,0x94)", "[0x80,0x88,0x8C,0x94]"), "UL004", 3),
+    "foreign brackets": (SCARA.replace("(0x80,0x88,0x8C,0x94)", "[0x80,0x88,0x8C,0x94]"), "UL010", 3),
     "foreign hexadecimal": (SCARA.replace("0x80", "$80"), "UL004", 3),
     "foreign comment": (SCARA.replace("BASE=0);", "BASE=0);  # node 1; node 2: (left)"), "UL004", 2),
     "nested comment": (SCARA.replace("j1:", "/* /* */ */ j1:"), "UL004", 3),
@@ -179,8 +179,10 @@ def test_near_misses() -> None:
     assert hint("public a() { @x = 0x1: READ(); g = qqqq; }") == "its members are `x`"
     assert "capitals" in hint("public a() { @x: read(ID='x'); }")
     assert hint("public a() { @x = 0x1: RAED(); }") == "did you mean `READ`?"
-    assert hint("public a() { @x: Signed READ(); }") == "did you mean `signed`?"
-    assert hint("public a() { @x: unsigned READ(); }") == "words are unsigned without `signed`: remove it"
+    assert hint("public a() { @x = 0x1: Signed READ(); }") == "did you mean `signed`?"
+    assert (
+        hint("public a() { @x = 0x1: unsigned READ(); }") == "words are unsigned without `signed`: remove it"
+    )
     assert hint("public a() { @x = 0x1: READ signed(); }") == "write `signed READ`"
     assert hint("Public a() { @x = 0x1: READ(); }") == "did you mean `public`?"
     assert hint("public a(c) { tosnet(CTRL=c); }") == "did you mean `TOSNET`?"
