@@ -78,6 +78,7 @@ system)
   cxx=${CXX:-c++}
   need ghdl ghdl command -v ghdl                                       # compiles the generated VHDL
   need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
+  need yosys yosys command -v yosys                                    # maps netlists on chips
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework

@@ -115,9 +115,8 @@ def test_names_of_files_and_entities() -> None:
     spec = spec_of("public a() { @x = 0x7: READ(); }", "My__Robot-2.ul")
     assert design_name(spec) == "my_robot_2"
     files = generate_vhdl(spec)
-    assert sorted(files) == [
-        f"vhdl/my_robot_2_{part}.vhd" for part in ("config_pkg", "design", "top", "user_pkg")
-    ]
+    parts = ("build.sh", "config_pkg.vhd", "design.vhd", "top.vhd", "user_pkg.vhd")
+    assert sorted(files) == [f"vhdl/my_robot_2_{part}" for part in parts]
     assert "entity my_robot_2_top is" in files["vhdl/my_robot_2_top.vhd"]
 
 

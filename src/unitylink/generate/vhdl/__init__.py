@@ -18,7 +18,7 @@ from .words import WordMap, word_map
 __all__ = ["WordMap", "design_name", "generate_vhdl", "word_map"]
 
 FOLDER = "vhdl"
-_PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd")
+_PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 
 
 def generate_vhdl(spec: Spec, configuration: BoardConfiguration | None = None) -> dict[str, str]:

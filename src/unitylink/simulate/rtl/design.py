@@ -33,7 +33,11 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     words = word_map(spec, configuration)
     return RtlDesign(
         top=f"{design_name(spec)}_design",
-        files={name.rpartition("/")[2]: text for name, text in generate_vhdl(spec, configuration).items()},
+        files={
+            name.rpartition("/")[2]: text
+            for name, text in generate_vhdl(spec, configuration).items()
+            if name.endswith(".vhd")
+        },
         read_addresses=tuple(words.read),
         write_addresses=tuple(words.write),
         generics={"clock_hz": configuration.clock_hz},

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Open tools on a design: what the build script beside generated VHDL calls.
+
+python -m unitylink.gateware.build ice40 servo_top build vhdl/servo_*.vhd
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+from .ghdl import Ghdl
+from .netlist import netlist
+from .sources import gateware_sources
+
+_SECONDS_MOST = 1800.0
+# What a simulator checks while it runs; a chip does not, and yosys does not read it.
+_ASSERTION = re.compile(r"^  always @\*\n    if \(!\w+\)\n      \$fatal\(1, \"[^\"]*\"\);\n", re.MULTILINE)
+_USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOLDER FILE.vhd ..."
+
+
+def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[Path]:
+    """Do `target` with the entity `top` of `sources` and of the gateware; return the files made in `folder`.
+
+    "check" analyses all and elaborates `top`, "verilog" makes TOP.v, and a family of yosys (ice40, ecp5,
+    gowin, xilinx, ...) TOP.v and TOP.json, which its place-and-route reads. Raises ToolError.
+    """
+    if target == "check":
+        with tempfile.TemporaryDirectory(prefix="unitylink-build-") as work:
+            Ghdl(Path(work), [*gateware_sources(), *(path.resolve() for path in sources)]).make(top)
+        return []
+    if not re.fullmatch(r"[a-z0-9]+", target):
+        raise ToolError(f"{target!r} is neither check, verilog nor a family of yosys such as ice40")
+    folder.mkdir(parents=True, exist_ok=True)
+    verilog = folder / f"{top}.v"
+    verilog.write_text(_ASSERTION.sub("", netlist(top, sources=sources)), encoding="utf-8")
+    return [verilog] if target == "verilog" else [verilog, _mapped(target, top, verilog)]
+
+
+def _mapped(family: str, top: str, verilog: Path) -> Path:
+    yosys = shutil.which("yosys")
+    if yosys is None:
+        raise ToolError("yosys is missing; on Debian or Ubuntu: sudo apt-get install yosys")
+    made = verilog.with_suffix(".json")
+    script = f"read_verilog {verilog.name}; synth_{family} -top {top}; stat; write_json {made.name}"
+    done = subprocess.run(
+        [yosys, "-p", script],
+        cwd=verilog.parent,
+        capture_output=True,
+        text=True,
+        timeout=_SECONDS_MOST,
+        check=False,
+    )
+    if done.returncode != 0:
+        said = (done.stderr or done.stdout).strip().splitlines()
+        raise ToolError(f"yosys synth_{family} of {top} failed: " + "\n".join(said[-5:]))
+    _, _, statistics = done.stdout.rpartition("Printing statistics.")
+    print(re.split(r"\n\d+\. ", statistics)[0].strip())
+    return made
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run from the command line; return the exit code."""
+    least = 3
+    if len(arguments) < least:
+        print(_USAGE, file=sys.stderr)
+        return 2
+    target, top, folder, *files = arguments
+    try:
+        made = build(target, top, Path(folder), [Path(file) for file in files])
+    except (ToolError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    for path in made:
+        print(f"wrote {path}")
+    if not made:
+        print(f"{top}: no error")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
