@@ -17,6 +17,7 @@ from unitylink.spec import Spec, compile_text, load
 from unitylink.tools.conformance_bench import play_on_twin
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "generate-vhdl.md"
 
 
 def spec_of(text: str, file: str = "robot.ul") -> Spec:
@@ -187,3 +188,12 @@ def test_scara_on_its_uart(designs: Any) -> None:
     assert answers[6:9] == [b"#S_R:00000000\n", b"#S_W\n", b""]
     assert answers[9] == b"#S_RM:00000065ffffff9b0000000000000000\n"
     assert b"&PUB:000400000065ffffff9b0000000000000000*" in answers[11]
+
+
+def test_the_board_of_the_page(designs: Any) -> None:
+    """docs/generate-vhdl.md shows a board around the generated design: it analyses and synthesises."""
+    (block,) = re.findall(r"^```vhdl\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    board = designs.folder / "board.vhd"
+    board.write_text(block, encoding="ascii")
+    spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
+    assert "entity board is" in designs.library(spec, None, [board]).synthesise("board")
