@@ -84,6 +84,8 @@ class TestWheel:
     def test_own_spec_is_alive(self, fresh: Path) -> None:
         call("venv/bin/unitylink", "new", "arm", cwd=fresh)
         call("../venv/bin/python", "run.py", cwd=fresh / "arm")
+        call("../venv/bin/pip", "install", "--quiet", "pytest", cwd=fresh / "arm")
+        assert "1 passed" in call("../venv/bin/python", "-m", "pytest", cwd=fresh / "arm")
         assert "x.position" in call("../venv/bin/unitylink", "list", "--spec", "arm.ul", cwd=fresh / "arm")
 
     def test_the_sdist_has_what_the_build_needs(self, wheels: Path) -> None:

@@ -21,7 +21,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 @click.argument("name")
 @click.option("--dir", "folder", metavar="FOLDER", help="Where to write; the default is a new folder NAME.")
 def command(name: str, folder: str | None) -> None:
-    """Start a project: a spec, its generated classes, a script that moves it on a virtual board, a README.
+    """Start a project: a spec, its generated classes, a script that moves it, a test, a README.
 
     Nothing that exists is overwritten.
 
@@ -43,7 +43,7 @@ def command(name: str, folder: str | None) -> None:
         with open(target / file, "x", encoding="utf-8") as handle:
             handle.write(text)
         click.echo(f"wrote {target / file}")
-    click.echo(f"\nNow: cd {target} && python run.py")
+    click.echo(f"\nNow: cd {target} && python run.py\nand: python -m pytest")
 
 
 def _files(name: str) -> dict[str, str]:
@@ -66,6 +66,7 @@ def _files(name: str) -> dict[str, str]:
         f"{name}.ul": spec_text,
         **generated,
         "run.py": filled("run.py.txt"),
+        f"test_{name}.py": filled("test.py.txt"),
         "README.md": filled("README.md.txt"),
     }
 

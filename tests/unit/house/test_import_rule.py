@@ -49,7 +49,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "capture": {"layer1_stream", *SHARED},
     "connection": {"layer2_message", "simulate", "spec", *SHARED},
 }
-UNRESTRICTED = {"tools", "cli", "__main__", "__init__"}
+UNRESTRICTED = {"tools", "cli", "testing", "__main__", "__init__"}
 
 
 def unit_of(path: Path) -> str:
