@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
-#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture
+#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
@@ -25,7 +25,12 @@ help:
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
+ifdef RTL
+	@tools/setup.sh rtl
+	$(BIN)/python examples/scara/run.py --rtl --picture build/scara-rtl.png
+else
 	$(BIN)/python examples/scara/run.py --picture build/scara.png
+endif
 
 test: $(VENV)/.built
 	@tools/setup.sh group test

@@ -3,7 +3,8 @@
 # Brings a fresh machine to where `make` can go on. Says by name what is absent and stops.
 #   setup.sh build          virtual environment, build tools, the library with its native core
 #   setup.sh group NAME     the packages of a dependency group of pyproject.toml
-#   setup.sh system         Debian packages that only the tests need
+#   setup.sh rtl            Debian packages that compile the gateware for a simulation
+#   setup.sh system         Debian packages that only the tests need, and those
 #   setup.sh native         the native tests, fuzzers and benches
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -43,7 +44,22 @@ PY
   touch "$stamp"
 }
 
-case "${1:?usage: setup.sh build|group|system|native}" in
+need_rtl() {
+  need ghdl ghdl command -v ghdl                                       # runs and synthesises VHDL
+  need verilator verilator command -v verilator                        # compiles what GHDL synthesised
+}
+
+install_missing() {
+  if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+    echo "installing ${packages[*]}"
+    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"; } > build/apt.log 2>&1 \
+      || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all of its output: build/apt.log)"; }
+  else
+    stop_if_missing
+  fi
+}
+
+case "${1:?usage: setup.sh build|group|rtl|system|native}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -74,21 +90,16 @@ build)
   touch -r build/.started "$venv/.built"
   ;;
 group) group "$2" ;;
+rtl) need_rtl; install_missing ;;
 system)
   cxx=${CXX:-c++}
-  need ghdl ghdl command -v ghdl                                       # compiles the generated VHDL
+  need_rtl
   need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
   need yosys yosys command -v yosys                                    # maps netlists on chips
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
-  if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
-    echo "installing ${packages[*]}"
-    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"; } > build/apt.log 2>&1 \
-      || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all of its output: build/apt.log)"; }
-  else
-    stop_if_missing
-  fi
+  install_missing
   ;;
 native)
   touch build/.started

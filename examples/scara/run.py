@@ -2,6 +2,7 @@
 """The paper's SCARA robot moves: from the spec to measured joint paths, with a virtual board or a real one.
 
     python examples/scara/run.py                                             # a virtual board, in process
+    python examples/scara/run.py --rtl                                       # the gateware's VHDL, compiled
     python examples/scara/run.py --link "serial:/dev/ttyUSB0?baud=3000000"   # the robot itself
 
 Four joints follow a path, each set-point one burst and one commit on the TosNet network; their positions come
@@ -30,6 +31,8 @@ from unitylink.spec import load
 
 if TYPE_CHECKING:
     from scara import Scara
+
+    from unitylink.simulate import Board
 
 HERE = Path(__file__).resolve().parent
 SPEC = HERE / "scara.ul"
@@ -161,6 +164,13 @@ def tell(run: Run) -> bool:
     return not late and not still
 
 
+def tell_times(board: Board, real_s: float) -> None:
+    """Print robot time, which is the board's own, beside real time."""
+    clock_hz, time_s = board.configuration.clock_hz, board.time_s
+    clocks = f"{time_s * clock_hz:,.0f} clocks of {clock_hz / 1e6:g} MHz"
+    print(f"  robot time {time_s:.2f} s ({clocks}), real time {real_s:.2f} s")
+
+
 def describe(joint: Joint, error: float) -> str:
     return f"{joint.name} ({joint.role}) is {abs(error):.2f} {joint.unit} from its set-point"
 
@@ -171,6 +181,13 @@ def main() -> int:
         epilog='example: run.py --link "tcp://192.168.1.10:5555" --picture scara.png',
     )
     parser.add_argument("--link", default=f"sim:{SPEC}?plant=scara", metavar="URL", help="board to drive")
+    parser.add_argument(
+        "--rtl",
+        action="store_const",
+        dest="link",
+        const=f"rtl:{SPEC}?plant=scara",
+        help="drive the VHDL itself, compiled: half a minute the first time",
+    )
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the joint paths there")
     parser.add_argument(
         "--build",
@@ -182,6 +199,7 @@ def main() -> int:
     options = parser.parse_args()
     try:
         with connect(options.link) as link:
+            started = time.monotonic()
             robot = make_robot(link, options.build)
             network = robot.j1.pos_sp.hardware
             assert isinstance(network, TosNetProxy)  # the spec says TOSNET
@@ -189,6 +207,8 @@ def main() -> int:
             print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
             print("moving:")
             run = drive(robot)
+            if link.board is not None:
+                tell_times(link.board, time.monotonic() - started)
     except UnityLinkError as error:
         print(f"scara: {error}", file=sys.stderr)
         return 1

@@ -57,14 +57,17 @@ architecture rtl of register_slave is
     return found;
   end function;
 
-  subtype flags_t is std_ulogic_vector(0 to words - 1);
+  constant first : word_vector_t(0 to words - 1) := first_words;
+
+  -- GHDL 2.0 synthesises a constant of 64, 96, 128 ... bits as zero if its last 32 are zero: one bit more then.
+  subtype flags_t is std_ulogic_vector(0 to words - 1 + boolean'pos(words mod 32 = 0));
 
   -- Which addresses have this character in `writable`.
   function having (character : std_ulogic) return flags_t is
-    constant characters : flags_t := writable;
+    constant characters : std_ulogic_vector(0 to words - 1) := writable;
     variable found      : flags_t := (others => '0');
   begin
-    for address in flags_t'range loop
+    for address in characters'range loop
       if characters(address) = character then
         found(address) := '1';
       end if;
@@ -138,7 +141,9 @@ begin
         err         <= '0';
         written     <= (written'range => '0');
         was_read    <= (was_read'range => '0');
-        write_words <= first_words;
+        for address in write_words'range loop  -- word by word: see flags_t
+          write_words(address) <= first(address);
+        end loop;
       end if;
     end if;
   end process;

@@ -5,7 +5,8 @@
 --
 --   addresses 0 to 7    read_words, 32 bits each, address 0 in the lowest; 0 and 1 turned by a wide constant
 --   addresses 8 to 15   write_words
---   addresses 16 to 31  memory
+--   addresses 16 to 63  none
+--   addresses 64 to 79  memory
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -47,17 +48,27 @@ end entity;
 architecture bench of lockstep_design is
 
   constant slaves : address_map_t(0 to 1) := (
-    0 => (base => to_unsigned(0, 32), words => 16),
-    1 => (base => to_unsigned(16, 32), words => 16));
+    0 => (base => to_unsigned(0, 32), words => 64),
+    1 => (base => to_unsigned(64, 32), words => 16));
 
   signal master_m2s : wishbone_m2s_t;
   signal master_s2m : wishbone_s2m_t;
   signal slaves_m2s : wishbone_m2s_vector_t(0 to 1);
   signal slaves_s2m : wishbone_s2m_vector_t(0 to 1);
 
+  -- Only one word is not zero: as one wide constant it would be lost.
+  function first_words return word_vector_t is
+    variable words : word_vector_t(0 to 63) := (others => (others => '0'));
+  begin
+    words(9) := x"0BADCAFE";
+    return words;
+  end function;
+
+  constant first : word_vector_t(0 to 63) := first_words;
+
   signal turned  : std_ulogic_vector(63 downto 0);
-  signal seen    : word_vector_t(0 to 15);
-  signal written : word_vector_t(0 to 15);
+  signal seen    : word_vector_t(0 to 63);
+  signal written : word_vector_t(0 to 63);
 
 begin
 
@@ -78,10 +89,11 @@ begin
       master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
 
   registers : entity work.register_slave
-    generic map (writable => "0000000011111111", data_width => data_width, snapshot => true)
+    generic map (writable => "0000000011111111------------------------------------------------", data_width => data_width, snapshot => true, initial => first)
     port map (
       clock => clock, reset => reset, wishbone_m2s => slaves_m2s(0), wishbone_s2m => slaves_s2m(0),
-      read_words => seen, write_words => written, written => open);
+      read_words => seen, write_words => written, written => open,
+      was_read => open);
 
   -- GHDL 2.0 prints constants of more than 32 bits wrongly in Verilog.
   turned  <= x"0123456789ABCDEF" when events(0) = '1' else x"FEDCBA9876543210";
@@ -90,6 +102,10 @@ begin
 
   others_seen : for index in 2 to 7 generate
     seen(index) <= read_words(32 * index + 31 downto 32 * index);
+  end generate;
+
+  holes : for index in 16 to 63 generate
+    seen(index) <= (others => '0');
   end generate;
 
   words : for index in 0 to 7 generate

@@ -55,7 +55,8 @@ Examples, none of which needs a board:
   unitylink simulate arm.ul --tcp 5555
 
 LINK is where the device is: serial:/dev/ttyUSB0?baud=3000000, tcp://HOST:PORT, udp://HOST:PORT, or
-sim:SPEC.ul for a virtual board inside the command. `unitylink COMMAND --help` shows examples of each.
+sim:SPEC.ul for a virtual board inside the command (rtl:SPEC.ul for the VHDL itself, compiled).
+`unitylink COMMAND --help` shows examples of each.
 """
 
 

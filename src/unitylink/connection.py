@@ -13,6 +13,7 @@ def connect(url: str) -> Link:
         connect("serial:/dev/ttyUSB0?baud=3000000")
         connect("tcp://192.168.1.10:5555?crc=1&fifo=1024")
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
+        connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
     Options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
     buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,
@@ -22,7 +23,7 @@ def connect(url: str) -> Link:
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
-    if url.startswith("sim:"):
+    if url.startswith(("sim:", "rtl:")):
         from unitylink.simulate import simulated_board
 
         board, link_url = simulated_board(url)
@@ -35,6 +36,7 @@ def connect(url: str) -> Link:
             board.close()
             raise
         link.url = url
+        link.board = board
         link.call_on_close(board.close)
         return link
     return Link(url)

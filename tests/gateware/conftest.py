@@ -9,13 +9,13 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.generate import generate_vhdl
 from unitylink.spec import Spec
+from unitylink.tools.conformance_rtl import RtlPlayer
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs
@@ -97,74 +97,6 @@ def ghdl(tmp_path_factory: pytest.TempPathFactory) -> Ghdl:
     work = Path(COVERAGE) / os.environ.get("PYTEST_XDIST_WORKER", "main")
     work.mkdir(parents=True)
     return Ghdl(work, sources, count_lines=True)
-
-
-class RtlPlayer:
-    """Plays steps to the core in GHDL, as conformance_bench.play_on_twin does to the twin."""
-
-    def __init__(self, ghdl: Ghdl, folder: Path) -> None:
-        self.ghdl = ghdl
-        self.folder = folder
-        self.runs = 0
-        self.times: list[
-            tuple[str, int, int]
-        ] = []  # of the last run: see replay_tb; kind, clock, byte or address or -1
-
-    def __call__(
-        self,
-        configuration: BoardConfiguration,
-        exchanges: Sequence[Sequence[tuple[str, Any]]],
-        **generics: int | str,
-    ) -> list[bytes]:
-        """Do the exchanges in order from reset; the bytes sent during each one."""
-        self.runs += 1
-        steps_file = self.folder / f"steps_{self.runs}.txt"
-        answers_file = self.folder / f"answers_{self.runs}.txt"
-        steps = [step for exchange in exchanges for step in exchange]
-        steps_file.write_text(
-            "".join(
-                f"{kind[0]} {argument.encode('latin-1').hex() if kind == 'send' else argument}\n"
-                for kind, argument in steps
-            ),
-            encoding="ascii",
-        )
-        self.ghdl.run(
-            "replay_tb",
-            **{
-                "steps_file": str(steps_file),
-                "answers_file": str(answers_file),
-                "address_width": configuration.address_bits,
-                "data_width": configuration.data_bits,
-                "base_hz": configuration.base_hz,
-                "groups": configuration.groups,
-                "group_size": configuration.group_size,
-                "rate_bytes": configuration.rate_bytes,
-                "read_many": configuration.read_many,
-                "publish_mode": configuration.publish_mode,
-                "with_rlc": int(configuration.configuration_command),
-                "datalink": configuration.datalink,
-                "checksum": configuration.checksum,
-                "polynomial": configuration.polynomial,
-                "edge_events": sum(1 << group for group in configuration.edge_event_groups),
-                "recorded": int(configuration.bench_memory),
-                **generics,
-            },
-        )
-        sent: list[bytes] = [b""]
-        self.times = []
-        for line in answers_file.read_text(encoding="ascii").splitlines():
-            kind, *numbers = line.split()
-            if numbers:
-                self.times.append((kind, int(numbers[0]), int(numbers[1]) if len(numbers) > 1 else -1))
-            if kind == "b":
-                sent[-1] += bytes([int(numbers[1])])
-            elif kind == "s":
-                sent.append(b"")
-        assert len(sent) == len(steps) + 1, f"{len(sent) - 1} of {len(steps)} steps were played"
-        after_all = sent.pop()
-        sent[-1] += after_all
-        parts = iter(sent)
-        return [b"".join(next(parts) for _ in exchange) for exchange in exchanges]
 
 
 @pytest.fixture

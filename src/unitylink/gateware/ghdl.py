@@ -58,9 +58,20 @@ class Ghdl:
             )
         return printed
 
+    def run(self, bench: str, **generics: Generic) -> str:
+        """Run a self-checking bench to its end and return its output; raise ToolError if it does not pass."""
+        self.make(bench)
+        settings = [f"-g{name}={_text(value)}" for name, value in generics.items()]
+        checks = ["--assert-level=error", "--ieee-asserts=disable-at-0"]
+        output = "".join(self._call("-r", "--std=08", bench, *settings, *checks))
+        if f"{bench}: passed" not in output:
+            raise ToolError(f"{bench} stopped before its end:\n{output}")
+        return output
+
     def _call(self, *arguments: str) -> tuple[str, str]:
         command = [self._executable, *arguments]
-        shown = " ".join(["ghdl", *arguments[:1], *arguments[-1:]])
+        first = next((argument for argument in arguments if argument[0] != "-"), "")
+        shown = f"ghdl {arguments[0]} {first}"
         try:
             done = subprocess.run(
                 command, cwd=self._work, capture_output=True, text=True, timeout=_SECONDS_MOST, check=False

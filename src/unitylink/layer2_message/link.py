@@ -59,6 +59,7 @@ class Link:
         """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
         self._native = _native.open_link(url)
         self.url = url
+        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, whose maker puts it here
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
         self._callbacks = CallbackThread(self._native)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`sim:` URLs: a virtual board made on the spot."""
+"""`sim:` and `rtl:` URLs: a virtual board made on the spot."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from urllib.parse import parse_qsl, quote, urlencode
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.spec import load
+from unitylink.spec.model import Spec
 
 from .board import Board
-from .plant import DEFAULT_PLANT, load_plant
+from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
 _BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
 _SHARED = (
@@ -27,14 +28,16 @@ _SHARED = (
 def simulated_board(url: str) -> tuple[Board, str]:
     """Make the board of `sim:SPEC.ul?plant=NAME&…` and return it with the URL a link to it has.
 
+    `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
+
     Options of the board: `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits=
     base_hz= groups= group_size= read_many= rate_bytes= publish_mode=`; all others are the link's. Close the
-    board after the link. Raises UrlError, SpecError, UnityLinkError.
+    board after the link. Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
     kind, _, rest = url.partition(":")
     path, _, query = rest.partition("?")
-    if kind != "sim" or not path:
-        raise UrlError(f"{url!r}: expected sim:SPEC.ul, with ?option=value&… behind it")
+    if kind not in _KINDS or not path:
+        raise UrlError(f"{url!r}: expected sim:SPEC.ul or rtl:SPEC.ul, with ?option=value&… behind it")
     try:
         options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     except ValueError as error:
@@ -52,12 +55,26 @@ def simulated_board(url: str) -> tuple[Board, str]:
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
-    board = Board(
-        spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant, endpoint="fd"
-    )
+    board = _KINDS[kind](spec, plant, generics)
     try:
         link_url = board.url + (f"?{urlencode(options, safe=',/', quote_via=quote)}" if options else "")
     except UnityLinkError:
         board.close()
         raise
     return board, link_url
+
+
+def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int]) -> Board:
+    return Board(spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant)
+
+
+def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int]) -> Board:
+    from .rtl import (
+        RtlBoard,
+        rtl_configuration,
+    )  # the generator and the compilers: only for those who want them
+
+    return RtlBoard(spec, configuration=rtl_configuration(spec, **generics), plant=plant)
+
+
+_KINDS = {"sim": _twin, "rtl": _gateware}

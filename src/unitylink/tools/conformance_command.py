@@ -10,8 +10,9 @@ from .output import json_option, print_json
 
 @click.command()
 @click.argument("file")
+@click.option("--rtl", is_flag=True, help="Ask the VHDL in GHDL instead of the twin.")
 @json_option("the report, with every exchange")
-def command(file: str, as_json: bool) -> int:
+def command(file: str, rtl: bool, as_json: bool) -> int:
     """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
 
     Required exchanges have to be equal byte for byte (as far as each one's `compare` rule says). Known
@@ -22,11 +23,18 @@ def command(file: str, as_json: bool) -> int:
     \b
     Examples:
       unitylink conformance tests/conformance/classic-transcripts.json
+      unitylink conformance tests/conformance/classic-transcripts.json --rtl
       unitylink conformance recordings.json --json > report.json
     """
     from .conformance import as_dict, render, replay
 
-    report = replay(file)
+    if rtl:
+        from .conformance_rtl import rtl_player
+
+        with rtl_player() as player:
+            report = replay(file, player)
+    else:
+        report = replay(file)
     if as_json:
         print_json(as_dict(report))
     else:

@@ -26,8 +26,9 @@ _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 def command(link: str, spec_file: str | None, as_json: bool) -> None:
     """Show the configuration of a device, what its network does, and the statistics of the link.
 
-    LINK is one of serial:PORT?baud=N, tcp://HOST:PORT, udp://HOST:PORT, fd:N and sim:SPEC.ul. Options follow
-    a `?`, divided by `&`: timeout= (s) attempts= fifo= (bytes) crc=0|1 window= gateware=auto|2012|corrected.
+    LINK is one of serial:PORT?baud=N, tcp://HOST:PORT, udp://HOST:PORT, fd:N, sim:SPEC.ul and rtl:SPEC.ul
+    (the twin; the VHDL itself). Options follow a `?`, divided by `&`: timeout= (s) attempts= fifo= (bytes)
+    crc=0|1 window= gateware=auto|2012|corrected.
 
     \b
     Examples:

@@ -45,7 +45,10 @@ def _checked(ctx: click.Context, parameter: click.Parameter, value: str) -> str:
 
 link_argument = click.argument("link", metavar="LINK", callback=_checked)
 spec_option = click.option(
-    "--spec", "spec_file", metavar="FILE", help="The spec that gives the names; a sim: link brings its own."
+    "--spec",
+    "spec_file",
+    metavar="FILE",
+    help="The spec that gives the names; a sim: or rtl: link brings its own.",
 )
 
 
@@ -62,14 +65,13 @@ class Target:
 
 
 def simulated_spec(link: str) -> str | None:
-    """Return the file a `sim:` link simulates, None for other links.
+    """Return the file a `sim:` or `rtl:` link simulates, None for other links.
 
     >>> simulated_spec("sim:arms/scara.ul?plant=ramp")
     'arms/scara.ul'
     """
-    if not link.startswith("sim:"):
-        return None
-    return link.removeprefix("sim:").partition("?")[0]
+    kind, _, rest = link.partition(":")
+    return rest.partition("?")[0] if kind in ("sim", "rtl") else None
 
 
 def load_names(link: str | None, spec_file: str | None) -> Names:
@@ -82,7 +84,7 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
         and spec_file is not None
         and Path(simulated).resolve() != Path(spec_file).resolve()
     ):
-        raise click.UsageError(f"a sim: link brings its own spec; leave --spec {spec_file} out")
+        raise click.UsageError(f"a sim: or rtl: link brings its own spec; leave --spec {spec_file} out")
     file = spec_file if spec_file is not None else simulated
     if file is None:
         return Names(None)

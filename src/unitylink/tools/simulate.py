@@ -42,6 +42,8 @@ def _number(name: str, what: str, *, field: str | None = None, least: int = 1) -
 )
 @_number("--fifo", "Bytes in the board's receive and transmit buffers, as on real boards.")
 @_number("--baud", "Pace bytes as a UART of this baud rate does.", field="baud_hz")
+@click.option("--rtl", is_flag=True, help="Serve the VHDL of the spec, compiled, instead of the twin.")
+@_number("--clock-hz", "Clock of the board; with --rtl 1 MHz unless told.")
 @_number("--data-bits", "Width of a word (8 to 32).")
 @_number("--base-hz", "Base publish frequency.")
 @_number("--groups", "Publish groups (1 to 256).")
@@ -58,10 +60,14 @@ def command(
     pty: str | None,
     bind: str | None,
     plant: str | None,
+    rtl: bool,
     as_json: bool,
     **generics: int | None,
 ) -> None:
     """Serve a virtual board of a spec until Ctrl-C: the classic gateware, bit by bit, and a plant that moves.
+
+    With --rtl it is the VHDL that `unitylink generate --only vhdl` makes, compiled by GHDL and Verilator:
+    half a minute the first time, then from a cache.
 
     Anybody on this machine can connect, one at a time; other machines only where --bind allows it.
 
@@ -70,16 +76,16 @@ def command(
       unitylink simulate scara.ul --tcp 5555 --plant scara
       unitylink simulate scara.ul --pty ./scara.tty --baud 3000000 --fifo 16
       unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0
+      unitylink simulate scara.ul --rtl --tcp 5555 --plant scara
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind)
-    from unitylink.simulate import DEFAULT_PLANT, Board, BoardConfiguration, load_plant
+    from unitylink.simulate import DEFAULT_PLANT, load_plant
     from unitylink.spec import load
 
     spec = load(spec_file)
     given = {name: value for name, value in generics.items() if value is not None}
-    configuration = BoardConfiguration.for_spec(spec, **given)
     moving = load_plant(plant or DEFAULT_PLANT, spec)
-    with Board(spec, configuration=configuration, plant=moving, endpoint=endpoint, bind=address) as board:
+    with _board(rtl, spec, given, plant=moving, endpoint=endpoint, bind=address) as board:
         stop = threading.Event()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: stop.set())
@@ -87,6 +93,17 @@ def command(
         while not stop.wait(_TICK_S):
             if board.error is not None:
                 raise board.error
+
+
+def _board(rtl: bool, spec: Spec, generics: dict[str, int], **options: Any) -> Board:
+    """Make the twin of `spec`, or the board that is its VHDL."""
+    from unitylink.simulate import Board, BoardConfiguration
+
+    if not rtl:
+        return Board(spec, configuration=BoardConfiguration.for_spec(spec, **generics), **options)
+    from unitylink.simulate.rtl import RtlBoard, rtl_configuration
+
+    return RtlBoard(spec, configuration=rtl_configuration(spec, **generics), **options)
 
 
 def _announce(board: Board, spec: Spec, spec_file: str, plant: str, as_json: bool) -> None:

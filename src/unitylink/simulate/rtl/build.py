@@ -25,6 +25,7 @@ from .verilog import model_of, ports_of
 Progress = Callable[[str], None]
 
 _HERE = Path(__file__).parent
+_MAKERS = [_HERE / name for name in ("build.py", "verilog.py", "model.cpp")]
 _VERILATOR = (
     "--cc",
     "--language",
@@ -99,7 +100,7 @@ def _key(design: RtlDesign, tools: _Tools) -> str:
     ]
     parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
     parts += [f"{name}\n{text}" for name, text in sorted(design.files.items())]
-    parts += [path.read_text(encoding="utf-8") for path in (_interface(), *sorted(_HERE.glob("*.*")))]
+    parts += [path.read_text(encoding="utf-8") for path in (_interface(), *_MAKERS)]
     repairs = Path(netlist.__code__.co_filename).parent
     parts += [path.read_text(encoding="utf-8") for path in sorted(repairs.glob("*.py"))]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]

@@ -36,7 +36,7 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
         files={
             name.rpartition("/")[2]: text
             for name, text in generate_vhdl(spec, configuration).items()
-            if name.endswith(".vhd")
+            if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
         },
         read_addresses=tuple(words.read),
         write_addresses=tuple(words.write),

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gateware's side of a replay: its core, run by GHDL in the bench gateware/test/replay_tb.vhd."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Protocol
+
+from unitylink.errors import ToolError
+from unitylink.gateware import Ghdl, gateware_folder
+
+if TYPE_CHECKING:
+    from unitylink.simulate import BoardConfiguration
+
+
+class Simulator(Protocol):
+    """What runs a bench: `unitylink.gateware.Ghdl`, or a test's own."""
+
+    def run(self, bench: str, **generics: int | str | bool) -> str: ...
+
+
+class RtlPlayer:
+    """Plays steps to the core in GHDL, as conformance_bench.play_on_twin does to the twin.
+
+    `times` holds (kind, clock, byte or address or -1) of the last run; the kinds: head of replay_tb.vhd.
+    """
+
+    def __init__(self, ghdl: Simulator, folder: Path) -> None:
+        self.ghdl = ghdl
+        self.folder = folder
+        self.runs = 0
+        self.times: list[tuple[str, int, int]] = []
+
+    def __call__(
+        self,
+        configuration: BoardConfiguration,
+        exchanges: Sequence[Sequence[tuple[str, Any]]],
+        **generics: int | str,
+    ) -> list[bytes]:
+        """Do the exchanges in order from reset; return the bytes sent during each one. Raises ToolError."""
+        self.runs += 1
+        steps_file = self.folder / f"steps_{self.runs}.txt"
+        answers_file = self.folder / f"answers_{self.runs}.txt"
+        steps = [step for exchange in exchanges for step in exchange]
+        steps_file.write_text(
+            "".join(
+                f"{kind[0]} {argument.encode('latin-1').hex() if kind == 'send' else argument}\n"
+                for kind, argument in steps
+            ),
+            encoding="ascii",
+        )
+        self.ghdl.run(
+            "replay_tb",
+            **{
+                "steps_file": str(steps_file),
+                "answers_file": str(answers_file),
+                **_generics(configuration),
+                **generics,
+            },
+        )
+        sent = self._sent(answers_file)
+        if len(sent) != len(steps) + 1:
+            raise ToolError(f"replay_tb played {len(sent) - 1} of {len(steps)} steps: see {answers_file}")
+        after_all = sent.pop()
+        sent[-1] += after_all
+        parts = iter(sent)
+        return [b"".join(next(parts) for _ in exchange) for exchange in exchanges]
+
+    def _sent(self, answers_file: Path) -> list[bytes]:
+        """Return the bytes sent in each step, and last those behind all of them."""
+        sent: list[bytes] = [b""]
+        self.times = []
+        for line in answers_file.read_text(encoding="ascii").splitlines():
+            kind, *numbers = line.split()
+            if numbers:
+                self.times.append((kind, int(numbers[0]), int(numbers[1]) if len(numbers) > 1 else -1))
+            if kind == "b":
+                sent[-1] += bytes([int(numbers[1])])
+            elif kind == "s":
+                sent.append(b"")
+        return sent
+
+
+def _generics(configuration: BoardConfiguration) -> dict[str, int | str]:
+    return {
+        "address_width": configuration.address_bits,
+        "data_width": configuration.data_bits,
+        "base_hz": configuration.base_hz,
+        "groups": configuration.groups,
+        "group_size": configuration.group_size,
+        "rate_bytes": configuration.rate_bytes,
+        "read_many": configuration.read_many,
+        "publish_mode": configuration.publish_mode,
+        "with_rlc": int(configuration.configuration_command),
+        "datalink": configuration.datalink,
+        "checksum": configuration.checksum,
+        "polynomial": configuration.polynomial,
+        "edge_events": sum(1 << group for group in configuration.edge_event_groups),
+        "recorded": int(configuration.bench_memory),
+    }
+
+
+@contextmanager
+def rtl_player() -> Iterator[RtlPlayer]:
+    """Give a player on the VHDL of this checkout; raise ToolError without GHDL, or without the benches."""
+    benches = gateware_folder() / "test"
+    if not (benches / "replay_tb.vhd").is_file():
+        raise ToolError("the benches of the gateware did not come with this installation: use a checkout")
+    with TemporaryDirectory(prefix="unitylink-conformance-") as work:
+        folder = Path(work)
+        yield RtlPlayer(Ghdl(folder, sorted(gateware_folder().rglob("*.vhd"))), folder)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What Verilator is given, and what is said when a design or a tool will not do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unitylink import connect
+from unitylink.errors import ToolError, UrlError
+from unitylink.simulate.rtl import RtlDesign, build_model
+from unitylink.simulate.rtl.verilog import Port, model_of, ports_of, with_named_assertions
+
+HEAD = """module part
+  (input  clock);
+endmodule
+
+module top
+  (input  clock,
+   input  reset,
+   input  rx_valid,
+   input  [7:0] rx_data,
+   input  [2:0] rx_error,
+   input  tx_ready,
+   input  [1:0] events,
+   input  [63:0] read_words,
+   output rx_ready,
+   output tx_valid,
+   output [7:0] tx_data,
+   output [31:0] write_words);
+endmodule
+"""
+ASSERTION = """  /* /some/where/fifo.vhd:73:5  */
+  always @*
+    if (!n1760_q)
+      $fatal(1, "assertion failure n1744");
+"""
+
+
+def test_ports() -> None:
+    ports = {port.name: port for port in ports_of(HEAD, "Top")}
+    assert ports["rx_data"] == Port("rx_data", True, 8)
+    assert ports["write_words"] == Port("write_words", False, 32)
+    assert ports["clock"].bits == 1
+
+
+def test_inputs_go_through_registers_but_clock_and_words() -> None:
+    model = model_of(HEAD, "top")
+    assert "  input [7:0] rx_data_next" in model
+    assert "    rx_data <= rx_data_next;" in model
+    assert "  input [63:0] read_words,\n" in model
+    assert "clock_next" not in model
+    assert "    .write_words(write_words)" in model
+
+
+def test_a_failed_assertion_tells_its_place() -> None:
+    assert '$c("unitylink_failed(\\"fifo.vhd:73\\");");' in with_named_assertions(ASSERTION)
+    with pytest.raises(ToolError, match="in a form that is not known"):
+        with_named_assertions('$fatal(2, "else");')
+
+
+def test_design_without_streams() -> None:
+    with pytest.raises(
+        ToolError, match=r"part cannot be simulated live: it has no port reset \(1 bits\), rx_valid"
+    ):
+        ports_of(HEAD, "part")
+    with pytest.raises(ToolError, match="no module nothing"):
+        ports_of(HEAD, "nothing")
+
+
+def test_missing_tools_are_named_all_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CXX", raising=False)
+    with pytest.raises(
+        ToolError, match=r"missing: ghdl, verilator, g\+\+;.* apt-get install ghdl verilator g\+\+"
+    ):
+        build_model(RtlDesign("core"))
+
+
+@pytest.mark.parametrize(
+    ("url", "message"),
+    [
+        ("rtl:", r"expected sim:SPEC\.ul or rtl:SPEC\.ul"),
+        ("rtl:x.ul?clock_hz=fast", "clock_hz=fast is not a whole number"),
+    ],
+)
+def test_urls_that_will_not_do(url: str, message: str) -> None:
+    with pytest.raises(UrlError, match=message):
+        connect(url)
