@@ -96,6 +96,7 @@ system)
   need_rtl
   need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
   need yosys yosys command -v yosys                                    # maps netlists on chips
+  need verilator verilator command -v verilator                        # compiles the gateware for live simulation
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework

@@ -5,6 +5,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.bench_pkg.all;
   use work.wishbone_pkg.all;
 
 package wishbone_bench_pkg is
@@ -24,6 +25,23 @@ package wishbone_bench_pkg is
     word         : out std_ulogic_vector(31 downto 0);
     refused      : out boolean;
     clocks       : out positive
+  );
+
+  -- A single access to a whole word, which must not be refused.
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  std_ulogic_vector(31 downto 0)
+  );
+
+  procedure bus_read (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    word         : out std_ulogic_vector(31 downto 0)
   );
 
 end package;
@@ -58,6 +76,35 @@ package body wishbone_bench_pkg is
     end loop;
     report "an access to x" & to_hstring(std_ulogic_vector(address)) & " did not end"
       severity failure;
+  end procedure;
+
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  std_ulogic_vector(31 downto 0)
+  ) is
+    variable word    : std_ulogic_vector(31 downto 0);
+    variable refused : boolean;
+    variable clocks  : positive;
+  begin
+    bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
+    check(not refused, "a write to " & integer'image(address) & " was refused");
+  end procedure;
+
+  procedure bus_read (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    word         : out std_ulogic_vector(31 downto 0)
+  ) is
+    variable refused : boolean;
+    variable clocks  : positive;
+  begin
+    bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
+    check(not refused, "a read of " & integer'image(address) & " was refused");
   end procedure;
 
 end package body;

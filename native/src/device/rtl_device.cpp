@@ -24,7 +24,9 @@ const unitylink_rtl* load(const std::string& library, const RtlWords& words, std
     throw RtlError(library + ": not compiled gateware for this version of Unity-Link");
   }
   const unitylink_rtl* model = entry();
-  if (model->read_words != words.read.size() || model->write_words != words.write.size() || model->groups != groups) {
+  const bool has_events = model->groups > 0;  // a design of one's own may have none
+  if (model->read_words != words.read.size() || model->write_words != words.write.size() ||
+      (has_events && model->groups != groups)) {
     throw RtlError(library + ": compiled from another design (" + std::to_string(model->read_words) + " words to read, " +
                    std::to_string(model->write_words) + " to write, " + std::to_string(model->groups) + " groups)");
   }

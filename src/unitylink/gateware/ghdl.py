@@ -47,10 +47,18 @@ class Ghdl:
             self._call("-m", "--std=08", "-Wno-hide", top)
             self._made.add(top)
 
-    def synthesise(self, top: str, language: str, generics: Mapping[str, Generic] | None = None) -> str:
+    def synthesise(
+        self,
+        top: str,
+        language: str,
+        generics: Mapping[str, Generic] | None = None,
+        *,
+        assertions: bool = True,
+    ) -> str:
         """Return the netlist of `top` as GHDL prints it in `language` ("verilog" or "vhdl")."""
         self.make(top)
         settings = [f"-g{name}={_text(value)}" for name, value in (generics or {}).items()]
+        settings += [] if assertions else ["--no-formal"]
         printed, said = self._call("--synth", "--std=08", f"--out={language}", *settings, top)
         if wrong := _WRONG_LOGIC.search(said):
             raise ToolError(

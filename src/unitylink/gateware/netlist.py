@@ -12,14 +12,25 @@ from .repairs import repaired
 from .sources import gateware_sources
 
 
-def netlist(top: str, *, sources: Sequence[Path] = (), generics: Mapping[str, Generic] | None = None) -> str:
+def netlist(
+    top: str,
+    *,
+    sources: Sequence[Path] = (),
+    generics: Mapping[str, Generic] | None = None,
+    assertions: bool = True,
+) -> str:
     """Return the netlist of the entity `top`, as Verilog for Verilator and yosys.
 
     `top` is of the gateware, or of `sources`, which are analysed with it; `generics` override its own. A top
-    level has ports of named types only: no unconstrained arrays, none of width 0. Raises ToolError.
+    level has ports of named types only: no unconstrained arrays, none of width 0. `assertions` of the VHDL
+    become calls of $fatal, which simulators know and yosys does not. Raises ToolError.
 
-        netlist("core", generics={"address_width": 16, "publish_mode": 0})
+        netlist("core", generics={"address_width": 16, "publish_mode": 0}, assertions=False)
     """
     with tempfile.TemporaryDirectory(prefix="unitylink-netlist-") as folder:
         ghdl = Ghdl(Path(folder), [*gateware_sources(), *(path.resolve() for path in sources)])
-        return repaired(ghdl.synthesise(top, "verilog", generics), ghdl.synthesise(top, "vhdl", generics))
+        verilog, vhdl = (
+            ghdl.synthesise(top, language, generics, assertions=assertions)
+            for language in ("verilog", "vhdl")
+        )
+        return repaired(verilog, vhdl)

@@ -30,6 +30,11 @@ def test_a_source_of_ones_own(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "module small" in netlist("small", sources=[Path("small.vhd")])
 
 
+def test_assertions_are_for_simulators() -> None:
+    assert "$fatal" in netlist("core")
+    assert "$fatal" not in netlist("core", assertions=False)
+
+
 def test_missing_ghdl_names_the_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ToolError, match="apt-get install ghdl"):

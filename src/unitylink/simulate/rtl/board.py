@@ -13,7 +13,7 @@ from unitylink.spec.model import Spec
 from ..board import Board
 from ..plant import AnyPlant
 from .build import Progress, build_model
-from .design import design_of
+from .design import RtlDesign, design_of
 
 CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and a robot does not need more
 
@@ -37,6 +37,9 @@ class RtlBoard(Board):
 
     Words have one writer, as on an FPGA: a plant sets what the PC reads, and the PC sets the others.
 
+    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md); what moves behind
+    its words is in it, or in a `plant`, but no plant is taken by default.
+
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
     configuration has what the generated design has not), and what Board does.
     """
@@ -45,6 +48,7 @@ class RtlBoard(Board):
         self,
         spec: Spec,
         *,
+        design: RtlDesign | None = None,
         configuration: BoardConfiguration | None = None,
         plant: AnyPlant | None = None,
         endpoint: str = "fd",
@@ -52,8 +56,9 @@ class RtlBoard(Board):
         progress: Progress | None = None,
     ) -> None:
         chosen = configuration if configuration is not None else rtl_configuration(spec)
-        self._model = build_model(design_of(spec, chosen), progress)
-        super().__init__(spec, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
+        self._model = build_model(design if design is not None else design_of(spec, chosen), progress)
+        shown = spec if design is None or plant is not None else None  # a spec without a plant would get one
+        super().__init__(shown, configuration=chosen, plant=plant, endpoint=endpoint, bind=bind)
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:
         return _native.Board(self.configuration, endpoint, bind, self._model)

@@ -17,8 +17,8 @@ class RtlDesign:
     """An entity `top` and the VHDL that the gateware has not: `files`, name to text.
 
     Its ports: clock, reset, rx_valid, rx_ready, rx_data, rx_error, tx_valid, tx_ready, tx_data, events (a bit
-    a group), read_words and write_words (32 bits an address, in the order of the addresses here). Further
-    inputs are held low, further outputs ignored.
+    a group), read_words and write_words (32 bits an address, in the order of the addresses here). The last
+    three may be missing. Further inputs are held low, further outputs ignored.
     """
 
     top: str

@@ -103,8 +103,10 @@ std::uint32_t get_word([[maybe_unused]] const void* handle, [[maybe_unused]] std
 #endif
 }
 
-void set_event(void* handle, std::uint32_t group, std::uint32_t high) {
+void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t group, [[maybe_unused]] std::uint32_t high) {
+#if GROUPS > 0
   put_bit(model_of(handle).top->events_next, group, high != 0);
+#endif
 }
 
 const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""docs/gateware/own-core.md, done word for word: its files written, its commands typed, its outputs seen."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "gateware" / "own-core.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)
+FILE_NAME = re.compile(r"(?:--|#|//) (\w+\.\w+)")  # in the first line of a file
+
+
+def test_own_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "unity-link").symlink_to(ROOT)
+    folder = tmp_path / "mover"
+    folder.mkdir()
+    # What `activate` does, also where the tests run in an environment elsewhere.
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    typed = 0
+    for kind, text in BLOCKS:
+        if kind != "console":
+            named = FILE_NAME.match(text)
+            assert named, f"a block does not say what file it is:\n{text}"
+            (folder / named.group(1)).write_text(text, encoding="utf-8")
+            continue
+        for command, shown in re.findall(r"^\$ (.*)\n((?:(?!\$).*\n)*)", text, re.M):
+            if "activate" in command:
+                continue
+            done = subprocess.run(
+                command, shell=True, cwd=folder, capture_output=True, text=True, timeout=300, check=False
+            )
+            output = done.stdout + done.stderr
+            assert done.returncode == 0, f"{command}\n{output[-3000:]}"
+            assert all(line in output for line in shown.splitlines()), f"{command}\n{output[-3000:]}"
+            typed += 1
+    assert typed == 7
+    assert "SB_LUT4" in (folder / "mover_top.json").read_text(encoding="utf-8")
