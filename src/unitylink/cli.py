@@ -29,6 +29,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
     "budget": ("budget", "Show what the publishes of a spec cost on the line."),
+    "import": ("import_command", "Make a spec from SystemRDL."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
     "info": ("info", "Show what a device is and how the link does."),

@@ -33,8 +33,12 @@ class LanguageClient:
         self.notifications: list[dict[str, Any]] = []
         general = {"positionEncodings": list(encodings)}
         parameters = {"processId": None, "rootUri": None, "capabilities": {"general": general}}
-        self.capabilities: dict[str, Any] = self.request("initialize", parameters)["capabilities"]
-        self.notify("initialized", {})
+        try:
+            self.capabilities: dict[str, Any] = self.request("initialize", parameters)["capabilities"]
+            self.notify("initialized", {})
+        except BaseException:
+            self._kill()
+            raise
 
     def request(self, method: str, parameters: object) -> Any:
         """Send a request and return its result; BenchError where the server answers with an error."""
@@ -98,6 +102,9 @@ class LanguageClient:
         if kind is None:
             self.close()
             return
+        self._kill()
+
+    def _kill(self) -> None:
         self._watchdog.cancel()
         self._process.kill()
         self._process.communicate()

@@ -13,7 +13,17 @@ from unitylink.spec.source import Source
 from unitylink.spec.symbols import Scope, Symbol, Symbols
 
 from .document import Document
-from .words import ACCESS, ELEMENT_PROPERTIES, LINK_PROPERTIES, TOP
+from .words import (
+    ACCESS_WORDS,
+    ELEMENT_PROPERTIES,
+    FIELD_PROPERTIES,
+    LINK_KIND_PROPERTIES,
+    LINK_KINDS,
+    LINK_PROPERTIES,
+    OVERFLOW,
+    TOP,
+    TYPES,
+)
 
 _Kind = types.CompletionItemKind
 _KINDS = {
@@ -23,6 +33,12 @@ _KINDS = {
     "element": _Kind.Field,
     "instance": _Kind.Module,
     "group": _Kind.Reference,
+    "constant": _Kind.Constant,
+    "enum": _Kind.Enum,
+    "value": _Kind.EnumMember,
+    "bits": _Kind.Struct,
+    "field": _Kind.Field,
+    "link": _Kind.Interface,
 }
 
 
@@ -50,53 +66,90 @@ class _Place:
         first = max((i + 1 for i, kind in enumerate(kinds) if kind in (";", "{", "}")), default=0)
         self.symbols = symbols
         self.words = tokens.texts[first:count]
-        self.in_body = kinds.count("{") > kinds.count("}")
+        self.in_type = self.in_body = False
+        if kinds.count("{") > kinds.count("}"):
+            opened = len(kinds) - kinds[::-1].index("{") - 1
+            head = max((i + 1 for i in range(opened) if kinds[i] in (";", "{", "}")), default=0)
+            self.in_type = any(word in ("enum", "bits") for word in tokens.texts[head : head + 2])
+            self.in_body = not self.in_type
         self.scope = symbols.scope_at(offset) if self.in_body else None
         self.callee = self._callee()
 
     def items(self) -> list[types.CompletionItem]:
         words, scope = self.words, self.scope
         last = words[-1] if words else ""
-        if scope is None:
-            return [] if words else _keywords(TOP)
-        opener = self._opener()
+        opener, property_ = self._opener()
         if opener:
-            return self._inside(opener, last, scope)
+            return self._inside(opener, property_, last)
+        if scope is None:
+            return self._outside(last)
         if not words:
-            return _keywords(("TOSNET",)) + _symbols(scope.members.values())
+            return _keywords(LINK_KINDS) + _symbols(scope.members.values())
         if last == "@":
             addresses = self.callee.members if self.callee and len(words) > 1 else scope.members
             return _symbols(s for s in addresses.values() if s.declared is not None)
         if last == ":":
             found = _symbols(self.symbols.constructors.values())
-            return found + _keywords(("signed", *ACCESS)) if words[0] == "@" else found
-        if last == "signed":
-            return _keywords(ACCESS)
+            if words[0] == "@":
+                found += _symbols(self.symbols.types.values()) + _keywords((*TYPES, *ACCESS_WORDS))
+            return found
         if last == ".":
             return self._below(scope)
         if len(words) > 1 and words[1] == "=" and last in ("=", ","):
             return _symbols(s for s in scope.members.values() if s.kind != "address") + _keywords(("ALL",))
+        if words[0] == "@" and ":" in words:  # behind the type
+            return _keywords(ACCESS_WORDS)
         return []
 
-    def _inside(self, opener: str, last: str, scope: Scope) -> list[types.CompletionItem]:
-        """The place is inside brackets that belong to `opener`."""
+    def _outside(self, last: str) -> list[types.CompletionItem]:
+        """The place is outside of constructors."""
+        if not self.words:
+            return _keywords(TOP) if not self.in_type else []
+        if last == ":":
+            return _keywords(TYPES) + _symbols(self.symbols.types.values())
+        return _symbols(self.symbols.constants.values()) if last in ("=", "+", "-", "*") else []
+
+    def _inside(self, opener: str, property_: str, last: str) -> list[types.CompletionItem]:
+        """The place is inside brackets that belong to `opener`, behind `property_=` if that is given."""
         if opener == "ALL":
             return _symbols(self.symbols.constructors.values())
-        properties = ELEMENT_PROPERTIES if opener in ACCESS else LINK_PROPERTIES if opener == "TOSNET" else ()
+        properties: tuple[str, ...] = LINK_KIND_PROPERTIES.get(opener, ())
+        if opener in ACCESS_WORDS:
+            properties = ELEMENT_PROPERTIES
+        elif not self.in_body:
+            properties = FIELD_PROPERTIES if self.in_type else LINK_PROPERTIES
         if properties and last in ("(", ","):
             return _keywords(properties)
-        if last in ("=", "+", "(", ","):
-            return _symbols(scope.parameters.values())
-        return []
+        if property_ == "OVERFLOW":
+            return _keywords(OVERFLOW)
+        if property_ == "LINK":
+            return _symbols(self.symbols.links.values())
+        if last not in ("=", "+", "-", "*", "/", "(", ","):
+            return []
+        found = _symbols(self.symbols.constants.values())
+        if property_ in ("INITIAL", "SAFE"):
+            found += _symbols(v for word in self.words for v in self.symbols.items.get(word, {}).values())
+        if self.scope is not None:
+            found += _symbols(self.scope.parameters.values())
+        if self.callee is not None and opener == self.callee.node.name.text and last in ("(", ","):
+            found += [
+                types.CompletionItem(f"{name}=", kind=_Kind.Variable) for name in self.callee.parameters
+            ]
+        return found
 
-    def _opener(self) -> str:
-        """Return the word before the innermost open bracket, "" outside of brackets."""
-        depth = 0
+    def _opener(self) -> tuple[str, str]:
+        """Return the word before the innermost open bracket and the property whose value is being given."""
+        depth, property_ = 0, ""
         for i in range(len(self.words) - 1, 0, -1):
-            depth += (self.words[i] == ")") - (self.words[i] == "(")
+            word = self.words[i]
+            depth += (word == ")") - (word == "(")
             if depth < 0:
-                return self.words[i - 1]
-        return ""
+                return self.words[i - 1], property_
+            if depth == 0 and word == "," and not property_:
+                property_ = " "  # another one's
+            elif depth == 0 and word == "=" and not property_:
+                property_ = self.words[i - 1]
+        return "", ""
 
     def _callee(self) -> Scope | None:
         """Return the constructor that the statement expands."""

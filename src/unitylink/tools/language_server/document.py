@@ -6,14 +6,27 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from functools import cached_property
+from pathlib import Path
 
 from lsprotocol import types
 from pygls.workspace import PositionCodec
 
-from unitylink.spec import Result, Spec, compile_text
+from unitylink.spec import Diagnostic, Result, Spec, compile_text
+from unitylink.spec.compile import search_path
 from unitylink.spec.symbols import Symbols, find_symbols
+from unitylink.spec.syntax import Name
 
 _LINE_END = re.compile(r"\r\n?|\n")
+
+
+def line_starts(text: str) -> list[int]:
+    """Return where the lines of a text begin."""
+    return [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+
+def _position(text: str, starts: list[int], offset: int, codec: PositionCodec) -> types.Position:
+    line = bisect_right(starts, offset) - 1
+    return types.Position(line, codec.client_num_units(text[starts[line] : offset]))
 
 
 class Document:
@@ -25,22 +38,36 @@ class Document:
         self.codec = codec
         self.result: Result = compile_text(text, file)
         self.spec: Spec | None = self.result.spec or (before.spec if before else None)
-        self._starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
+        self._starts = line_starts(text)
 
     @cached_property
     def symbols(self) -> Symbols:
         """The symbols, found when first asked for: not every edit is followed by a question."""
-        return find_symbols(self.text, self.file)
+        return find_symbols(self.text, self.file, search_path())
 
     def position(self, offset: int) -> types.Position:
         """Return the client's position of a character: clients count in units of their own encoding."""
-        line = bisect_right(self._starts, offset) - 1
-        before = self.text[self._starts[line] : offset]
-        return types.Position(line, self.codec.client_num_units(before))
+        return _position(self.text, self._starts, offset, self.codec)
 
     def range(self, start: int, end: int) -> types.Range:
         """Return the client's range of the characters from `start` up to, without, `end`."""
         return types.Range(self.position(start), self.position(end))
+
+    def location(self, uri: str, place: Name) -> types.Location:
+        """Return where a name stands, in this document (`uri`) or in a file it imports."""
+        source = self.symbols.sources.at(place.start)
+        if source is self.symbols.sources.first:
+            return types.Location(uri, self.range(place.start, place.end))
+        starts = line_starts(source.text)
+        first, last = (
+            _position(source.text, starts, offset - source.base, self.codec)
+            for offset in (place.start, place.end)
+        )
+        return types.Location(Path(source.file).resolve().as_uri(), types.Range(first, last))
+
+    def is_own(self, place: Name) -> bool:
+        """Does a name stand in this document, and not in a file it imports?"""
+        return self.symbols.sources.at(place.start) is self.symbols.sources.first
 
     def offset(self, position: types.Position) -> int:
         """Return the character a client's position means; one beyond the text means its end."""
@@ -54,6 +81,11 @@ class Document:
                 return offset
             units += self.codec.client_num_units(self.text[offset])
         return end
+
+    @property
+    def own_diagnostics(self) -> list[Diagnostic]:
+        """The diagnostics about this document, and not about a file it imports."""
+        return [one for one in self.result.diagnostics if one.span.file == self.file]
 
     @property
     def whole(self) -> types.Range:

@@ -26,6 +26,10 @@ def rename(document: Document, offset: int, new_name: str) -> list[types.TextEdi
     if found is None:
         raise RenameRefused("there is no name here")
     symbol, _ = found
+    elsewhere = next((place for place in symbol.places if not document.is_own(place)), None)
+    if elsewhere is not None:
+        file = document.symbols.sources.at(elsewhere.start).file
+        raise RenameRefused(f"`{symbol.name}` is declared in {file}, which other specs may import")
     new_name = new_name.removeprefix("^")
     if not _NAME.fullmatch(new_name):
         raise RenameRefused(f"`{new_name}` is not a name: names are made of A-Z a-z 0-9 _")
@@ -52,7 +56,7 @@ def formatting(document: Document) -> list[types.TextEdit]:
 def fixes(document: Document, start: int, end: int) -> list[tuple[Diagnostic, str, list[types.TextEdit]]]:
     """Return (diagnostic, title, edits) of each fix for the diagnostics that touch `start` to `end`."""
     found = []
-    for one in document.result.diagnostics:
+    for one in document.own_diagnostics:
         if one.fixes and one.span.start <= end and start <= one.span.end:
             places = [(document.range(fix.span.start, fix.span.end), fix.replacement) for fix in one.fixes]
             edits = [types.TextEdit(place, replacement) for place, replacement in places]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Union
 from urllib.parse import unquote, urlsplit
 
@@ -48,7 +49,8 @@ class Server(LanguageServer):
         text = self.workspace.get_text_document(uri)
         document = Document(text.source, _file(uri), self.workspace.position_codec, self.documents.get(uri))
         self.documents[uri] = document
-        found = [_diagnostic(document, uri, one) for one in document.result.diagnostics]
+        found = [_diagnostic(document, uri, one) for one in document.own_diagnostics]
+        found += _diagnostics_of_imports(document)
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, version))
 
     def place(self, params: _AtPlace) -> tuple[Document, int]:
@@ -86,8 +88,7 @@ def make_server() -> Server:
         found = document.symbols.at(offset)
         if found is None:
             return None
-        target = found[0].target(offset)
-        return types.Location(params.text_document.uri, document.range(target.start, target.end))
+        return document.location(params.text_document.uri, found[0].target(offset))
 
     @server.feature(types.TEXT_DOCUMENT_REFERENCES)
     def references(params: types.ReferenceParams) -> list[types.Location]:
@@ -97,7 +98,7 @@ def make_server() -> Server:
             return []
         symbol = found[0]
         places = symbol.places if params.context.include_declaration else symbol.references
-        return [types.Location(params.text_document.uri, document.range(p.start, p.end)) for p in places]
+        return [document.location(params.text_document.uri, place) for place in places]
 
     @server.feature(types.TEXT_DOCUMENT_RENAME)
     def renamed(params: types.RenameParams) -> types.WorkspaceEdit:
@@ -139,7 +140,7 @@ def make_server() -> Server:
         for scope in document.symbols.scopes:
             one = _outline(document, "constructor", scope.node.name)
             one.range = document.range(scope.start, scope.end)
-            members = scope.members.values()
+            members = list(scope.members.values())
             one.children = [_outline(document, m.kind, m.defined) for m in members if m.defined is not None]
             found.append(one)
         return found
@@ -162,7 +163,32 @@ def _diagnostic(document: Document, uri: str, one: Diagnostic) -> types.Diagnost
         _SEVERITIES[one.severity],
         one.code,
         source="unitylink",
+        related_information=[
+            types.DiagnosticRelatedInformation(
+                types.Location(uri, document.range(label.span.start, label.span.end)), label.text
+            )
+            for label in one.labels
+            if label.span.file == document.file
+        ],
     )
+
+
+def _diagnostics_of_imports(document: Document) -> list[types.Diagnostic]:
+    """Say at the head of the document which of the files it imports have errors."""
+    counts = Counter(
+        one.span.file
+        for one in document.result.diagnostics
+        if one.severity == "error" and one.span.file != document.file
+    )
+    return [
+        types.Diagnostic(
+            document.range(0, 0),
+            f"{file} has {count} error{'' if count == 1 else 's'}: open it, or run `unitylink check`",
+            types.DiagnosticSeverity.Error,
+            source="unitylink",
+        )
+        for file, count in counts.items()
+    ]
 
 
 def _file(uri: str) -> str:

@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""UL-spec from SystemRDL; see README.md."""
+
+from __future__ import annotations
+
+from .read import read_systemrdl
+from .write import Imported, write_spec
+
+__all__ = ["Imported", "read_systemrdl", "write_spec"]

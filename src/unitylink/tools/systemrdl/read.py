@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reading SystemRDL: systemrdl-compiler's tree, or one error with everything it had to say."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from systemrdl.compiler import RDLCompiler
+from systemrdl.messages import MessagePrinter, RDLCompileError
+from systemrdl.node import AddrmapNode
+
+from ..failure import Failure
+
+_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+
+
+class _Collector(MessagePrinter):  # type: ignore[misc, unused-ignore]
+    """Keeps what the compiler says instead of printing it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lines: list[str] = []
+
+    def emit_message(self, lines: list[str]) -> None:
+        self.lines += [_COLOUR.sub("", line) for line in lines]
+
+
+def read_systemrdl(path: str, top: str | None = None, include: Sequence[str] = ()) -> AddrmapNode:
+    """Return the elaborated address map `top` of a file, the last one in it if none is named.
+
+    Raises Failure with the compiler's own messages. Files that embed Perl (`<% … %>`) are refused: reading a
+    specification runs no program.
+    """
+    _refuse_perl(Path(path))
+    collector = _Collector()
+    compiler = RDLCompiler(message_printer=collector, perl_safe_opcodes=[])
+    try:
+        compiler.compile_file(path, incl_search_paths=list(include))
+        return compiler.elaborate(top_def_name=top).top
+    except RDLCompileError as error:
+        said = "\n".join(collector.lines).strip() or str(error)
+        raise Failure(f"{path} is no SystemRDL that compiles:\n{said}") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise Failure(f"{path} cannot be read: {error}") from None
+
+
+def _refuse_perl(path: Path) -> None:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise Failure(f"{path}: {error.strerror}") from None
+    if b"<%" in data:
+        raise Failure(
+            f"{path} embeds Perl (`<%`), which an import does not run",
+            "run SystemRDL's preprocessor yourself and import what it gives",
+        )
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        raise Failure(f"{path}: byte {error.start} is not UTF-8") from None

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The parser agrees with the reference grammar, ul.lark, about what is a spec and what is none.
+
+Both are shown the right specs of the project and mutations of them: tokens left out, doubled, swapped,
+replaced and put in, by chance with a fixed seed.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import pytest
+from lark import Lark
+from lark.exceptions import UnexpectedInput
+
+from unitylink.spec import CODES, Diagnostic, compile_text
+from unitylink.spec.diagnostics import Reporter
+from unitylink.spec.explain import explain
+from unitylink.spec.lexer import KEYWORDS, tokenize
+from unitylink.spec.source import Source
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[2]
+GRAMMAR = (HERE / "ul.lark").read_text("utf-8")
+PAGE = (ROOT / "docs" / "ul-spec.md").read_text("utf-8")
+RIGHT = [
+    *(path.read_text("utf-8") for path in sorted(ROOT.glob("examples/*/*.ul"))),
+    *re.findall(r"```ul\n(.*?)```", PAGE, re.DOTALL),
+    *(explain(code).mended for code in CODES if explain(code).mended),
+]
+MUTATIONS = 2_000
+
+# Codes of form that no grammar of this kind can express; see the head of ul.lark.
+_LENGTHS_AND_PLACES = {"UL003", "UL009", "UL016", "UL017", "UL018", "UL019", "UL045"}
+_LAST_OF_FORM = "UL019"
+
+
+@pytest.fixture(scope="module")
+def grammar() -> Lark:
+    return Lark(GRAMMAR, start="spec", parser="lalr", lexer="contextual")
+
+
+def grammar_accepts(grammar: Lark, text: str) -> bool:
+    try:
+        grammar.parse(text)
+    except UnexpectedInput:
+        return False
+    return True
+
+
+def faults_of_form(text: str) -> list[Diagnostic]:
+    """Return what the parser has against the form of a text, but for what the grammar leaves to it."""
+    return [
+        diagnostic
+        for diagnostic in compile_text(text).diagnostics
+        if diagnostic.code <= _LAST_OF_FORM and diagnostic.code not in _LENGTHS_AND_PLACES
+    ]
+
+
+def tokens_of(text: str) -> list[str]:
+    """Return the tokens of a right text as they are written, comments left out."""
+    tokens = tokenize(Reporter(Source("x.ul", text)))
+    count = tokens.kinds.index("end")
+    return [text[tokens.starts[i] : tokens.ends[i]] for i in range(count)]
+
+
+def likeness(token: str) -> str:
+    """Return what kind of token it is, roughly: its first character, letters and digits by kind."""
+    return "a" if token[0].isalpha() else "0" if token[0].isdigit() else token[0]
+
+
+@pytest.mark.parametrize("number", range(len(RIGHT)))
+def test_right_specs_are_right_for_both(grammar: Lark, number: int) -> None:
+    text = RIGHT[number]
+    assert faults_of_form(text) == []
+    assert grammar_accepts(grammar, text), text
+
+
+@pytest.mark.parametrize("code", [code for code in CODES if code <= _LAST_OF_FORM and explain(code).wrong])
+def test_wrong_examples_are_wrong_for_both(grammar: Lark, code: str) -> None:
+    assert grammar_accepts(grammar, explain(code).wrong) == (code in _LENGTHS_AND_PLACES)
+
+
+def test_mutations_are_judged_alike(grammar: Lark) -> None:
+    chance = random.Random(2013)
+    corpus = [tokens for text in RIGHT if (tokens := tokens_of(text)) and len(tokens) < 250]
+    words = sorted({token for tokens in corpus for token in tokens})
+    alike: dict[str, list[str]] = {}
+    for word in words:
+        alike.setdefault(likeness(word), []).append(word)
+    accepted = 0
+    for _ in range(MUTATIONS):
+        tokens = list(chance.choice(corpus))
+        for _ in range(chance.choice((1, 1, 1, 2, 3))):
+            at = chance.randrange(len(tokens))
+            kind = chance.randrange(7)
+            if kind == 0:
+                del tokens[at : at + 1]
+            elif kind == 1:
+                tokens.insert(at, tokens[at])
+            elif kind == 2:
+                other = chance.randrange(len(tokens))
+                tokens[at], tokens[other] = tokens[other], tokens[at]
+            elif kind == 3:
+                tokens[at] = chance.choice(words)
+            elif kind == 4:
+                tokens.insert(at, chance.choice(words))
+            else:
+                tokens[at] = chance.choice(alike[likeness(tokens[at])])
+            if not tokens:
+                break
+        text = " ".join(tokens)
+        faults = faults_of_form(text)
+        if any("the divisor of the base publish frequency" in fault.message for fault in faults):
+            continue  # PUBLISH with one number: whether it has a unit decides
+        said = grammar_accepts(grammar, text)
+        assert said == (not faults), f"{text}\ngrammar: {said}; parser: {[f.message for f in faults]}"
+        accepted += said
+    assert MUTATIONS // 20 < accepted < MUTATIONS // 2  # the corpus tries both
+
+
+def test_the_grammar_knows_the_keywords() -> None:
+    reserved = re.search(r"^NAME: .*\?!\(([^)]*)\)", GRAMMAR, re.MULTILINE)
+    assert reserved is not None
+    assert set(reserved[1].split("|")) == KEYWORDS
