@@ -21,6 +21,7 @@ tools/setup.sh group demo
 [ -s build/scara.png ]
 say "recorded exchanges of the 2012 gateware"
 "$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
+"$bin/unitylink" conformance tests/conformance/classic-transcripts.json --rtl | tail -n 3
 say "tests"
 tools/setup.sh group wheel
 rm -rf build/coverage

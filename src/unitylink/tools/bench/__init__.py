@@ -32,6 +32,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "generate-10k": ("generators", "measure_ten_thousand"),
     "generate-memory": ("generators", "measure_memory"),
     "language-server": ("language_server", "measure"),
+    "rtl": ("rtl", "measure"),
     "version": ("start_up", "measure_version"),
 }
 

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The pace of the compiled gateware: clocks a second of the SCARA's design, as it answers and publishes."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from .figure import Figure, Run
+
+SECONDS = 5.0
+SECONDS_QUICK = 0.3
+CLOCK_HZ = 1_000_000_000  # more than any machine does: the board runs as fast as it can
+
+
+def measure(run: Run) -> Figure:
+    """Measure the figure; the first time the design is compiled."""
+    from unitylink import _native
+    from unitylink.layer2_message import Link
+    from unitylink.simulate.rtl import build_model, design_of, rtl_configuration
+    from unitylink.spec import load
+
+    spec = load(run.checkout / "examples" / "scara" / "scara.ul")
+    configuration = rtl_configuration(spec)
+    model = build_model(design_of(spec, configuration), run.say)
+    board = _native.Board(replace(configuration, clock_hz=CLOCK_HZ), "fd", "127.0.0.1", model)
+    board.start()
+    try:
+        with Link(f"{board.url()}?timeout=5") as link:
+            addresses = [element.address for _, element in spec.walk() if element.access == "READ"]
+            subscription = link.subscribe(addresses, divisor=1)  # at every strobe: 1,000 clocks apart
+            began_s, clocks, reads = time.perf_counter(), board.time_s() * CLOCK_HZ, 0
+            while (took_s := time.perf_counter() - began_s) < (SECONDS_QUICK if run.quick else SECONDS):
+                link.read_many(addresses)
+                reads += 1
+            clocks = board.time_s() * CLOCK_HZ - clocks
+            publishes = len(subscription.drain()[0]) + subscription.lost
+    finally:
+        board.stop()
+    details = {"publishes/s": publishes / took_s, "read-manys/s": reads / took_s}
+    complaint = "" if publishes else "nothing was published"
+    return Figure(
+        "rtl", "clocks of the compiled gateware", 3e6, False, clocks / took_s, "clocks/s", details, complaint
+    )

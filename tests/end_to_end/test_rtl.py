@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The VHDL itself behind the command line, and the SCARA moving on it: `make demo RTL=1` in short."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from unitylink import connect
+from unitylink.layer4_data import load_spec_objects
+from unitylink.spec import load
+from unitylink.tools.bench import run as bench
+
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+ROOT = Path(__file__).resolve().parents[2]
+SCARA = ROOT / "examples" / "scara" / "scara.ul"
+RECORDINGS = ROOT / "tests" / "conformance" / "classic-transcripts.json"
+UNITYLINK = Path(sys.executable).with_name("unitylink")
+
+# One design, compiled once: the tests that need it run one after another.
+pytestmark = pytest.mark.xdist_group("rtl")
+
+
+def test_scara_moves_on_the_gateware() -> None:
+    spec = load(SCARA)
+    with connect(f"rtl:{SCARA}?plant=scara") as link:
+        robot = load_spec_objects(spec, link)
+        seen: list[int] = []
+        robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
+        with robot["j1"].publishing():
+            robot["j1.spd_sp"].write(4000)
+            robot["j1.pos_sp"].write(800)
+            deadline = time.monotonic() + 60
+            while robot["j1.cpos"].read() != 800:
+                assert time.monotonic() < deadline, "the joint does not get there"
+        assert seen[0] < 100
+        assert max(seen) >= 700
+        assert len(set(seen)) > 5, "positions are published on the way"
+        assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
+
+
+def test_simulate_serves_it(run: Run, tmp_path: Path) -> None:
+    command = [UNITYLINK, "simulate", SCARA, "--rtl", "--plant", "scara", "--pty", tmp_path / "tty"]
+    with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            link = re.search(r"at (serial:\S+)", server.stdout.readline())
+            assert link is not None
+            done = run("read", link.group(1), "j1.cpos", "--spec", SCARA)
+            assert done.returncode == 0, done.stderr
+            assert done.stdout.startswith("j1.cpos = ")
+        finally:
+            server.send_signal(signal.SIGTERM)
+        assert server.wait(30) == 0
+
+
+def test_recordings_on_the_vhdl(run: Run) -> None:
+    done = run("conformance", RECORDINGS, "--rtl")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.splitlines()[-1] == "366 passed, 0 failed"
+
+
+def test_missing_tools_are_named(run: Run, tmp_path: Path) -> None:
+    done = run("info", f"rtl:{SCARA}", PATH=str(tmp_path))
+    assert done.returncode == 1
+    assert "missing: ghdl, verilator, g++" in done.stderr
+    assert "apt-get install ghdl verilator g++" in done.stderr
+    done = run("conformance", RECORDINGS, "--rtl", PATH=str(tmp_path))
+    assert done.returncode == 1
+    assert "ghdl is missing" in done.stderr
+
+
+def test_the_pace_is_a_figure() -> None:
+    report = bench(only=["rtl"], quick=True, say=lambda message: None)
+    assert not report.failures
+    assert report.figures[0].measured > 0
+    assert not report.figures[0].complaint
