@@ -68,6 +68,6 @@ def test_double_buffer_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
     ghdl.run_netlist("double_buffer_slave", tmp_path, words=16)
 
 
-@pytest.mark.parametrize("entity", ["wishbone_interconnect", "register_slave"])
+@pytest.mark.parametrize("entity", ["wishbone_interconnect", "register_slave", "core_axi_lite"])
 def test_synthesis(ghdl: Any, entity: str) -> None:
     assert f"entity {entity} is" in ghdl.synthesise(entity)
