@@ -56,6 +56,7 @@ HARMLESS = dict.fromkeys(("tosnet_reads", "tosnet_status"), ('no assignment for 
 TOSNET = "public net(c) {{ TOSNET(CTRL=c, COMM=c, BASE=0x100); {} }}"
 DESIGNS = {
     "scara": (ROOT / "examples" / "scara" / "scara.ul", {}),
+    "servo": (ROOT / "examples" / "servo" / "servo.ul", {}),
     "walker18": (ROOT / "examples" / "walker18" / "walker18.ul", {}),
     "tosnet_reads": (TOSNET.format("@a = 0x80: READ();"), {}),
     "tosnet_writes": (TOSNET.format("@a = 0x84: WRITE();") + "public b() { @x = 0xFF: READ(); }", {}),
@@ -197,3 +198,30 @@ def test_the_board_of_the_page(designs: Any) -> None:
     board.write_text(block, encoding="ascii")
     spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
     assert "entity board is" in designs.library(spec, None, [board]).synthesise("board")
+
+
+def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
+    """The example: PWM and encoder placed by the spec, and a user's logic with an event."""
+    folder = ROOT / "examples" / "servo"
+    spec = load(folder / "servo.ul")
+    steps: list[str | int] = [
+        "#RLC\n",
+        "#WSA:000120\n",  # trips, group 0: on limit
+        "#WIC:0001\n",
+        "#EPS\n",
+        "#W:0200000640\n",  # servo 0: 1600 us
+        "#W:0300000960\n",  # servo 1: 2400 us
+        "#W:0000000003\n",  # enable, servo mode
+        24_000,  # 3 ms
+        "#R:04\n",
+        "#R:20\n",
+        "#W:2200000000\n",
+    ]
+    answers = designs.play(spec, "servo_tb", steps, [folder / "servo_board.vhd"])
+    assert answers[0] == told(BoardConfiguration.for_spec(spec))
+    assert answers[1:7] == [b"#S_WSA\n", b"#S_WIC\n", b"#S_EPS\n", b"#S_W\n", b"#S_W\n", b"#S_W\n"]
+    assert answers[7] == b"%PUB:000100000001\n", "the switch has closed once, and nobody asked"
+    assert answers[8] in (b"#S_R:0000000f\n", b"#S_R:00000010\n")  # 1600 us of 100 us each
+    assert answers[9:] == [b"#S_R:00000001\n", b"#S_W\n"]
+    library = designs.library(spec, None, [folder / "servo_board.vhd"])
+    assert "entity servo_board is" in library.synthesise("servo_board")

@@ -50,6 +50,11 @@ class Registers:
         value = self[address]
         return value - (1 << self._data_bits) if value >> (self._data_bits - 1) else value
 
+    def event(self, group: int) -> None:
+        """Pulse the event input of a publish group: what is in it goes to the PC, if the PC has asked for
+        that."""
+        self._native.pulse_event(group)
+
     def async_receive(self) -> list[tuple[int, bytes]]:
         """Take what the PC sent through TosNet's asynchronous channel: (node, 1 to 4 bytes) each, oldest
         first."""

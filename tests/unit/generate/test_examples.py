@@ -26,6 +26,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("hello_led", "LEDs 0100"),
         ("walker18", "in the air front.r, middle.l, rear.r"),
         ("pa10", "14 positions; the two links were read"),
+        ("servo", "the limit switch has closed, 1 in all"),
     ],
 )
 def test_example_runs(example: str, said: str) -> None:
@@ -34,7 +35,7 @@ def test_example_runs(example: str, said: str) -> None:
     assert said in done.stdout
 
 
-@pytest.mark.parametrize("example", ["hello_led", "scara", "walker18"])
+@pytest.mark.parametrize("example", ["hello_led", "scara", "servo", "walker18"])
 def test_example_says_what_is_wrong_with_a_link(example: str) -> None:
     done = run(example, "--link", "tcp://127.0.0.1:1")
     assert done.returncode == 1

@@ -23,7 +23,7 @@ from unitylink.spec.model import Spec
 
 ROOT = Path(__file__).resolve().parents[3]
 GOLDEN = ROOT / "tests" / "golden"
-SPECS = [ROOT / "examples" / name / f"{name}.ul" for name in ("scara",)]
+SPECS = [ROOT / "examples" / name / f"{name}.ul" for name in ("scara", "servo")]
 
 
 def spec_of(text: str, file: str = "robot.ul") -> Spec:

@@ -73,7 +73,7 @@ class _Planner:
             source=remark(self.spec.source),
             hash=self.spec.hash,
             configuration=self.configuration,
-            baud_hz=self.configuration.baud_hz or _BAUD_HZ,
+            baud_hz=self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ,
             fifo_bytes=self.configuration.fifo or _FIFO_BYTES,
             generics=_generics(self.configuration),
             addresses=self._address_constants(),
@@ -92,6 +92,11 @@ class _Planner:
             changes=self._changes(),
             **self._records(),
         )
+
+    def _told_baud_hz(self) -> int | None:
+        """Return the baud rate that the spec tells, where it tells one."""
+        told = {device.link.baud_hz for device in self.spec.devices}
+        return told.pop() if len(told) == 1 else None
 
     def _records(self) -> dict[str, Any]:
         """Return the fields of the plan that make the user's package."""
@@ -365,6 +370,9 @@ def _facts(element: Element) -> str:
     """Say what an element is; texts of the spec stand behind words of ours."""
     facts = [element.access, "signed" if element.signed else "unsigned"]
     facts += [f"in {element.unit}"] if element.unit else []
-    facts += [f"published at the base rate / {element.publish.divisor}"] if element.publish else []
+    if element.publish is not None:
+        rate = f"at the base rate / {element.publish.divisor}"
+        on = f"on {element.publish.event or element.publish.trigger}"
+        facts.append(f"published {rate if element.publish.trigger == 'rate' else on}")
     shown = f": {element.display}" if element.display != element.path else ""
     return remark(", ".join(facts) + shown)

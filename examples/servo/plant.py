@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the board would be bolted to: servo 0 turns the wheel, and at either end the limit switch closes."""
+
+from __future__ import annotations
+
+from unitylink.simulate import Registers
+from unitylink.spec import Spec
+
+ENABLED_AS_SERVO = 0b11
+CENTRE_US = 1500
+COUNTS_A_US = 2  # the wheel, for each microsecond of pulse away from the centre
+SPEED = 4000.0  # counts a second
+LIMIT = 1600  # counts
+
+
+class Plant:
+    period_s = 0.001
+
+    def __init__(self) -> None:
+        self.position = 0.0
+        self.trips = 0
+        self.at_limit = False
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        """Find the words by their names."""
+        assert spec is not None
+        self.registers = registers
+        self.address = {path: element.address for path, element in spec.walk()}
+        self.events = {group.event: group.number for device in spec.devices for group in device.groups}
+
+    def step(self, time_s: float) -> None:
+        """Let the wheel follow its servo for a millisecond."""
+        words, at = self.registers, self.address
+        if words[at["drive.control"]] == ENABLED_AS_SERVO and words[at["drive.width[0]"]]:
+            goal = (words[at["drive.width[0]"]] - CENTRE_US) * COUNTS_A_US
+            most = SPEED * self.period_s
+            self.position += min(max(goal - self.position, -most), most)
+        at_limit = abs(self.position) >= LIMIT
+        tripped, self.at_limit = at_limit and not self.at_limit, at_limit
+        self.trips += tripped
+        words[at["wheel.position"]] = round(self.position)
+        words[at["trips"]] = self.trips
+        words[at["uptime_ms"]] = round(time_s * 1000)
+        if tripped:
+            words.event(self.events["limit"])  # as the line of this name does in servo_board.vhd

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sweeps a servo, watches the wheel it turns, and hears of the limit switch without asking.
+
+python examples/servo/run.py
+python examples/servo/run.py --link "serial:/dev/ttyUSB0?baud=1000000"
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from pathlib import Path
+
+from unitylink import UnityLinkError, connect
+from unitylink.layer4_data import Node, ReadValue, WriteValue, load_spec_objects
+from unitylink.spec import load
+
+HERE = Path(__file__).resolve().parent
+SPEC = HERE / "servo.ul"
+WIDTHS_US = (1500, 1800, 1200, 2400)  # the last one drives the wheel into its limit
+TIME_S = 0.6  # for a move
+
+
+def sweep(board: Node) -> bool:
+    """Move through all widths; return whether the switch told that the last one ended at the limit."""
+    control, width_us = board["drive.control"], board["drive.width[0]"]
+    position, trips = board["wheel.position"], board["trips"]
+    assert isinstance(control, WriteValue) and isinstance(width_us, WriteValue)
+    assert isinstance(position, ReadValue) and isinstance(trips, ReadValue)
+    tripped = threading.Event()
+
+    def tell(_: float, count: int) -> None:
+        print(f"the limit switch has closed, {count} in all")
+        tripped.set()
+
+    trips.on_publish(tell)
+    try:
+        width_us.write(WIDTHS_US[0])
+        control.write({"enable": True, "servo": True})
+        for goal_us in WIDTHS_US:
+            width_us.write(goal_us)
+            time.sleep(TIME_S)
+            print(f"servo at {goal_us} us, wheel at {position.read()} counts")
+        return tripped.wait(2.0)
+    finally:
+        control.write({"enable": False, "servo": True})  # no pulses: the servos go limp
+        board.stop_publishing()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    board = f"sim:{SPEC}?plant={HERE / 'plant.py'}"
+    parser.add_argument("--link", default=board, metavar="URL", help="board to use")
+    options = parser.parse_args()
+    try:
+        with connect(options.link) as link:
+            if not sweep(load_spec_objects(load(SPEC), link)):
+                print("servo: the limit switch did not tell that it closed", file=sys.stderr)
+                return 1
+    except UnityLinkError as error:
+        print(f"servo: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
