@@ -169,7 +169,11 @@ class Pwm(Node):
             ),
         )
         self.width = tuple(
-            self._read_write(f"width[{i}]", quantity=facts.Quantity(facts.ValueType("uint", 24), initial=0, safe=0)) for i in range(2),
+            self._read_write(
+                f"width[{i}]",
+                quantity=facts.Quantity(facts.ValueType("uint", 24), initial=0, safe=0),
+            )
+            for i in range(2)
         )
 
 

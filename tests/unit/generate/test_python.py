@@ -48,6 +48,7 @@ def imported(path: Path) -> ModuleType:
     spec = importlib.util.spec_from_file_location(f"generated_{next(_serial)}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[module.__name__] = module  # dataclasses look there for what annotations mean
     spec.loader.exec_module(module)
     return module
 
@@ -83,7 +84,11 @@ def facts(node: Node) -> list[tuple[Any, ...]]:
     """Everything that matters about a tree, groups included."""
     found: list[tuple[Any, ...]] = []
     for name, member in node._members.items():
-        attribute = next(k for k, v in vars(node).items() if v is member)
+        attribute = next(
+            k
+            for k, v in vars(node).items()
+            if v is member or (isinstance(v, tuple) and any(one is member for one in v))
+        )
         if isinstance(member, Node):
             found += [(attribute, member.path, member.display), *facts(member)]
         elif isinstance(member, ValueGroup):

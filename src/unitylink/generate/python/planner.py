@@ -20,7 +20,7 @@ from unitylink.values import Quantity
 from .said import places as _places
 from .said import shown as _shown
 from .said import value_facts
-from .text import WIDTH, Call, call, docstring, quoted
+from .text import WIDTH, Call, call, docstring, quoted, repeated
 from .types import TypeClass, Types
 
 # Access in the spec -> class of layer 4, and the method of Node that makes one.
@@ -258,10 +258,9 @@ class _Planner:
             statement = call(8, f"self.{attribute} = {kinds[0]}", ["self", quoted(own[0].name)])
             return Member(attribute, kinds[0], text, statement)
         if len(set(kinds)) == 1:
-            made = f'{kinds[0]}(self, f"{own[0].array}[{{i}}]") for i in range({len(own)})'
-            return Member(
-                attribute, f"tuple[{kinds[0]}, ...]", text, call(8, f"self.{attribute} = tuple", [made])
-            )
+            made = Call(kinds[0], ["self", f'f"{own[0].array}[{{i}}]"'])
+            statement = repeated(8, f"self.{attribute} = tuple", made, len(own))
+            return Member(attribute, f"tuple[{kinds[0]}, ...]", text, statement)
         each = [Call(kind, ["self", quoted(part.name)]) for kind, part in zip(kinds, own, strict=True)]
         return Member(attribute, f"tuple[{', '.join(kinds)}]", text, call(8, f"self.{attribute} = ", each))
 
@@ -290,8 +289,7 @@ class _Planner:
         if not element.array:
             statement = call(8, f"self.{attribute} = self.{maker}", arguments)
             return Member(attribute, kind, documentation, statement)
-        flat = Call(f"self.{maker}", arguments).flat()
-        statement = call(8, f"self.{attribute} = tuple", [f"{flat} for i in range({count})"])
+        statement = repeated(8, f"self.{attribute} = tuple", Call(f"self.{maker}", arguments), count)
         return Member(attribute, f"tuple[{kind}, ...]", documentation, statement)
 
 

@@ -82,6 +82,22 @@ class Call:
         return f"{self.keyword}{self.head}({inner}{alone})"
 
 
+def repeated(indent: int, head: str, each: Call, count: int) -> str:
+    """Return `head(each for i in range(count))`, on as few lines as it fits.
+
+    >>> print(repeated(8, "self.leg = tuple", Call("Leg", ["self", 'f"leg[{i}]"']), 2))
+    self.leg = tuple(Leg(self, f"leg[{i}]") for i in range(2))
+    """
+    tail = f"for i in range({count})"
+    inside = f"{each.flat()} {tail}"
+    if indent + len(head) + len(inside) + 2 <= WIDTH:
+        return f"{head}({inside})"
+    room = " " * (indent + 4)
+    if len(room) + len(inside) > WIDTH:
+        inside = f"{call(indent + 4, each.head, each.arguments)}\n{room}{tail}"
+    return f"{head}(\n{room}{inside}\n{' ' * indent})"
+
+
 def call(indent: int, head: str, arguments: Sequence[str | Call], tail: str = "") -> str:
     """Return `head(arguments)` and `tail` on one line where it fits, else one argument a line.
 
