@@ -42,6 +42,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "replay": ("replay", "Serve a recording as a device."),
     "discover": ("discover", "List the ports of this machine, and what answers on them."),
     "doctor": ("doctor", "Find what stands between you and a board, and what mends it."),
+    "term": ("term", "Type classic commands; names and checksums are filled in."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import json
+import os
+import pty
+import select
 import shutil
 import subprocess
 from pathlib import Path
 
-from .conftest import ROOT, SCARA, Run
+from .conftest import PATIENCE_S, ROOT, SCARA, UNITYLINK, Run
 
 DISSECTOR = ROOT / "tools" / "wireshark" / "unitylink.lua"
 
@@ -51,3 +54,45 @@ def test_a_file_that_is_no_capture_is_an_error_and_no_traceback(run: Run, tmp_pa
     (tmp_path / "x.pcapng").write_bytes(b"nonsense")
     done = run("decode", tmp_path / "x.pcapng")
     assert done.returncode == 1 and "not a pcapng file" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_terminal_takes_lines_from_a_pipe(run: Run) -> None:
+    done = run("term", f"sim:{SCARA}", text="#R:j1.cpos\n$W:j1.pos_sp 00000005\nhello\n")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("> #RLC") and "2 address bytes" in lines[1]
+    assert lines[2].startswith("> #R:0088 ") and "j1.cpos = " in lines[3]
+    assert lines[4].startswith("> $W:008C00000005*") and lines[5].startswith("< $S_W*")
+    assert "no answer" in lines[7]
+    wrong = run("term", f"sim:{SCARA}", text="#R:j1.cpso\n")
+    assert wrong.returncode == 1 and "did you mean j1.cpos" in wrong.stderr
+
+
+def test_a_person_types_with_tab_and_sees_the_answer() -> None:
+    """On a real terminal: TAB completes a name, Enter sends it, Ctrl-D ends."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.environ["TERM"] = "xterm"
+        os.execv(UNITYLINK, [str(UNITYLINK), "term", f"sim:{SCARA}"])
+    seen = b""
+    try:
+        seen = _until(terminal, seen, b"\x1b[6n")  # where is the cursor? A terminal answers that.
+        os.write(terminal, b"\x1b[10;1R")
+        seen = _until(terminal, seen, b"\x1b[0m>")  # the prompt
+        os.write(terminal, b"#R:j1.cp\t")
+        seen = _until(terminal, seen, b"> #R:j1.cpos")
+        os.write(terminal, b"\r")
+        seen = _until(terminal, seen, b"j1.cpos = ")
+        os.write(terminal, b"\x04")
+    finally:
+        _, status = os.waitpid(pid, 0) if b"j1.cpos = " in seen else (os.kill(pid, 9), os.waitpid(pid, 0)[1])
+        os.close(terminal)
+    assert os.waitstatus_to_exitcode(status) == 0, seen
+
+
+def _until(terminal: int, seen: bytes, what: bytes) -> bytes:
+    while what not in seen:
+        ready, _, _ = select.select([terminal], [], [], PATIENCE_S)
+        assert ready, f"{what!r} did not come; so far: {seen!r}"
+        seen += os.read(terminal, 4096)
+    return seen

@@ -3,13 +3,13 @@
 
 from unitylink.capture import messages, read_packets
 
-for message in messages(read_packets("scara.pcapng"), names={0x88: "j1.cpos"}):
+for message in messages(read_packets("scara.pcapng"), MessageReader({0x88: "j1.cpos"})):
     print(message.time_s, message.direction, message.text, message.meaning)
 """
 
 from __future__ import annotations
 
-from .messages import CaptureMessage, messages
+from .messages import CaptureMessage, MessageReader, messages
 from .pcapng import Packet, PcapngWriter, read_packets
 
-__all__ = ["CaptureMessage", "Packet", "PcapngWriter", "messages", "read_packets"]
+__all__ = ["CaptureMessage", "MessageReader", "Packet", "PcapngWriter", "messages", "read_packets"]

@@ -60,21 +60,13 @@ class _Request:
     address: int | None = None
 
 
-def messages(
-    packets: Iterable[Packet],
-    *,
-    names: Mapping[int, str] | None = None,
-    show: Show | None = None,
-    address_bytes: int | None = None,
-    data_bytes: int | None = None,
-    polynomial: int | None = protocol.CRC8_POLYNOMIAL,
-) -> Iterator[CaptureMessage]:
-    """Yield the messages in `packets`.
+def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> Iterator[CaptureMessage]:
+    """Yield the messages in `packets`, as `reader` understands them.
 
-    `names` gives addresses a name, `show` a word its text. The widths are those the device tells in its CNF;
-    without one in the capture give them, else addresses stay unread.
+    The widths are those the device tells in its CNF; without one in the capture the reader has to be given
+    them, else addresses stay unread.
     """
-    reader = _Reader(names or {}, show or _hex_word, address_bytes, data_bytes, polynomial)
+    reader = reader or MessageReader()
     rest = {SENT: b"", RECEIVED: b""}
     time_s = 0.0
     for packet in _in_order(packets):
@@ -98,17 +90,27 @@ def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
         yield heapq.heappop(heap)[2]
 
 
-class _Reader:
+class MessageReader:
+    """What the lines of a link mean, one after the other; it remembers requests, widths and groups.
+
+    >>> reader = MessageReader({0x88: "j1.cpos"}, address_bytes=1)
+    >>> reader.read(0.0, "sent", b"#R:88\\n").meaning
+    'read j1.cpos'
+    >>> reader.read(0.1, "received", b"#S_R:00000005\\n").meaning
+    'j1.cpos = 0x5'
+    """
+
     def __init__(
         self,
-        names: Mapping[int, str],
-        show: Show,
-        address_bytes: int | None,
-        data_bytes: int | None,
-        polynomial: int | None,
+        names: Mapping[int, str] | None = None,
+        show: Show | None = None,
+        *,
+        address_bytes: int | None = None,
+        data_bytes: int | None = None,
+        polynomial: int | None = protocol.CRC8_POLYNOMIAL,
     ) -> None:
-        self.names = names
-        self.show = show
+        self.names = names or {}
+        self.show = show or _hex_word
         self.address_bytes = address_bytes
         self.data_bytes = data_bytes
         self.polynomial = polynomial
@@ -116,6 +118,7 @@ class _Reader:
         self.groups: dict[int, tuple[int, ...]] = {}
 
     def read(self, time_s: float, direction: str, line: bytes) -> CaptureMessage:
+        """Return the message that `line`, with its line feed, is."""
         kind, meaning = self._request(line) if direction == SENT else self._answer(line)
         return CaptureMessage(time_s, direction, line, kind, meaning)
 

@@ -10,10 +10,11 @@ from collections.abc import Iterator
 import click
 
 from unitylink.capture import CaptureMessage, Packet, PcapngWriter, messages, read_packets
-from unitylink.spec.model import Element
 
 from .link_option import load_names, spec_option
+from .names import Names
 from .output import colours, json_option, print_json
+from .wire_reader import wire_reader
 
 _KINDS = ("request", "reply", "publish", "error", "damaged")
 _ARROWS = {"sent": ">", "received": "<"}
@@ -68,14 +69,8 @@ def command(
     if raw:
         found = _transfers(packets)
     else:
-        elements = {element.address: element for _, element in _elements(spec_file)}
-        found = messages(
-            packets,
-            names={element.address: name for name, element in _elements(spec_file)},
-            show=lambda address, word: _shown(elements.get(address), word),
-            address_bytes=address_bytes,
-            data_bytes=data_bytes,
-        )
+        names = load_names(None, spec_file) if spec_file else Names(None)
+        found = messages(packets, wire_reader(names, address_bytes=address_bytes, data_bytes=data_bytes))
     chosen = (
         message
         for message in found
@@ -95,18 +90,6 @@ def _kinds(text: str | None, default: set[str]) -> set[str]:
     if unknown := kinds - set(_KINDS):
         raise click.UsageError(f"no kind '{min(unknown)}'; there are: {', '.join(_KINDS)}")
     return kinds
-
-
-def _elements(spec_file: str | None) -> list[tuple[str, Element]]:
-    return list(load_names(None, spec_file).elements.items()) if spec_file else []
-
-
-def _shown(element: Element | None, word: int) -> str:
-    if element is None:
-        return f"0x{word:x}"
-    if element.signed and word >> 31:  # a word of the wire has the width of the bus; 32 bits unless told
-        return str(word - (1 << 32))
-    return str(word)
 
 
 def _transfers(packets: Iterator[Packet]) -> Iterator[CaptureMessage]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.capture import CaptureMessage, Packet, messages
+from unitylink.capture import CaptureMessage, MessageReader, Packet, messages
 from unitylink.layer1_stream import ClassicEncoder
 
 NAMES = {0x88: "j1.cpos", 0x8C: "j1.pos_sp"}
@@ -18,7 +18,7 @@ def read(*parts: tuple[str, bytes], **options: object) -> list[CaptureMessage]:
         Packet(float(index), "sent" if arrow == ">" else "received", data)
         for index, (arrow, data) in enumerate(parts)
     ]
-    return list(messages(packets, names=NAMES, **options))  # type: ignore[arg-type]
+    return list(messages(packets, MessageReader(NAMES, **options)))  # type: ignore[arg-type]
 
 
 def meanings(*parts: tuple[str, bytes], **options: object) -> list[str]:
@@ -90,7 +90,7 @@ def test_a_capture_that_ends_within_a_message_says_so() -> None:
 
 def test_answers_written_before_their_requests_are_put_in_order() -> None:
     packets = [Packet(0.2, "received", b"#S_R:00000005\n"), Packet(0.1, "sent", b"#R:88\n")]
-    assert [m.meaning for m in messages(packets, names=NAMES, address_bytes=1)] == [
+    assert [m.meaning for m in messages(packets, MessageReader(NAMES, address_bytes=1))] == [
         "read j1.cpos",
         "j1.cpos = 0x5",
     ]

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink term`: a terminal for people who type classic commands."""
+
+from __future__ import annotations
+
+import re
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+
+from unitylink import protocol
+from unitylink.capture import CaptureMessage, MessageReader
+from unitylink.errors import LinkError
+
+from .failure import Failure
+from .link_option import link_argument, load_names, spec_option
+from .names import Names
+from .wire_reader import wire_reader
+
+if TYPE_CHECKING:
+    from unitylink.layer0_driver import Driver
+
+_COMMANDS = {
+    protocol.COMMAND_READ: "#R:address                 read a word",
+    protocol.COMMAND_READ_MANY: "#RM:count addresses        read 1 to 255 words in one go",
+    protocol.COMMAND_WRITE: "#W:address word            write a word",
+    protocol.COMMAND_READ_CONFIGURATION: "#RLC                       the configuration",
+    protocol.COMMAND_WRITE_GROUP_ADDRESSES: "#WSA:group count addresses what a group publishes",
+    protocol.COMMAND_WRITE_GROUP_RATE: "#WSR:group rate            every rate-th base period; 0 is off",
+    protocol.COMMAND_READ_GROUP: "#RSI:group                 what a group is set to",
+    protocol.COMMAND_ENABLE_PUBLISHING: "#EPS                       publishing on",
+    protocol.COMMAND_ENABLE_CHECKED_PUBLISHING: "#EPC                       publishing on, with checksums",
+    protocol.COMMAND_DISABLE_PUBLISHING: "#DPS                       publishing off",
+    protocol.COMMAND_WRITE_EVENT_MASK: "#WIC:mask                  groups that publish on event",
+    protocol.COMMAND_READ_EVENT_MASK: "#RIC                       the same, read",
+}
+_HELP = """Type a command; `$` instead of `#` adds a checksum by itself. Names of the spec stand for their
+addresses: `#R:j1.cpos`. TAB completes commands and names. .help shows this, .quit or Ctrl-D ends.
+"""
+_LINE = re.compile(r"([#$])([A-Za-z]*)(?::(.*?))?(?:\*([0-9A-Fa-f]{2}))?$")
+_ADDRESS_OR_NAME = re.compile(r"[A-Za-z_][\w.\[\]]*")
+_ANSWER_S = 1.0  # how long a script waits for the answer to a line
+
+
+@click.command()
+@link_argument
+@spec_option
+def command(link: str, spec_file: str | None) -> None:
+    """Type classic commands to a device and see what it answers and publishes, each with its meaning.
+
+    Checksums are added, names stand for addresses. Lines may come from a pipe too: each waits for its answer.
+
+    \b
+    Examples:
+      unitylink term sim:scara.ul
+      unitylink term "serial:/dev/ttyUSB0?baud=3000000" --spec scara.ul
+      printf '#RLC\\n#R:j1.cpos\\n' | unitylink term sim:scara.ul
+    """
+    names = load_names(link, spec_file)
+    with _opened(link) as driver:
+        session = Session(driver, names)
+        for said in session.begin():
+            click.echo(said)
+        if sys.stdin.isatty() and sys.stdout.isatty():
+            _talk(session, link)
+        else:
+            _script(session, sys.stdin)
+
+
+class Session:
+    """One conversation: lines in, what was sent and came out as text."""
+
+    def __init__(self, driver: Driver, names: Names) -> None:
+        self.driver = driver
+        self.names = names
+        self.reader: MessageReader = wire_reader(names)
+        self._rest = b""
+        self._start_s = time.monotonic()
+
+    def begin(self) -> Iterator[str]:
+        """Ask for the configuration, which tells how wide addresses are; yield what was said."""
+        yield self.send(f"#{protocol.COMMAND_READ_CONFIGURATION}")
+        end_s = time.monotonic() + _ANSWER_S
+        while self.reader.address_bytes is None and time.monotonic() < end_s:
+            yield from self.receive(end_s - time.monotonic())
+
+    def send(self, line: str) -> str:
+        """Send a line; return what it was taken for. Raises ValueError for a name the spec does not have."""
+        data = prepare(line, self.names, self.reader.address_bytes or 1).encode("ascii", "replace") + b"\n"
+        message = self.reader.read(self._now_s(), "sent", data)
+        self.driver.send(data)
+        return self._shown(message)
+
+    def receive(self, timeout_s: float) -> Iterator[str]:
+        """Yield the lines that came, if any, within `timeout_s`."""
+        *lines, self._rest = (self._rest + self.driver.receive(timeout_s=timeout_s)).split(b"\n")
+        for line in lines:
+            yield self._shown(self.reader.read(self._now_s(), "received", line + b"\n"))
+
+    def _now_s(self) -> float:
+        return time.monotonic() - self._start_s
+
+    def _shown(self, message: CaptureMessage) -> str:
+        arrow = ">" if message.direction == "sent" else "<"
+        return f"{arrow} {message.text:<28}  {message.meaning}"
+
+
+def prepare(line: str, names: Names, address_bytes: int) -> str:
+    """Put addresses in the place of names, and a checksum behind what begins with `$`.
+
+    >>> prepare("$R:12", Names(None), 1), prepare("#rlc", Names(None), 1)
+    ('$R:12*58', '#rlc')
+    """
+    line = line.strip()
+    match = _LINE.match(line)
+    if match is None:
+        return line  # sent as it is: the device says what it thinks of it
+    head, letters, data, checksum = match.groups()
+    if data is not None:
+        data = _ADDRESS_OR_NAME.sub(lambda found: _digits(found[0], names, address_bytes), data)
+        data = re.sub(r"[\s,]", "", data)
+    text = head + letters + (f":{data}" if data is not None else "")
+    if head == "$" and checksum is None:
+        try:
+            covered = letters.encode("ascii") + bytes.fromhex(data or "")
+        except ValueError:
+            return text
+        checksum = f"{crc8(covered):02X}"
+    return text + (f"*{checksum}" if checksum else "")
+
+
+def _digits(word: str, names: Names, address_bytes: int) -> str:
+    element = names.elements.get(word)
+    if element is not None:
+        return f"{element.address:0{2 * address_bytes}X}"
+    if re.fullmatch(r"[0-9A-Fa-f]+", word):
+        return word
+    from unitylink.spec.suggest import nearest
+
+    meant = nearest(word, names.elements)
+    raise ValueError(f"no name {word!r}" + (f"; did you mean {meant}?" if meant else ""))
+
+
+def crc8(data: bytes) -> int:
+    """Return the checksum of command letters and binary data."""
+    remainder = protocol.CRC8_INITIAL
+    for byte in data:
+        remainder ^= byte
+        for _ in range(8):
+            remainder = (remainder << 1 ^ (protocol.CRC8_POLYNOMIAL if remainder & 0x80 else 0)) & 0xFF
+    return remainder
+
+
+def complete(text: str, names: Names) -> list[str]:
+    """Return what the last word of `text` may become.
+
+    >>> complete("#RL", Names(None))
+    ['RLC']
+    """
+    if ":" not in text:
+        letters = text[1:].upper() if text[:1] in ("#", "$") else None
+        return [command for command in _COMMANDS if letters is not None and command.startswith(letters)]
+    word = re.split(r"[:\s,]", text)[-1]
+    return [name for name in names.elements if name.startswith(word)]
+
+
+def _script(session: Session, lines: Iterable[str]) -> None:
+    for line in lines:
+        if not line.strip():
+            continue
+        click.echo(_sent(session, line))
+        end_s = time.monotonic() + _ANSWER_S
+        answered = False
+        while not answered and time.monotonic() < end_s:
+            for shown in session.receive(end_s - time.monotonic()):
+                click.echo(shown)
+                answered = answered or not shown.startswith(("< %", "< &"))
+        if not answered:
+            click.echo(f"  (no answer in {_ANSWER_S:g} s)")
+
+
+def _sent(session: Session, line: str) -> str:
+    try:
+        return session.send(line)
+    except ValueError as error:
+        raise Failure(str(error), "names are those of the spec (--spec FILE.ul)") from None
+
+
+def _talk(session: Session, link: str) -> None:
+    try:
+        from prompt_toolkit import PromptSession
+        from prompt_toolkit.completion import Completer, Completion
+        from prompt_toolkit.patch_stdout import patch_stdout
+    except ImportError:
+        raise Failure("the terminal needs prompt_toolkit", "pip install 'unitylink[term]'") from None
+
+    class Words(Completer):
+        def get_completions(self, document, event):  # type: ignore[no-untyped-def]
+            text = document.text_before_cursor
+            begun = re.split(r"[#$:\s,]", text)[-1]
+            for word in complete(text, session.names):
+                yield Completion(word, start_position=-len(begun), display_meta=_COMMANDS.get(word, ""))
+
+    click.echo(f"{link}\n{_HELP}")
+    over = threading.Event()
+    failures: list[LinkError] = []
+
+    def listen(say: Callable[[str], None]) -> None:
+        try:
+            while not over.is_set():
+                for shown in session.receive(0.1):
+                    say(shown)
+        except LinkError as error:
+            failures.append(error)
+            say(f"the link has ended: {error}; Enter ends the terminal")
+
+    with patch_stdout():
+        listener = threading.Thread(target=listen, args=(print,), daemon=True)
+        listener.start()
+        prompt: PromptSession[str] = PromptSession(completer=Words(), complete_while_typing=False)
+        try:
+            while not failures:
+                line = prompt.prompt("> ").strip()
+                if line == ".quit":
+                    break
+                if line == ".help":
+                    print(_HELP + "\n".join(_COMMANDS.values()))
+                elif line:
+                    try:
+                        print(session.send(line))
+                    except ValueError as error:
+                        print(error)
+        except (EOFError, KeyboardInterrupt):
+            pass
+        finally:
+            over.set()
+            listener.join()
+    if failures:
+        raise failures[0]
+
+
+@contextmanager
+def _opened(link: str) -> Iterator[Driver]:
+    from unitylink.layer0_driver import Driver
+
+    if not link.startswith("sim:"):
+        with Driver(link) as driver:
+            yield driver
+        return
+    from unitylink.simulate import simulated_board
+
+    board, url = simulated_board(link)
+    with board, Driver(url) as driver:
+        yield driver
