@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
 #   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself
+#   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
@@ -19,7 +20,7 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo test check bench coverage docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage docs fuzz build native-tests unit clean help
 help:
 	@sed -n '2,15s/^# //p' Makefile
 
@@ -31,6 +32,16 @@ ifdef RTL
 else
 	$(BIN)/python examples/scara/run.py --picture build/scara.png
 endif
+
+demo-walker: $(VENV)/.built
+	@tools/setup.sh group demo
+	@$(if $(RTL),tools/setup.sh rtl)
+	$(BIN)/python examples/walker18/run.py $(if $(RTL),--rtl) --picture build/walker18.png
+
+demo-pa10: $(VENV)/.built
+	@tools/setup.sh group demo
+	@$(if $(RTL),tools/setup.sh rtl)
+	$(BIN)/python examples/pa10/run.py $(if $(RTL),--rtl) --picture build/pa10.png
 
 test: $(VENV)/.built
 	@tools/setup.sh group test

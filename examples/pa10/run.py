@@ -1,57 +1,179 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two PA10 arms, each on its own link, as one robot: the same pose to both, one snapshot of both.
+"""Two PA10 arms, each on its own link, as one robot: hand in hand around a circle.
 
-python examples/pa10/run.py
-python examples/pa10/run.py --left tcp://192.168.1.10:5555 --right tcp://192.168.1.11:5555
+    python examples/pa10/run.py                                    # our language: one spec, two links
+    python examples/pa10/run.py --spec pa10.ul                     # the published one: a spec for each arm
+    python examples/pa10/run.py --left tcp://192.168.1.10:5555 --right tcp://192.168.1.11:5555
+
+Every set-point of the fourteen joints is one write: a burst and a commit on each link, at the same time.
+Ends with 1 where an arm did not get home or the hands did not stay together.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
-from unitylink import UnityLinkError, connect
-from unitylink.layer4_data import Node, Value, ValueGroup, load_spec_objects
+import numpy as np
+from arm import HANDS_APART, REST, Array, demonstration, hands_apart
+
+from unitylink import Link, LinkTimeout, UnityLinkError, connect
+from unitylink.layer4_data import Node, Snapshot, Value, ValueGroup, load_spec_objects
 from unitylink.spec import load
+from unitylink.spec.model import Spec
 
-SPEC = Path(__file__).resolve().with_name("pa10.ul")
-JOINTS = ("s1", "s2", "s3", "e1", "e2", "w1", "w2")
-POSE = (100, -450, 0, 900, 0, 450, -100)  # counts
+HERE = Path(__file__).resolve().parent
+PERIOD_S = 0.02  # of the set-points
+SETTLE_S = 2.0
+COUNT = 0.0001  # rad of a count of pa10.ul
+SIDES = ("left", "right")
 
 
-def both(left: Node, right: Node, name: str) -> ValueGroup:
-    """Return a group of one value of every joint of both arms."""
-    values: dict[str, Value] = {}
-    for side, arm in (("left", left), ("right", right)):
-        for joint in JOINTS:
-            value = arm[f"{joint}.{name}"]
-            assert isinstance(value, Value)
-            values[f"{side}.{joint}"] = value
-    return ValueGroup(values, name)
+@dataclass(frozen=True)
+class Run:
+    """What was asked and published: angles (n, 2, 7) in rad, times (n,) in s from the start."""
+
+    asked_s: Array
+    asked: Array
+    measured_s: Array
+    measured: Array
+    lost: int
+    apart_us: float  # the two links' parts of one snapshot
+
+    def asked_at_publishes(self) -> Array:
+        """Return the set-points in force at each publish, (n, 2, 7)."""
+        index = np.searchsorted(self.asked_s, self.measured_s, side="right") - 1
+        asked: Array = self.asked[np.maximum(index, 0)]
+        return asked
+
+
+class Pair:
+    """Both arms in radians, whichever of the two specs describes them."""
+
+    def __init__(self, spec: Spec, links: dict[str, Link]) -> None:
+        self.nodes: list[Node] = []
+        for side in SIDES:
+            root = f"{side}_arm" if len(spec.roots) == 2 else None
+            self.nodes.append(load_spec_objects(spec, links[side], root=root))
+        ours = len(spec.roots) == 2
+        self.scale = 1.0 if ours else COUNT
+        names = ("arm.pos", "arm.target") if ours else ("positions", "set_points")
+        self.positions, self.set_points = (self._both(name) for name in names)
+        limits = [v for node in self.nodes for v in node if v.path.endswith((".limit", ".spd_sp"))]
+        self.limits = ValueGroup({f"{n}": value for n, value in enumerate(limits)}, "speed limits")
+
+    def _both(self, name: str) -> ValueGroup:
+        """Return a group of one value of every joint of both arms."""
+        values: dict[str, Value[float]] = {}
+        for side, node in zip(SIDES, self.nodes, strict=True):
+            group = node[name]
+            assert isinstance(group, ValueGroup)
+            values |= {f"{side}.{path}": value for path, value in group.values.items()}
+        return ValueGroup(values, name)
+
+    def write(self, group: ValueGroup, angles: Array) -> None:
+        """Write rad or rad/s; counts are whole."""
+        flat = angles.ravel() / self.scale
+        group.write([float(v) if self.scale == 1.0 else round(v) for v in flat])
+
+    def angles_in(self, snapshot: Snapshot) -> Array:
+        """Return the (2, 7) positions of one publish."""
+        return np.array(list(snapshot.values()), float).reshape(2, 7) * self.scale
+
+
+def drive(pair: Pair, pace: float) -> Run:
+    """Stream the demonstration's set-points, and keep what is published."""
+    samples: list[tuple[float, Snapshot]] = []
+    asked_s: list[float] = []
+    asked: list[Array] = []
+    pair.write(pair.limits, np.full(14, 3.0))
+    pair.write(pair.set_points, np.stack([REST, REST]))
+    wait_until(pair, np.stack([REST, REST]))
+    pair.positions.on_publish(lambda time_s, values: samples.append((time_s, values)))
+    start = due = time.monotonic()
+    for joints in demonstration(PERIOD_S, pace):
+        due = max(due + PERIOD_S, time.monotonic())  # who is late moves slower, and does not jump
+        time.sleep(max(0.0, due - time.monotonic()))
+        pair.write(pair.set_points, joints)
+        asked_s.append(time.monotonic() - start)
+        asked.append(joints)
+    snapshot = wait_until(pair, asked[-1])
+    reports = [report for node in pair.nodes for report in node.publisher.reports()]
+    for node in pair.nodes:
+        node.stop_publishing()
+    if len(samples) < 2:
+        raise LinkTimeout(f"{len(samples)} publishes came in {asked_s[-1]:.1f} s", item="pa10")
+    times_s = list(snapshot.times_s.values())
+    return Run(
+        asked_s=np.array(asked_s),
+        asked=np.array(asked),
+        measured_s=np.array([time_s for time_s, _ in samples]) - start,
+        measured=np.array([pair.angles_in(values) for _, values in samples]),
+        lost=sum(report.lost for report in reports),
+        apart_us=(max(times_s) - min(times_s)) * 1e6,
+    )
+
+
+def wait_until(pair: Pair, target: Array) -> Snapshot:
+    """Return a snapshot of both arms when all joints are at `target`, or the time is over."""
+    deadline = time.monotonic() + SETTLE_S
+    while True:
+        snapshot = pair.positions.snapshot()
+        if np.abs(pair.angles_in(snapshot) - target).max() < 0.002 or time.monotonic() >= deadline:
+            return snapshot
+        time.sleep(PERIOD_S)
+
+
+def tell(run: Run) -> bool:
+    """Print what happened; return whether both arms are home and the hands stayed together."""
+    asked = run.asked_at_publishes()
+    together = np.abs(hands_apart(asked) - HANDS_APART) < 1e-3  # as asked: on the circle
+    gap_mm = 1e3 * hands_apart(run.measured)[together]
+    rate_hz = (len(run.measured_s) - 1) / (run.measured_s[-1] - run.measured_s[0])
+    final_mrad = 1e3 * np.abs(run.measured[-1] - run.asked[-1]).max()
+    error_mrad = 1e3 * np.sqrt(np.mean((run.measured - asked) ** 2))
+    print(f"  set-points: {len(run.asked_s)} of 14 joints, a burst and a commit on each link")
+    print(f"  publishes: {len(run.measured_s)} sets of 14 positions at {rate_hz:.1f} Hz, {run.lost} lost")
+    print(f"  joints: {error_mrad:.0f} mrad rms behind on the way, {final_mrad:.1f} mrad at the end")
+    print(f"  hands: {gap_mm.min():.0f} to {gap_mm.max():.0f} mm apart on the circle (asked 100)")
+    print(f"  snapshot: the two links were read {run.apart_us:.0f} us apart")
+    return bool(final_mrad < 5 and gap_mm.min() > 85 and gap_mm.max() < 115)
 
 
 def main() -> int:
-    simulated = f"sim:{SPEC}?plant=loopback"
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--left", default=simulated, metavar="URL", help="board of the left arm")
-    parser.add_argument("--right", default=simulated, metavar="URL", help="board of the right arm")
+    parser.add_argument("--spec", type=Path, default=Path("pa10_pair.ul"), metavar="FILE", help="which spec")
+    for side in SIDES:
+        parser.add_argument(f"--{side}", metavar="URL", help=f"board of the {side} arm (a virtual one)")
+    parser.add_argument("--rtl", action="store_true", help="the virtual boards are the VHDL, compiled")
+    parser.add_argument("--pace", type=float, default=1.0, metavar="X", help="2 is twice as fast")
+    parser.add_argument("--picture", type=Path, metavar="PNG", help="save the motion there")
     options = parser.parse_args()
-    spec = load(SPEC)
+    file = options.spec if options.spec.exists() else HERE / options.spec
     try:
-        with connect(options.left) as link_left, connect(options.right) as link_right:
-            left, right = load_spec_objects(spec, link_left), load_spec_objects(spec, link_right)
-            both(left, right, "pos_sp").write([*POSE, *(-count for count in POSE)])
-            snapshot = both(left, right, "cpos").snapshot()
-    except UnityLinkError as error:
+        spec = load(file)
+        urls = {}
+        for side in SIDES:
+            one = f"&root={side}_arm" if len(spec.roots) == 2 else ""
+            virtual = f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}{one}&timeout=1"
+            urls[side] = getattr(options, side) or virtual
+        with connect(urls["left"]) as left, connect(urls["right"]) as right:
+            print(f"{file.name}: {sum(1 for _ in spec.walk())} words; moving:")
+            run = drive(Pair(spec, {"left": left, "right": right}), options.pace)
+    except (UnityLinkError, OSError) as error:
         print(f"pa10: {error}", file=sys.stderr)
         return 1
-    print("joint   left  right")
-    for joint in JOINTS:
-        print(f"{joint:<5} {snapshot[f'left.{joint}']:6d} {snapshot[f'right.{joint}']:6d}")
-    apart_us = (max(snapshot.times_s.values()) - min(snapshot.times_s.values())) * 1e6
-    print(f"{len(snapshot)} positions; the two links were read {apart_us:.0f} us apart")
-    return 0
+    there = tell(run)
+    if options.picture:
+        from picture import save  # only here: matplotlib is not needed to move
+
+        save(run, options.picture)
+        print(f"  picture: {options.picture}")
+    print("\nBoth arms are home again." if there else "\nThe arms did not do what they were asked.")
+    return 0 if there else 1
 
 
 if __name__ == "__main__":

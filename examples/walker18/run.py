@@ -1,64 +1,173 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The 18-DOF walker steps on the spot: two tripods of three legs in turn, 18 servos in one commit.
+"""The 18-DOF walker walks: each set of 18 set-points is one burst and one commit, all joints are published.
 
-python examples/walker18/run.py
-python examples/walker18/run.py --link "serial:/dev/ttyUSB0?baud=3000000"
+    python examples/walker18/run.py                                # the published language, a virtual board
+    python examples/walker18/run.py --spec walker18_si.ul          # the same robot in engineering units
+    python examples/walker18/run.py --link "serial:/dev/ttyUSB0?baud=3000000"
+
+Ends with 1 where the walker did not get as far as its steps should have brought it.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
-from unitylink import UnityLinkError, connect
-from unitylink.layer4_data import ReadValue, ValueGroup, load_spec_objects
+import numpy as np
+from gait import LIFT, STRIDE, Array, angles, feet_at, foot_of, grounded, travelled
+
+from unitylink import LinkTimeout, UnityLinkError, connect
+from unitylink.layer4_data import Node, Snapshot, ValueGroup, load_spec_objects
 from unitylink.spec import load
 
-SPEC = Path(__file__).resolve().with_name("walker18.ul")
-TRIPODS = ({"front.l", "middle.r", "rear.l"}, {"front.r", "middle.l", "rear.r"})
-LIFT, SWING = 300, 200  # counts
-STEPS, POINTS = 2, 16
+HERE = Path(__file__).resolve().parent
+PERIOD_S = 0.02  # of the set-points
+CYCLE_S = 1.2
+RISE_STEPS = 10
+SETTLE_S = 0.6
+JOINTS = ("hip", "knee", "foot")
 
 
-def gait(leg: str, phase: float) -> dict[str, int]:
-    """Return the set-points of a leg: in the first half of its cycle it is lifted and swings forward."""
-    shifted = 2 * math.pi * (phase + (0.5 if leg in TRIPODS[1] else 0.0))
-    lift = max(0.0, math.sin(shifted))
-    return {
-        f"{leg}.hip_sp": round(-SWING * math.cos(shifted)),
-        f"{leg}.knee_sp": round(LIFT * lift),
-        f"{leg}.foot_sp": round(-LIFT * lift / 2),
-    }
+@dataclass(frozen=True)
+class Run:
+    """What was asked and what was published: angles (n, 6, 3) in rad, times (n,) in s from the start."""
+
+    legs: tuple[str, ...]
+    asked_s: Array
+    asked: Array
+    measured_s: Array
+    measured: Array
+    cycles: int
+    lost: int
+
+    @property
+    def feet(self) -> Array:
+        return foot_of(self.measured)
+
+    @property
+    def distance_m(self) -> float:
+        return float(travelled(self.feet)[-1])
+
+    @property
+    def expected_m(self) -> float:
+        return 2 * STRIDE * self.cycles
+
+    def tracking_error(self) -> Array:
+        """Return measured minus asked at each publish, (n, 6, 3)."""
+        index = np.maximum(np.searchsorted(self.asked_s, self.measured_s, side="right") - 1, 0)
+        error: Array = self.measured - self.asked[index]
+        return error
+
+
+class Walker:
+    """The robot in radians, whatever the spec counts in: without a unit, in milliradians."""
+
+    def __init__(self, node: Node) -> None:
+        set_points, positions = node["sp"], node["pos"]
+        assert isinstance(set_points, ValueGroup) and isinstance(positions, ValueGroup)
+        self.set_points, self.positions = set_points, positions
+        self.legs = tuple(dict.fromkeys(path.rpartition(".")[0] for path in positions.values))
+        units = {value.unit for value in node}
+        if len(self.legs) != 6 or units not in ({""}, {"rad"}):
+            raise SystemExit(
+                f"the spec has {len(self.legs)} legs in units {units}; six in rad or counts are meant"
+            )
+        self.counts = units == {""}
+
+    def write(self, joints: Array) -> None:
+        """Send (6, 3) set-points: one burst, one commit, so no leg is ever half a step ahead."""
+        targets: dict[str, float] = {}
+        for leg, of_leg in zip(self.legs, joints, strict=True):
+            for joint, angle in zip(JOINTS, of_leg, strict=True):
+                targets[f"{leg}.{joint}_sp"] = round(angle * 1000) if self.counts else angle
+        self.set_points.write(targets)
+
+    def angles_in(self, snapshot: Snapshot) -> Array:
+        """Return the (6, 3) positions of one publish."""
+        found = np.array([[snapshot[f"{leg}.{joint}"] for joint in JOINTS] for leg in self.legs], float)
+        return found / 1000 if self.counts else found
+
+
+def walk(node: Node, cycles: int) -> Run:
+    """Stand up, walk, stand; keep all that is published."""
+    walker = Walker(node)
+    samples: list[tuple[float, Snapshot]] = []
+    asked_s: list[float] = []
+    asked: list[Array] = []
+    with node.publishing():
+        walker.positions.on_publish(lambda time_s, values: samples.append((time_s, values)))
+        walker.write(angles(feet_at(0.25, lift=0.0)))  # the phase at which all feet are below their hips
+        time.sleep(SETTLE_S)
+        samples.clear()
+        start = due = time.monotonic()
+        steps = round(cycles * CYCLE_S / PERIOD_S)
+        for step in range(steps + round(SETTLE_S / PERIOD_S)):
+            due = max(due + PERIOD_S, time.monotonic())  # who is late walks slower, and does not jump
+            time.sleep(max(0.0, due - time.monotonic()))
+            at = min(step + 1, steps)
+            lift = LIFT * min(1.0, at / RISE_STEPS, (steps - at) / RISE_STEPS)  # on all six at both ends
+            joints = angles(feet_at(0.25 + at * PERIOD_S / CYCLE_S, lift=lift))
+            walker.write(joints)
+            asked_s.append(time.monotonic() - start)
+            asked.append(joints)
+        lost = sum(report.lost for report in node.publisher.reports())
+    if len(samples) < 2:
+        raise LinkTimeout(f"{len(samples)} publishes came in {asked_s[-1]:.1f} s", item="walker18")
+    return Run(
+        legs=walker.legs,
+        asked_s=np.array(asked_s),
+        asked=np.array(asked),
+        measured_s=np.array([time_s for time_s, _ in samples]) - start,
+        measured=np.array([walker.angles_in(values) for _, values in samples]),
+        cycles=cycles,
+        lost=lost,
+    )
+
+
+def tell(run: Run) -> bool:
+    """Print what happened; return whether the walker got there."""
+    error_mrad = 1e3 * run.tracking_error()
+    rate_hz = (len(run.measured_s) - 1) / (run.measured_s[-1] - run.measured_s[0])
+    print(f"  set-points: {len(run.asked_s)}, each of 18 servos in one burst and one commit")
+    print(f"  publishes: {len(run.measured_s)} of 18 positions at {rate_hz:.1f} Hz, {run.lost} lost")
+    print(f"  joints: {np.sqrt(np.mean(error_mrad**2)):.0f} mrad rms behind their set-points while walking")
+    carrying = grounded(run.feet).sum(axis=1)
+    print(f"  feet on the ground: at least {carrying.min()}")
+    print(f"  walked {run.distance_m * 1e3:.0f} mm, asked {run.expected_m * 1e3:.0f} mm")
+    there = abs(run.distance_m - run.expected_m) < 0.6 * STRIDE  # the first and the last step are short
+    still = np.abs(run.measured[-1] - run.asked[-1]).max() < 0.02
+    return bool(there and still and carrying.min() >= 3)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--link", default=f"sim:{SPEC}?plant=loopback", metavar="URL", help="board to drive")
+    parser.add_argument("--spec", type=Path, default=Path("walker18.ul"), metavar="FILE", help="which spec")
+    parser.add_argument("--link", metavar="URL", help="board to drive (a virtual one)")
+    parser.add_argument("--rtl", action="store_true", help="the virtual board is the VHDL, compiled")
+    parser.add_argument("--cycles", type=int, default=4, metavar="N", help="how far: N times two steps")
+    parser.add_argument("--picture", type=Path, metavar="PNG", help="save the walk there")
     options = parser.parse_args()
+    file = options.spec if options.spec.exists() else HERE / options.spec
+    url = options.link or f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}&timeout=1"
     try:
-        with connect(options.link) as link:
-            walker = load_spec_objects(load(SPEC), link)
-            set_points, positions = walker["sp"], walker["pos"]
-            assert isinstance(set_points, ValueGroup) and isinstance(positions, ValueGroup)
-            legs = sorted({path.rpartition(".")[0] for path in set_points.values})
-            print(f"{len(set_points)} servos in {len(legs)} legs: {', '.join(legs)}")
-            for point in range(STEPS * POINTS):
-                targets: dict[str, int] = {}
-                for leg in legs:
-                    targets |= gait(leg, point / POINTS)
-                set_points.write(targets)  # one burst, one commit: no leg is ever half a step ahead
-                if point % (POINTS // 4) == 0:
-                    lifted = [leg for leg in legs if targets[f"{leg}.knee_sp"] > LIFT // 2]
-                    print(f"step {point / POINTS:4.2f}: in the air {', '.join(lifted) or 'none'}")
-            front = walker["front.l.hip"]
-            assert isinstance(front, ReadValue)
-            print(f"{front.display} is at {front.read()}, all at {list(positions.snapshot().values())}")
-    except UnityLinkError as error:
+        spec = load(file)
+        with connect(url) as link:
+            print(f"{file.name}: {sum(1 for _ in spec.walk())} words; walking:")
+            run = walk(load_spec_objects(spec, link), options.cycles)
+    except (UnityLinkError, OSError) as error:
         print(f"walker18: {error}", file=sys.stderr)
         return 1
-    return 0
+    there = tell(run)
+    if options.picture:
+        from picture import save  # only here: matplotlib is not needed to walk
+
+        save(run, options.picture)
+        print(f"  picture: {options.picture}")
+    print("\nThe walker is there." if there else "\nThe walker did not get there.")
+    return 0 if there else 1
 
 
 if __name__ == "__main__":

@@ -13,7 +13,9 @@ from unitylink import _native
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, ValueRangeError
 from unitylink.spec.model import Spec
+from unitylink.values import Codec, Quantity
 
+from .changes import ChangeWatch
 from .plant import AnyPlant, check_plant
 from .plants.ramp import RampPlant
 from .plants.words import WordPlant
@@ -80,6 +82,8 @@ class Board:
         self._native = self._make_native(endpoint, bind)
         self.registers = Registers(self._native, configuration.data_bits)
         self._closed = False
+        if spec is not None:
+            self._power_up(spec)
         if plant is not None:
             self._attach(plant)
         self._native.start()
@@ -87,6 +91,15 @@ class Board:
 
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:
         return _native.Board(self.configuration, endpoint, bind)
+
+    def _power_up(self, spec: Spec) -> None:
+        """Let plain words begin with the initial values of the spec, as registers in gateware do."""
+        for path, element in spec.walk():
+            if element.initial is not None and element.link.kind == "memory":
+                codec = Codec(path, Quantity.of(element), self.configuration.data_bits)
+                words = codec.split(codec.encode(element.initial))
+                for address, word in zip(element.addresses, words, strict=True):
+                    self.registers[address] = word
 
     def _attach(self, plant: AnyPlant) -> None:
         name = type(plant).__name__
@@ -98,10 +111,16 @@ class Board:
             raise
         except Exception as error:
             raise UnityLinkError(f"{name}.attach(): {type(error).__name__}: {error}") from error
-        if isinstance(plant, WordPlant):
+        watch = ChangeWatch(self.spec, self.registers, self._native.pulse_event) if self.spec else None
+        if isinstance(plant, WordPlant) and not watch:
             self._native.set_word_plant(plant.period_s, plant.ramps, plant.echoes)
             return
-        step = plant.step
+        moved = plant.step
+
+        def step(time_s: float) -> None:
+            moved(time_s)
+            if watch:
+                watch.look()
 
         def guarded(time_s: float) -> bool:
             try:
@@ -143,15 +162,27 @@ class Board:
     def statistics(self) -> BoardStatistics:
         return BoardStatistics(**self._native.statistics())
 
-    def event(self, group: int, high: bool | None = None) -> None:
+    def event(self, group: int | str, high: bool | None = None) -> None:
         """Set the event input of a publish group, or pulse it once (`high` None); it counts if WIC enabled
         it."""
+        if isinstance(group, str):
+            group = self._line(group)
         if not 0 <= group < self.configuration.groups:
             raise ValueRangeError(f"group {group}; the board has groups 0 to {self.configuration.groups - 1}")
         if high is None:
             self._native.pulse_event(group)
         else:
             self._native.set_event(group, high)
+
+    def _line(self, event: str) -> int:
+        """Return the group that an event of the spec publishes."""
+        devices = self.spec.devices if self.spec is not None else ()
+        lines = {g.event: g.number for device in devices for g in device.groups if g.trigger == "event"}
+        if event not in lines:
+            raise ValueRangeError(
+                f"no group is published on {event!r}; there are {', '.join(lines) or 'none'}"
+            )
+        return lines[event]
 
     def receive_error(self, bits: int) -> None:
         """Let the board's physical layer report errors: 1 parity, 2 framing, 4 overrun."""

@@ -30,9 +30,11 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
 
-    Options of the board: `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits=
-    base_hz= groups= group_size= read_many= rate_bytes= publish_mode=`; all others are the link's. Close the
-    board after the link. Raises UrlError, SpecError, ToolError, UnityLinkError.
+    Options of the board: `root=NAME` (one public constructor of several), `plant=ramp|loopback|scara|FILE.py`
+    `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups= group_size= read_many= rate_bytes=
+    publish_mode=`; all others are the link's. Close the board after the link.
+
+    Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
     kind, _, rest = url.partition(":")
     path, _, query = rest.partition("?")
@@ -54,6 +56,12 @@ def simulated_board(url: str) -> tuple[Board, str]:
         spec = load(path)
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    root = options.pop("root", None)
+    if root is not None:
+        try:
+            spec = spec.only(root)
+        except KeyError as error:
+            raise UrlError(f"{url!r}: {error.args[0]}") from None
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     board = _KINDS[kind](spec, plant, generics)
     try:

@@ -10,7 +10,7 @@ All addresses are final: word addresses on the bus with the link binding's BASE 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Union
 
 from ..protocol import BASE_HZ_DEFAULT, DATA_BITS_MAX
@@ -263,6 +263,11 @@ class Spec:
                 return root
         choices = ", ".join(r.name for r in self.roots)
         raise KeyError(f"no public constructor {name!r}; there are: {choices}")
+
+    def only(self, name: str) -> Spec:
+        """Return what one public constructor is of the spec: a board of several; raise KeyError as `root`."""
+        devices = tuple(device for device in self.devices if device.root == name)
+        return replace(self, roots=(self.root(name),), devices=devices)
 
     def walk(self) -> Iterator[tuple[str, Element]]:
         """Yield (qualified path, element); with several roots the path starts with the root's name."""

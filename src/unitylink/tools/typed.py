@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
+from fractions import Fraction
 from typing import Any
 
 import click
@@ -90,9 +91,14 @@ def _whole(number: float, text: str, name: str) -> int:
     return round(number)
 
 
-def _converted(number: float, unit: str, name: str, quantity: Quantity) -> float:
+def _converted(number: float, given: str, name: str, quantity: Quantity) -> float:
+    from unitylink.spec.units import unit
+
     stored = f"it is in {quantity.unit}" if quantity.unit else "it has no unit"
-    raise click.UsageError(f"{name}: '{number:g} {unit}' cannot be converted; {stored}")
+    source, target = unit(given), unit(quantity.unit) if quantity.unit else None
+    if source is None or target is None or source.dimension != target.dimension or not math.isfinite(number):
+        raise click.UsageError(f"{name}: '{number:g} {given}' cannot be converted; {stored}")
+    return float(source.to(Fraction(number), target))
 
 
 def shown(value: Any, quantity: Quantity) -> str:

@@ -14,7 +14,7 @@ from .names import python_names
 
 # What members and fields cannot be called, because the classes have it already.
 ENUM_RESERVED = frozenset({*dir(IntEnum), *dir(int), "name", "value", "mro"})
-RECORD_RESERVED = frozenset({*dir(object)})
+RECORD_RESERVED = frozenset({*dir(object), "bool", "float", "int"})  # and what annotations are made of
 
 
 def member_names(enum: EnumType) -> dict[str, str]:

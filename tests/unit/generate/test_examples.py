@@ -21,18 +21,28 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize(
-    ("example", "said"),
+    ("example", "arguments", "said"),
     [
-        ("hello_led", "LEDs 0100"),
-        ("walker18", "in the air front.r, middle.l, rear.r"),
-        ("pa10", "14 positions; the two links were read"),
-        ("servo", "the limit switch has closed, 1 in all"),
+        ("hello_led", [], "LEDs 0100"),
+        ("walker18", ["--cycles", "1"], "The walker is there."),
+        ("walker18", ["--cycles", "1", "--spec", "walker18_si.ul"], "The walker is there."),
+        ("pa10", ["--pace", "2"], "Both arms are home again."),
+        ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
+        ("servo", [], "the limit switch has closed, 1 in all"),
     ],
 )
-def test_example_runs(example: str, said: str) -> None:
-    done = run(example)
+def test_example_runs(example: str, arguments: list[str], said: str) -> None:
+    done = run(example, *arguments)
     assert (done.returncode, done.stderr) == (0, "")
     assert said in done.stdout
+
+
+def test_the_walker_fits_the_paper() -> None:
+    for name in ("walker18", "walker18_si"):
+        path = EXAMPLES / "walker18" / f"{name}.ul"
+        assert len(path.read_text("utf-8").splitlines()) <= 23
+        published = [element for _, element in load(path).walk() if element.publish is not None]
+        assert len(published) == 18
 
 
 @pytest.mark.parametrize("example", ["hello_led", "scara", "servo", "walker18"])

@@ -8,6 +8,7 @@ import importlib.util
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from types import ModuleType
@@ -25,6 +26,7 @@ from unitylink.layer4_data.binding import BINDING_VERSION
 from unitylink.layer4_data.names import NODE_NAMES, python_names
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
+from unitylink.spec.types import UINT32
 
 ROOT = Path(__file__).resolve().parents[3]
 GOLDEN = ROOT / "tests" / "golden" / "python"
@@ -97,7 +99,9 @@ def facts(node: Node) -> list[tuple[Any, ...]]:
             assert isinstance(member, Value)
             publish = member.publish if isinstance(member, ReadValue) else None
             where = (member.address, member.hardware.kind, member.hardware.base)
-            about = (member.signed, member.checked, publish, member.display)
+            about = (member.checked, publish, member.line, member.display, member.codec.words)
+            of_user = replace(member.quantity, type=UINT32), member.quantity.type.text, member.minimum
+            about = (*about, *of_user, member.maximum)
             found.append((attribute, member.path, member.access, *where, *about))
     return found
 

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, LoopbackPlant, RampPlant, ScaraPlant, load_plant, simulated_board
-from unitylink.simulate.plants.scara import COUNTS_PER_UNIT, JOINTS, Axis, Joint, tool_position_mm
+from unitylink.simulate.plants import Axis, Joint, ServoNames, ServoPlant
+from unitylink.simulate.plants.scara import COUNTS_PER_UNIT, JOINTS, tool_position_mm
 from unitylink.spec import Spec, compile_text, load
 
 SCARA = Path(__file__).resolve().parents[3] / "examples" / "scara" / "scara.ul"
@@ -73,6 +74,8 @@ def test_ramp_and_loopback_through_tosnet(scara: Spec) -> None:
 
 class Words(dict[int, int]):
     """Registers without a board."""
+
+    data_bits = 32
 
     def signed(self, address: int) -> int:
         value = self[address] & 0xFFFFFFFF
@@ -216,8 +219,42 @@ def test_sim_url_makes_the_board_and_hands_the_rest_to_the_link() -> None:
         ("sim:", "expected sim:SPEC.ul"),
         (f"sim:{SCARA}?fifo=many", "not a whole number"),
         (f"sim:{SCARA}?plant", "bad query"),
+        (f"sim:{SCARA}?root=arm", "no public constructor 'arm'; there are: scara"),
     ],
 )
 def test_sim_urls_that_are_none(url: str, words: str) -> None:
     with pytest.raises(UrlError, match=words):
         simulated_board(url)
+
+
+def test_servos_follow_within_their_limits(scara: Spec) -> None:
+    names = ServoNames("cpos", "pos_sp", "spd", "spd_sp")
+    plant = ServoPlant(
+        [names], Joint("j", "rad", -2.0, 2.0, speed_limit=4.0, acceleration_limit=40.0), step=0.01
+    )
+    registers = Words(dict.fromkeys(range(0x400), 0))
+    plant.attach(scara, registers)  # type: ignore[arg-type]
+    assert len(plant.servos) == 4
+    registers[0x8C], registers[0x94] = 100, 100  # 1 rad at 1 rad/s
+    registers[0x8D], registers[0x95] = (-500) & 0xFFFFFFFF, 1000  # beyond its stop, as fast as it can
+    for step in range(300):
+        plant.step(step * plant.period_s)
+    assert 45 <= registers[0x88] <= 65, "0.6 s at 1 rad/s, after a start"
+    assert registers[0x89] == (-200) & 0xFFFFFFFF
+    for step in range(600):
+        plant.step(step * plant.period_s)
+    assert registers[0x88] == 100 and registers[0x80] == 0
+
+
+def test_servos_need_a_spec_that_has_some(spec: Spec) -> None:
+    plant = ServoPlant([ServoNames("pos", "sp")], JOINTS[0])
+    with pytest.raises(UnityLinkError, match="no instance of the spec has pos and sp"):
+        plant.attach(spec, Words())  # type: ignore[arg-type]
+
+
+def test_one_board_of_a_spec_of_several(tmp_path: Path) -> None:
+    file = tmp_path / "two.ul"
+    file.write_text("public a() { @x = 0x1: READ(); }\npublic b() { @y = 0x2: READ(); @z = 0x3: WRITE(); }\n")
+    board, _ = simulated_board(f"sim:{file}?root=b")
+    with board:
+        assert board.spec is not None and [path for path, _ in board.spec.walk()] == ["y", "z"]

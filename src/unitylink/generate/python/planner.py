@@ -175,7 +175,7 @@ class _Planner:
         addresses, names = self.table_names[root.name]
         attributes = python_names(root.parameters, {"self", "link", "tree", "super", *self.taken})
         parameters = [attributes[p] for p in root.parameters]
-        words = sum(1 for _ in root.walk())
+        words = sum(element.words for element in root.walk())
         links = " and ".join(f"`{p}`" for p in parameters)
         documentation = docstring(
             4,

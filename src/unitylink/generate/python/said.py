@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from unitylink import protocol
 from unitylink.spec.model import Element, Instance
-from unitylink.values import Quantity, format_value
+from unitylink.values import Quantity, format_value, member_text
 
 PLACES_SHOWN = 6  # expansions named in a docstring; the address table has them all
 
@@ -25,7 +25,7 @@ def value_facts(element: Element, quantity: Quantity, here: Sequence[Element]) -
         facts.append(f"{between}{', saturating' if quantity.overflow == 'saturate' else ''}")
     for name in ("initial", "safe"):
         if getattr(quantity, name) is not None:
-            facts.append(f"{name} {format_value(getattr(quantity, name))}")
+            facts.append(f"{name} {member_text(quantity.type, getattr(quantity, name))}")
     publish = element.publish
     if publish is not None and publish.trigger != "rate":
         facts.append(f"published on {publish.event or publish.trigger}")

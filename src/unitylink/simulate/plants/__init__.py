@@ -3,9 +3,22 @@
 
 from __future__ import annotations
 
+from .axis import Axis, Joint
 from .loopback import LoopbackPlant
 from .ramp import RampPlant
 from .scara import ScaraPlant
+from .servos import ServoNames, ServoPlant
 from .words import Echo, Ramp, WordPlant
 
-__all__ = ["Echo", "LoopbackPlant", "Ramp", "RampPlant", "ScaraPlant", "WordPlant"]
+__all__ = [
+    "Axis",
+    "Echo",
+    "Joint",
+    "LoopbackPlant",
+    "Ramp",
+    "RampPlant",
+    "ScaraPlant",
+    "ServoNames",
+    "ServoPlant",
+    "WordPlant",
+]

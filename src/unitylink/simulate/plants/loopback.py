@@ -13,14 +13,16 @@ class LoopbackPlant(WordPlant):
     """The first READ of every instance echoes its first WRITE, the second the second; READs left over
     ramp."""
 
-    def attach(self, spec: Spec | None, registers: Registers) -> None:
+    def fill(self, spec: Spec | None, registers: Registers) -> None:
         for root in spec.roots if spec else ():
             self._attach(root, registers.data_bits)
 
     def _attach(self, instance: Instance, data_bits: int) -> None:
         writes = [element for element in instance.elements if element.access == "WRITE"]
         reads = [element for element in instance.elements if element.access == "READ"]
-        self.echoes += [Echo(write.address, read.address) for write, read in zip(writes, reads, strict=False)]
+        for write, read in zip(writes, reads, strict=False):
+            pairs = zip(write.addresses, read.addresses, strict=False)
+            self.echoes += [Echo(source, target) for source, target in pairs]
         for read in reads[len(writes) :]:
             self.ramp(read, data_bits)
         for inner in instance.instances:

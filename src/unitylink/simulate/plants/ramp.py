@@ -12,7 +12,7 @@ from .words import WordPlant
 class RampPlant(WordPlant):
     """Every READ counts up at its own pace: signed ones from -1000 to 999, others from 0 to 1999."""
 
-    def attach(self, spec: Spec | None, registers: Registers) -> None:
+    def fill(self, spec: Spec | None, registers: Registers) -> None:
         for _, element in spec.walk() if spec else ():
-            if element.access == "READ":
+            if element.pollable and not element.writable:
                 self.ramp(element, registers.data_bits)

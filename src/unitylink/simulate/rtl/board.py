@@ -63,6 +63,9 @@ class RtlBoard(Board):
     def _make_native(self, endpoint: str, bind: str) -> _native.Board:
         return _native.Board(self.configuration, endpoint, bind, self._model)
 
+    def _power_up(self, spec: Spec) -> None:
+        """Do nothing: the design's reset has the initial values of the spec."""
+
     def set_online(self, online: bool) -> None:
         """Raise UnityLinkError: only the twin has a model of the network."""
         raise UnityLinkError("the gateware's network cannot be broken from here; the twin's can: use `sim:`")
