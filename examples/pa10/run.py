@@ -140,7 +140,7 @@ def tell(run: Run) -> bool:
     print(f"  joints: {error_mrad:.0f} mrad rms behind on the way, {final_mrad:.1f} mrad at the end")
     print(f"  hands: {gap_mm.min():.0f} to {gap_mm.max():.0f} mm apart on the circle (asked 100)")
     print(f"  snapshot: the two links were read {run.apart_us:.0f} us apart")
-    return bool(final_mrad < 5 and gap_mm.min() > 85 and gap_mm.max() < 115)
+    return bool(final_mrad < 5 and gap_mm.min() > 80 and gap_mm.max() < 120)
 
 
 def main() -> int:

@@ -104,6 +104,7 @@ _HARDWARE = {
         UL101="rate out of reach",
         UL102="unknown event of a component",
         UL103="snapshot group with two rates",
+        UL104="publishes that the line cannot carry",
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",

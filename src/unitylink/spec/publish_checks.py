@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .. import protocol
+from .budget import BITS_PER_BYTE, budget
 from .diagnostics import Reporter
 from .model import Device, Element, Instance, Link, SubscriptionGroup
 from .publishing import devices
@@ -24,6 +25,8 @@ def check_publishes(roots: tuple[Instance, ...], links: Mapping[str, Link], repo
     for device in devices(roots, links):
         _check_names(device, reporter)
         _check_device(device, classic, reporter)
+        if device.link.baud_hz and device.groups:
+            _check_line(device, reporter)
 
 
 def _check_device(device: Device, classic: bool, reporter: Reporter) -> None:
@@ -41,6 +44,17 @@ def _check_device(device: Device, classic: bool, reporter: Reporter) -> None:
         message = f"{len(device.groups)} different rates need more than {protocol.GROUPS_MAX} groups"
         hint = f"the group number is one byte: use at most {protocol.GROUPS_MAX} rates, or mode 2"
         _report(reporter, "UL067", device.groups[protocol.GROUPS_MAX].elements[0], message, hint)
+
+
+def _check_line(device: Device, reporter: Reporter) -> None:
+    one = budget(device)
+    if one.load is None or one.load <= 1:
+        return
+    most = max(one.groups, key=lambda group: group.bytes_per_s)
+    needed = one.bytes_per_s * BITS_PER_BYTE
+    message = f"the publishes of link `{device.link.name}` need {needed:,.0f} baud, it has {one.baud_hz:,}"
+    hint = f"{most.words} words at {most.rate_hz:g} Hz need the most: publish slower, or raise BAUD"
+    _report(reporter, "UL104", device.groups[most.number].elements[0], message, hint)
 
 
 def _check_size(group: SubscriptionGroup, classic: bool, reporter: Reporter) -> None:
