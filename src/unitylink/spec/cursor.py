@@ -119,7 +119,7 @@ class Cursor:
         if kinds[i] == "@" and kinds[i + 1] == "name":
             return kinds[i + 2] in (":", "[") or (kinds[i + 2] == "=" and self._addressed_by(i + 3))
         if self.at_link_kind(i):
-            return True
+            return not self.at_head(i)  # a constructor may be called FIFO
         if kinds[i] == "name" and kinds[i + 1] == "[":
             i = self._behind_index(i + 1) - 1
             return kinds[i + 1] == ":"

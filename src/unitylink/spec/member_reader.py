@@ -114,6 +114,8 @@ class MemberReader(PropertyReader):
             shown = f" (0x{fixed.value:X})" if isinstance(fixed, Number) else "…"
             hint = f"to bind it to an expansion write `{name.text}: constructor(…) @{shown}`"
             words = (*ACCESS_WORDS, "signed")
+            if self.kinds[self.i : self.i + 3] == ["name", "name", "("]:
+                self.i += 1  # a type, and a word that is none of access
             advice = self.reporter.did_you_mean(self.texts[self.i], words, hint, self.place(self.i))
             raise self.unexpected("READ or WRITE after an address", advice)
         return self._expansion(name, notes, None, forwards=True)

@@ -10,6 +10,7 @@ from itertools import chain
 from typing import TypeVar, Union
 
 from ..protocol import ADDRESS_BITS_MAX
+from .cursor import ACCESS_WORDS
 from .declared import Declared
 from .diagnostics import Advice, Reporter
 from .syntax import (
@@ -209,7 +210,7 @@ class Scopes:
     def unknown_constructor(self, name: Name) -> None:
         """Report that there is no constructor of this name, unless part of the text is missing."""
         if not self.program.damaged and self.news("constructor", name):
-            candidates = chain(("READ", "WRITE"), self.first)
+            candidates = chain(ACCESS_WORDS, self.first)
             otherwise = f"declare it: `{name.text}(…) {{ … }}`"
             at = (name.start, name.end)
             advice = self.reporter.did_you_mean(name.text, candidates, otherwise, at)

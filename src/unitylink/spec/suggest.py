@@ -5,6 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+# How other languages call what ours calls otherwise.
+_FOREIGN = {
+    **dict.fromkeys(("r", "ro", "in", "input"), "READ"),
+    **dict.fromkeys(("w", "wo", "out", "output"), "WRITE"),
+    **dict.fromkeys(("rw", "r_w", "inout"), "READWRITE"),
+    **dict.fromkeys(("woclr", "rw1c"), "W1C"),
+    **dict.fromkeys(("rclr", "rc"), "READCLEAR"),
+    **dict.fromkeys(("wpulse", "singlepulse", "strobe"), "PULSE"),
+}
 _CANDIDATES = 500  # compared for one name: bounds the time a spec full of mistakes takes
 
 
@@ -34,18 +43,21 @@ def distance(a: str, b: str, limit: int) -> int:
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
     """Return the candidate nearest to `name`, or None if none is near; a difference in case only is nearest.
 
-    >>> nearest("jiont", ["leg", "joint"])
-    'joint'
+    What another language calls so is near too.
+
+    >>> nearest("jiont", ["leg", "joint"]), nearest("rw", ["READ", "READWRITE"])
+    ('joint', 'READWRITE')
     """
     limit = 1 if len(name) < 4 else 2 if len(name) < 9 else 3
     folded = name.lower()
+    foreign = _FOREIGN.get(folded)
     best: str | None = None
     for count, candidate in enumerate(candidates):
         if count == _CANDIDATES:
             break
         if candidate == name:
             continue
-        if candidate.lower() == folded:
+        if candidate == foreign or candidate.lower() == folded:
             return candidate
         if min(len(name), len(candidate)) <= 1:
             continue

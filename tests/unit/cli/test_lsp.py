@@ -124,6 +124,15 @@ COMPLETIONS = {
     "group": ("public a() {\n@x = 0x1: READ();\ng = ", {"x", "ALL"}),
     "path": ("j(): @ (p) { @p: READ(); }\npublic a() {\nx: j() @ (0x1);\ng = x.", {"p"}),
     "ALL": ("j() {}\npublic a() {\ng = ALL(", {"j", "a"}),
+    "type": ("bits s: u8 { a: bool @ 0; }\npublic a() {\n@x = 0x1: ", {"s", "i16", "fixed", "READWRITE"}),
+    "access": ("public a() {\n@x = 0x1: u8 ", {"READ", "W1C"}),
+    "enum type": ("enum m: ", {"u8"}),
+    "field": ("bits s: u8 { a: u4 @ 3..0 (", {"UNIT", "SCALE"}),
+    "link": ("link a (", {"DATA", "BAUD"}),
+    "value": ("enum m: u1 { on = 1; }\npublic a() {\n@x = 0x1: m WRITE(INITIAL=", {"on"}),
+    "overflow": ("public a() {\n@x = 0x1: u8 WRITE(OVERFLOW=", {"saturate"}),
+    "constant": ("const N = 3;\npublic a() {\n@x[", {"N"}),
+    "argument by name": ("j(gear: int = 1) {}\npublic a() {\nx: j(", {"gear="}),
     "string": ('public a() {\n@x = 0x1: READ(ID="', set()),
     "comment": ("public a() {\n// ", set()),
 }
@@ -167,6 +176,49 @@ def test_quick_fix_mends_the_text(client: LanguageClient) -> None:
 def test_outline(client: LanguageClient) -> None:
     found = client.request("textDocument/documentSymbol", {"textDocument": {"uri": URI}})
     assert [(one["name"], len(one["children"])) for one in found] == [("scara", 4), ("joint", 4)]
+
+
+ARM = (Path(__file__).parents[1] / "generate" / "rich" / "arm.ul").read_text("utf-8")
+
+
+def test_names_of_types_constants_and_values(client: LanguageClient) -> None:
+    assert client.change(URI, 1, ARM) == []
+    value = ask(client, "hover", "SAFE=stop", 6, text=ARM)["contents"]["value"]
+    assert "**stop** (value of `mode`)" in value and "brakes on" in value
+    value = ask(client, "hover", "@pos:", 1, text=ARM)["contents"]["value"]
+    assert "Angle of the motor's shaft." in value
+    assert "`arm.j[2].pos` at `0x90`, i16 READ, in rad, raw × 0.001, -3.14159 to 3.14159" in value
+    target = ask(client, "definition", "SAFE=stop", 6, text=ARM)["range"]["start"]
+    assert target == position(ARM, "stop = 3")
+    target = ask(client, "definition", "j[JOINTS]", 3, text=ARM)["range"]["start"]
+    assert target == position(ARM, "JOINTS = 3")
+    edits = ask(client, "rename", "status: u16", text=ARM, newName="state_word")["changes"][URI]
+    renamed = apply(ARM, edits)
+    assert "bits state_word: u16" in renamed and "@state: state_word READ" in renamed
+    assert compile_text(renamed).diagnostics == ()
+
+
+def test_imported_files_are_followed(server: LanguageClient, tmp_path: Path) -> None:
+    joint = tmp_path / "joint.ul"
+    joint.write_text("/// One axis.\njoint(): @ (pos) {\n   @pos: READ();\n}\n", "utf-8")
+    text = 'import "joint.ul";\npublic a() {\n   j: joint() @ (0x1);\n   all = j.pos;\n}\n'
+    uri = (tmp_path / "a.ul").as_uri()
+    assert server.open(uri, text) == []
+    place = {"textDocument": {"uri": uri}, "position": {"line": 2, "character": 8}}
+    found = server.request("textDocument/definition", place)
+    assert found["uri"] == joint.as_uri() and found["range"]["start"] == {"line": 1, "character": 0}
+    assert "One axis." in server.request("textDocument/hover", place)["contents"]["value"]
+    with pytest.raises(BenchError, match="other specs may import"):
+        server.request("textDocument/rename", {**place, "newName": "axis"})
+    joint.write_text("joint(): @ (pos) {\n   @pos: READ()\n}\n", "utf-8")
+    (told,) = server.change(uri, 1, text)
+    assert "joint.ul has 1 error" in told["message"]
+
+
+def test_second_places_are_told(client: LanguageClient) -> None:
+    (found,) = client.change(URI, 1, SCARA.replace("j2:", "j1:"))
+    (label,) = found["relatedInformation"]
+    assert label["location"]["range"]["start"] == position(SCARA, "j1:")
 
 
 def test_columns_count_in_the_encoding_of_the_client(server: LanguageClient) -> None:

@@ -104,6 +104,46 @@ def test_boxes_convert_both_ways(scara: quickjs.Context) -> None:
     assert ask(scara, "boxes('j1.cpos')[0].value") == "0x8000007F"
 
 
+@pytest.fixture(scope="module")
+def arm() -> quickjs.Context:
+    return run(load(Path(__file__).parent / "rich" / "arm.ul"))
+
+
+def test_fields_enumerations_and_units_convert(arm: quickjs.Context) -> None:
+    """Packed bits: the raw box and a box for each field; the word is put together from all."""
+    values = "boxes('j[1].state').map((box) => box.value)"
+    assert ask(arm, values) == ["0x0000", "false", "idle", "0", "0"]
+    ask(arm, "type(boxes('j[1].state')[2], 'stop') ?? 0")
+    ask(arm, "type(boxes('j[1].state')[3], '-2.5') ?? 0")
+    assert ask(arm, values) == ["0x0FB6", "false", "stop", "-2.5", "0"]
+    ask(arm, "type(boxes('j[1].state')[0], '0x1005') ?? 0")
+    assert ask(arm, values) == ["0x1005", "true", "", "0", "1"]  # 2 is no mode: told, not shown as another
+    assert ask(arm, "boxes('j[1].state')[2].classList.contains('wrong')")
+    assert ask(arm, "boxes('j[0].torque').map((box) => box.value)") == ["0x0000", "0"]
+    ask(arm, "type(boxes('j[0].torque')[1], '50 N m') ?? 0")
+    assert ask(arm, "boxes('j[0].torque')[0].value") == "0x1400"  # saturates at 20
+    assert "-20 to 20 N m, saturates" in ask(arm, "opened('j[0].torque').textContent")
+    assert ask(arm, "boxes('gain').map((box) => box.value)") == ["0x3FC00000", "1.5"]  # begins at INITIAL
+
+
+def test_everything_of_the_language_is_shown(arm: quickjs.Context) -> None:
+    page = ask(arm, "ids.map.textContent")
+    for text in (
+        "Three joints and a lamp.",
+        "Angle of the motor's shaft.",
+        "100 Hz, pose",
+        "brakes on",
+        "0x0012…13",
+    ):
+        assert text in page
+    assert "reading changes it" in ask(arm, "opened('lost').textContent")
+    ask(arm, "type(ids.search, 'rad jointstate') ?? 0")
+    assert ask(arm, "shownRows()") == []
+    ask(arm, "type(ids.search, 'rad shaft') ?? 0")
+    assert ask(arm, "shownRows()") == ["j[0].pos", "j[1].pos", "j[2].pos"]
+    ask(arm, "type(ids.search, '') ?? 0")
+
+
 def test_nothing_from_a_spec_is_read_as_html() -> None:
     hostile = "</script><script>alert(1)</script><!-- <img src=x onerror=alert(2)> \\u2028 ]]> {{ script }}"
     spec = spec_of(f'public a() {{ @x = 0x1: READ(ID="{hostile}"); }}')

@@ -16,7 +16,7 @@ from unitylink.generate.json import model_json
 from unitylink.spec import load
 
 ROOT = Path(__file__).resolve().parents[3]
-SPECS = [*sorted((ROOT / "examples").glob("*/*.ul")), *sorted(Path(__file__).parent.glob("*.ul"))]
+SPECS = [*sorted((ROOT / "examples").glob("*/*.ul")), *sorted(Path(__file__).parent.rglob("*.ul"))]
 SCHEMA = json.loads((Path(unitylink.generate.json.__file__).parent / "model.schema.json").read_text("utf-8"))
 
 
@@ -62,3 +62,30 @@ def test_the_schema_describes_every_member() -> None:
             assert definition["additionalProperties"] is False, name
             assert set(definition["required"]) == set(definition["properties"]), name
             assert definition["description"], name
+
+
+def test_what_the_language_says_of_values_is_there() -> None:
+    model = model_json(load(Path(__file__).parent / "rich" / "arm.ul"))
+    by_path = {element["path"]: element for element in elements(model["roots"][0])}
+    torque = by_path["j[1].torque"]
+    said = {key: torque[key] for key in ("unit", "minimum", "maximum", "overflow", "initial", "safe")}
+    assert said == {
+        "unit": "N m",
+        "minimum": -20,
+        "maximum": 20,
+        "overflow": "saturate",
+        "initial": 0,
+        "safe": 0,
+    }
+    assert torque["type"]["text"] == "fixed(8,8)"
+    assert (by_path["time"]["words"], by_path["reset"]["access"]) == (2, "PULSE")
+    assert by_path["j[0].pos"]["publish"]["group"] == "pose"
+    (mode,), (status,) = model["enums"], model["bits"]
+    assert mode["values"][2] == {"name": "stop", "value": 3, "documentation": "brakes on"}
+    temperature = status["fields"][2]
+    assert (temperature["unit"], temperature["scale"], temperature["high"]) == ("degC", 0.5, 11)
+    joint = next(m for m in model["roots"][0]["members"] if m["name"] == "j[2]")
+    assert (joint["array"], joint["index"]) == ("j", 2)
+    assert joint["annotations"] == [{"name": "ros", "values": [], "options": {"type": "JointState"}}]
+    assert model["links"][0]["baud_hz"] == 3_000_000
+    assert [group["name"] for group in model["devices"][0]["groups"]] == ["pose", "on change"]

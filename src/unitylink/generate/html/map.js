@@ -234,7 +234,7 @@
     if (elements.length) {
       const body = make("tbody", {});
       for (const element of elements) body.append(rowOf(element, several ? `${root.name}.${element.path}` : element.path, entry));
-      section.append(make("table", {}, make("thead", {}, make("tr", {}, ...["address", "name", "access", "type", "unit", "publish", ""].map((text) => make("th", {}, text)))), body));
+      section.append(make("table", { class: "registers" }, make("thead", {}, make("tr", {}, ...["address", "name", "access", "type", "unit", "publish", ""].map((text) => make("th", {}, text)))), body));
     }
     if (elements.length || groups.length || instance.documentation || !instance.path) { main.append(section); sections.push(entry); }
 

@@ -124,7 +124,7 @@ class _Place:
             return _keywords(OVERFLOW)
         if property_ == "LINK":
             return _symbols(self.symbols.links.values())
-        if last not in ("=", "+", "-", "*", "/", "(", ","):
+        if last not in ("=", "+", "-", "*", "/", "(", "[", ","):
             return []
         found = _symbols(self.symbols.constants.values())
         if property_ in ("INITIAL", "SAFE"):
@@ -142,9 +142,9 @@ class _Place:
         depth, property_ = 0, ""
         for i in range(len(self.words) - 1, 0, -1):
             word = self.words[i]
-            depth += (word == ")") - (word == "(")
+            depth += (word in (")", "]")) - (word in ("(", "["))
             if depth < 0:
-                return self.words[i - 1], property_
+                return self.words[i - 1] if word == "(" else word, property_
             if depth == 0 and word == "," and not property_:
                 property_ = " "  # another one's
             elif depth == 0 and word == "=" and not property_:

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The mistakes that people make in every specification language: each with place, cause and what to do.
+
+Other tools were tried on the same list: many give no line for some of these, or stop at the first.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from unitylink.spec import compile_text
+from unitylink.spec.fix import fix_text
+
+
+def public(*members: str) -> str:
+    return "public a() {\n" + "".join(f"   {member}\n" for member in members) + "}\n"
+
+
+JOINT = "joint(name): @ (pos) {\n   @pos: READ(ID=name);\n}\n"
+
+# mistake -> text, (code, line, column), a word of the cause, a word of the remedy, can a machine mend it
+CORPUS = {
+    "missing semicolon": (public("@x = 0x1: READ()"), ("UL011", 2, 20), "missing", "add `;`", True),
+    "typo in a type": (public("@x = 0x1: boool READ();"), ("UL080", 2, 14), "boool", "`bool`", True),
+    "type of another language": (public("@x = 0x1: int16 READ();"), ("UL080", 2, 14), "int16", "`i16`", True),
+    "typo in a block": (
+        public('j: jiont("one") @ (0x1);') + JOINT,
+        ("UL024", 2, 7),
+        "jiont",
+        "`joint`",
+        True,
+    ),
+    "typo in a property": (public("@x = 0x1: READ(UNTI='rad');"), ("UL015", 2, 19), "UNTI", "`UNIT`", True),
+    "bad access word": (public("@x = 0x1: RO();"), ("UL010", 2, 14), "RO", "`READ`", True),
+    "bad access word behind a type": (
+        public("@x = 0x1: u8 rw();"),
+        ("UL010", 2, 17),
+        "rw",
+        "`READWRITE`",
+        True,
+    ),
+    "bad access word without an address": (
+        "public a() {\n   j: j() @ (0x1);\n}\nj(): @ (x) {\n   @x: WO();\n}\n",
+        ("UL024", 5, 8),
+        "WO",
+        "`WRITE`",
+        True,
+    ),
+    "fields overlap": (
+        "bits s: u8 { a: u4 @ 3..0; b: u4 @ 6..3; }\n" + public("@x = 0x1: s READ();"),
+        ("UL085", 1, 36),
+        "overlap those of `a`",
+        "bits of its own",
+        False,
+    ),
+    "addresses overlap": (
+        public("@x = 0x1: u64 READ();", "@y = 0x2: READ();"),
+        ("UL051", 3, 9),
+        "where `x` is",
+        "another address",
+        False,
+    ),
+    "duplicate": (public("@x = 0x1: READ();", "@x = 0x2: READ();"), ("UL021", 3, 5), "twice", "name", False),
+    "default out of the type": (
+        public("@x = 0x1: u8 WRITE(INITIAL=300);"),
+        ("UL090", 2, 31),
+        "from 0 to 255",
+        "wider type",
+        False,
+    ),
+    "default out of the limits": (
+        public("@x = 0x1: i16 WRITE(MIN=-5, MAX=5, INITIAL=6);"),
+        ("UL090", 2, 47),
+        "above MAX 5",
+        "within the limits",
+        False,
+    ),
+    "field wider than its bits": (
+        "bits s: u8 { a: u4 @ 2..0; }\n" + public("@x = 0x1: s READ();"),
+        ("UL086", 1, 22),
+        "4 bits but is given 3",
+        "3..0",
+        False,
+    ),
+    "value too wide": (
+        "enum m: u2 { a = 4; }\n" + public("@x = 0x1: m READ();"),
+        ("UL049", 1, 18),
+        "is 4",
+        "0 to 3",
+        False,
+    ),
+    "wrong number of arguments": (
+        public("j: joint() @ (0x1);") + JOINT,
+        ("UL030", 2, 7),
+        "1 argument but is given 0",
+        "joint(name)",
+        False,
+    ),
+    "unit of another quantity": (
+        public("@x = 0x1: i16 READ(UNIT='rad', MAX=3 A);"),
+        ("UL088", 2, 39),
+        "does not measure the same",
+        "in `rad`",
+        False,
+    ),
+    "unknown unit": (public("@x = 0x1: i16 READ(UNIT='radd');"), ("UL087", 2, 28), "radd", "`rad`", False),
+    "block never closed": (
+        "public a() {\n   j: joint('one') @ (0x1);\n\n" + JOINT,
+        ("UL012", 1, 12),
+        "never closed",
+        "add `}`",
+        False,
+    ),
+    "string never closed": (
+        public('@x = 0x1: READ(ID="x);'),
+        ("UL006", 2, 22),
+        "does not end",
+        'with "',
+        False,
+    ),
+    "hexadecimal forgotten": (public("@x = 10: READ();"), ("UL019", 2, 9), "hexadecimal", "0x10", False),
+}
+
+
+@pytest.mark.parametrize("mistake", CORPUS)
+def test_place_cause_and_remedy(mistake: str) -> None:
+    text, place, cause, remedy, _ = CORPUS[mistake]
+    (found,) = compile_text(text).diagnostics
+    assert (found.code, found.span.line, found.span.column) == place
+    assert cause in found.message
+    assert remedy in found.hint
+
+
+@pytest.mark.parametrize("mistake", [mistake for mistake in CORPUS if CORPUS[mistake][4]])
+def test_what_a_machine_can_mend_it_mends(mistake: str) -> None:
+    fixed = fix_text(CORPUS[mistake][0])
+    assert len(fixed.made) == 1
+    assert fixed.result.diagnostics == ()
+
+
+def test_all_of_them_in_one_run() -> None:
+    """Members with ten different mistakes in one constructor: ten diagnostics, each in its line."""
+    lines = [text.splitlines()[1].strip() for text, place, *_ in CORPUS.values() if place[1] == 2]
+    mistakes = [
+        line.replace("@x", f"@x{i}").replace("0x1:", f"0x{i + 16:X}:") for i, line in enumerate(lines)
+    ]
+    found = compile_text(public(*mistakes) + JOINT).diagnostics
+    assert len(mistakes) >= 10
+    assert [one.span.line for one in found] == list(range(2, len(mistakes) + 2))
