@@ -100,6 +100,18 @@ def test_constant_of_no_bits() -> None:
     assert with_sized_constants("localparam n25_o = 0'bZ;") == "localparam n25_o = 1'b0;"
 
 
+def test_constants_that_ghdl_makes_zero(tmp_path: Path) -> None:
+    """No repair: it is lost before anything is printed. The gateware avoids it (register_slave.vhd)."""
+    source = SMALL.read_text().replace("39 downto 0", "63 downto 0")
+    source = source.replace('x"123456789A"', 'x"8000000100000000"').replace(
+        'x"FEDCBA9876"', 'x"8000000100000001"'
+    )
+    (tmp_path / "small.vhd").write_text(source)
+    printed = Ghdl(tmp_path, [tmp_path / "small.vhd"]).synthesise("small", "vhdl")
+    assert f"{0x8000000100000001:064b}" in printed
+    assert f"{0x8000000100000000:064b}" not in printed, "GHDL has learned it: the gateware need not avoid it"
+
+
 def test_words_of_verilog_are_refused() -> None:
     vhdl = "entity t is\n  port (\n    wire : in std_logic;\n    b : out bit);\n  signal reg : std_logic;\n"
     with pytest.raises(ToolError, match=r"reg, wire: a word of Verilog"):

@@ -51,8 +51,8 @@ _LINES_SHOWN = 20
 def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel:
     """Return `design` compiled; the first time it takes about half a minute, then it comes from the cache.
 
-    `progress` is told what is being done; by default a line on stderr, if that is a terminal. Raises
-    ToolError.
+    `progress` is told what is being done, and "" when nothing is any more; by default it is a line on stderr,
+    if that is a terminal. Raises ToolError.
     """
     tools = _Tools()
     say = progress if progress is not None else _on_terminal()
@@ -60,9 +60,11 @@ def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel
     def build(library: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="unitylink-rtl-") as folder:
             _build(design, tools, Path(folder), library, say)
-        say("")
 
-    library = cached(_key(design, tools), build)
+    try:
+        library = cached(_key(design, tools), build, say)
+    finally:
+        say("")
     return RtlModel(str(library), design.read_addresses, design.write_addresses)
 
 

@@ -21,7 +21,7 @@ def cache_folder() -> Path:
     return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / "rtl"
 
 
-def cached(key: str, build: Callable[[Path], None]) -> Path:
+def cached(key: str, build: Callable[[Path], None], say: Callable[[str], None] = lambda text: None) -> Path:
     """Return the file kept under `key`; if there is none, or it is damaged, `build(path)` makes it.
 
     Whoever else wants to build waits meanwhile, and then finds it. A file's name has its own checksum, so
@@ -33,7 +33,7 @@ def cached(key: str, build: Callable[[Path], None]) -> Path:
         if (kept := _find(folder, key)) is not None:
             return kept
         folder.mkdir(parents=True, exist_ok=True)
-        with _locked(folder / "lock"):
+        with _locked(folder / "lock", say):
             if (kept := _find(folder, key)) is not None:
                 return kept
             fresh = folder / f".{key}.{os.getpid()}"
@@ -70,9 +70,13 @@ def _checksum(path: Path) -> str:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _locked(path: Path, say: Callable[[str], None]) -> Iterator[None]:
     with path.open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("waiting for another program that compiles gateware")
+            fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
 
