@@ -3,92 +3,54 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from unitylink.board_configuration import BoardConfiguration
-from unitylink.spec import compile_text
-from unitylink.spec.model import Component, Device, Element, Instance, Link, Spec, SubscriptionGroup
-from unitylink.spec.types import EnumType, EnumValue, Field, ValueType
+from unitylink.spec import Spec, compile_text, render
 
 TEXT = """
+enum mode: u2 {
+   idle = 0;
+   /// it moves
+   run = 1;
+   stop = 3;
+}
+bits status: u8 {
+   /// ready to go
+   ready: bool @ 0;
+   mode: mode @ 2..1;
+   count: u4 @ 7..4;
+}
 public typed() {
    @flags = 0x0: READ();
-   @mode = 0x1: WRITE();
-   @status = 0x2: READ();
-   @wide = 0x4: WRITE();
-   @wide_in = 0x6: READ();
-   @kick = 0x8: WRITE();
-   @sticky = 0x9: READ();
-   @count = 0xA: READ();
-   @ok = 0xB: READ();
-   @angle = 0xC: WRITE();
-   @duty_0 = 0x10: WRITE();
-   @duty_1 = 0x11: WRITE();
-   leg_0: leg() @ (0x20,0x21);
-   leg_1: leg() @ (0x22,0x23);
-   drive: pwm();
+   @mode = 0x1: mode WRITE(INITIAL=run, SAFE=idle);
+   @status = 0x2: status READ();
+   @wide = 0x4: u64 WRITE();
+   @wide_in = 0x6: i40 READ(PUBLISH(on change));
+   @kick = 0x8: PULSE();
+   @sticky = 0x9: u8 W1C(PUBLISH(on limit));
+   @count = 0xA: READCLEAR();
+   @ok = 0xB: bool READ(PUBLISH(on change));
+   /// synthesis translate_off
+   @angle = 0xC: fixed(8,8) READWRITE(UNIT="rad", INITIAL=-1.5);
+   @duty[2] = 0x10: u16 WRITE();
+   leg[2]: leg() @ (0x20+i*2,0x21+i*2);
+   drive: pwm(channels=4) @ 0x40;
 }
 leg(): @ (pos,sp) {
    @pos: signed READ();
    @sp: signed WRITE();
 }
-pwm() { @control = 0x40: WRITE(); }
 """
-VALUES = (EnumValue("idle", 0), EnumValue("run", 1, "it moves"), EnumValue("stop", 3))
-MODE = ValueType("enum", 2, enum=EnumType("mode", 2, VALUES), name="mode")
-READY = Field("ready", ValueType("bool", 1), 0, 0, "ready to go")
-FIELDS = (READY, Field("mode", MODE, 1, 2), Field("count", ValueType("uint", 4), 4, 7))
-NEW: dict[str, dict[str, Any]] = {
-    "mode": {"type": MODE, "initial": 1, "safe": 0},
-    "status": {"type": ValueType("bits", 8, fields=FIELDS, name="status")},
-    "wide": {"type": ValueType("uint", 64), "words": 2},
-    "wide_in": {"type": ValueType("int", 40), "words": 2},
-    "kick": {"access": "PULSE"},
-    "sticky": {"access": "W1C", "type": ValueType("uint", 8)},
-    "count": {"access": "READCLEAR"},
-    "ok": {"type": ValueType("bool", 1)},
-    "angle": {
-        "access": "READWRITE",
-        "type": ValueType("fixed", 16, 8),
-        "unit": "rad",
-        "initial": -1.5,
-        "documentation": "synthesis translate_off",
-    },
-    "duty_0": {"type": ValueType("uint", 16), "array": "duty", "index": 0, "name": "duty[0]"},
-    "duty_1": {"type": ValueType("uint", 16), "array": "duty", "index": 1, "name": "duty[1]"},
-}
-PWM = Component("pwm", 0x40, 6, (("channels", 4), ("clock_hz", 0)), (("pins", "out", 4),))
-
-
-def typed(instance: Instance) -> Instance:
-    members: list[Any] = []
-    for member in instance.members:
-        if isinstance(member, Element) and member.path in NEW:
-            members.append(replace(member, **NEW[member.path]))
-        elif isinstance(member, Instance) and member.constructor == "leg":
-            number = int(member.name[-1])
-            members.append(replace(typed(member), array="leg", index=number, name=f"leg[{number}]"))
-        elif isinstance(member, Instance):
-            members.append(replace(member, component=PWM))
-        else:
-            members.append(member)
-    return replace(instance, members=tuple(members))
 
 
 @pytest.fixture(scope="module")
 def spec() -> Spec:
-    classic = compile_text(TEXT, "typed.ul").spec
-    assert classic is not None
-    root = typed(classic.roots[0])
-    elements = {element.path: element for element in root.walk()}
-    groups = (
-        SubscriptionGroup(0, "on change", "change", 0, None, "", (elements["wide_in"], elements["ok"])),
-        SubscriptionGroup(1, "on limit", "event", 0, None, "limit", (elements["sticky"],)),
-    )
-    return replace(classic, roots=(root,), devices=(Device("typed", None, Link("typed"), groups),))
+    result = compile_text(TEXT, "typed.ul")
+    assert result.spec is not None, render(result.diagnostics)
+    return result.spec
 
 
 def test_types_arrays_and_access_modes(designs: Any, spec: Spec) -> None:

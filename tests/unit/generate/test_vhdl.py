@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import doctest
 import os
 import re
 from itertools import pairwise
@@ -15,7 +16,8 @@ from hypothesis import strategies as st
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.generate import generate, generate_vhdl
-from unitylink.generate.vhdl import design_name, word_map
+from unitylink.generate.vhdl import blocks as plan_blocks
+from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
 from unitylink.generate.vhdl.blocks import WINDOW, blocks
 from unitylink.generate.vhdl.names import KEYWORDS, Names, remark
 from unitylink.spec import compile_text, load
@@ -140,3 +142,26 @@ def test_what_the_gateware_has_not_is_refused(overrides: dict[str, int], message
     spec = spec_of("public a() { @x = 0x17: READ(); }")
     with pytest.raises(BindingError, match=message):
         generate_vhdl(spec, BoardConfiguration.for_spec(spec, **overrides))
+
+
+@pytest.mark.parametrize(
+    ("link", "kind", "access"),
+    [
+        ("DOUBLE_BUFFER(BASE=0x40, SIZE=16)", "double_buffer", "WRITE"),
+        ("FIFO(BASE=0x40, DEPTH=16)", "fifo", "READCLEAR"),
+    ],
+)
+def test_link_kinds_without_vhdl_are_refused_by_name(link: str, kind: str, access: str) -> None:
+    with pytest.raises(BindingError, match=f"x lies behind a link of the kind {kind}, which has no VHDL"):
+        generate_vhdl(spec_of(f"public a() {{ {link}; @x = 0x0: {access}(); }}"))
+
+
+def test_what_is_published_on_change_is_given_by_the_user() -> None:
+    text = "public a() { @x = 0x0: READWRITE(PUBLISH(on change)); }"
+    with pytest.raises(BindingError, match="x is published on change, and your logic does not give it"):
+        generate_vhdl(spec_of(text))
+
+
+def test_the_examples_of_the_docstrings() -> None:
+    for module in (names, words, plan_blocks, value_types, planner):
+        assert doctest.testmod(module).failed == 0
