@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
 
@@ -139,12 +140,12 @@ class Plan:
     was_read: Tree
     functions: tuple[Function, ...]
 
-    @property
+    @cached_property
     def generic_width(self) -> int:
         """Characters of the longest generic's name."""
         return max(len(generic.name) for generic in self.generics)
 
-    @property
+    @cached_property
     def address_width(self) -> int:
         """Characters of the longest address's name."""
         return max(len(address.name) for address in self.addresses)

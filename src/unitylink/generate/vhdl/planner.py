@@ -48,7 +48,11 @@ class _Planner:
         self.in_tosnet = tosnet_range(configuration)
         self.parts = components_of(spec)
         self.ports: list[Port] = []
-        self.initialised = [(p, e) for p, e in spec.walk() if e.initial is not None and e.writable]
+        self.initialised = [
+            (path, element, element.initial)
+            for path, element in spec.walk()
+            if element.initial is not None and element.writable
+        ]
         self.accesses = {address: e.access for _, e in spec.walk() for address in e.addresses}
         for path, element in spec.walk():
             last, bits = element.addresses[-1], configuration.address_bits
@@ -226,9 +230,9 @@ class _Planner:
     def _initial(self, block: Block) -> tuple[str, ...]:
         """Return the words a block of registers starts with, as `offset => word`; none where all are zero."""
         words = {}
-        for path, element in self.initialised:
+        for path, element, initial in self.initialised:
             if element.address in block.addresses:
-                raw, bits = self._raw(path, element, element.initial), self.configuration.data_bits
+                raw, bits = self._raw(path, element, initial), self.configuration.data_bits
                 for number, address in enumerate(element.addresses):
                     words[address - block.base] = raw >> number * bits & (1 << bits) - 1
         return tuple(f'{offset} => x"{word:08X}"' for offset, word in sorted(words.items()) if word)
