@@ -62,7 +62,7 @@ end entity;
 
 architecture rtl of core_bii is
 
-  constant tokens : positive := 16;  -- between application and speller, so that they work at the same time
+  constant words : positive := 16;  -- between application and transmitter, so that they work at the same time
 
   constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
 
@@ -74,19 +74,15 @@ architecture rtl of core_bii is
   signal message_end                      : std_ulogic;
 
   signal request            : request_t;
-  signal request_data       : byte_t;
-  signal data_valid         : std_ulogic;
-  signal data_ended         : std_ulogic;
   signal request_take       : std_ulogic;
+  signal request_rewind     : std_ulogic;
   signal request_done       : std_ulogic;
 
   signal subscription_request  : subscription_request_t;
   signal subscription_response : subscription_response_t;
 
   signal said_valid, said_ready   : std_ulogic;
-  signal said_data                : token_t;
-  signal token_valid, token_ready : std_ulogic;
-  signal token_data               : token_t;
+  signal said_data                : word_t;
   signal word_valid, word_ready   : std_ulogic;
   signal word_data                : word_t;
 
@@ -108,10 +104,8 @@ begin
         has_checksum => checksum /= "none", configuration_command => configuration_command)
       port map (
         clock => clock, reset => reset, receive => receive, room => room,
-        request => request, data => request_data, take => request_take, request_done => request_done);
+        request => request, take => request_take, rewind => request_rewind, request_done => request_done);
     message_end <= '0';
-    data_valid  <= '1';  -- a request that is kept whole has all its data
-    data_ended  <= '0';
   else generate
     request_stream : entity work.request_stream
       generic map (
@@ -120,21 +114,20 @@ begin
         configuration_command => configuration_command)
       port map (
         clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
-        request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
-        take => request_take, request_done => request_done);
+        request => request, take => request_take, request_done => request_done);
   end generate;
 
   application : entity work.application
     generic map (
       address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode)
+      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode,
+      whole_requests => datalink = "full")
     port map (
       clock => clock, reset => reset,
-      request => request, data => request_data, data_valid => data_valid, data_ended => data_ended,
-      take => request_take, request_done => request_done,
+      request => request, take => request_take, rewind => request_rewind, request_done => request_done,
       subscription_request => subscription_request, subscription_response => subscription_response,
       bii_request => bii_request, bii_response => bii_response,
-      token_valid => said_valid, token_ready => said_ready, token_data => said_data);
+      word_valid => said_valid, word_ready => said_ready, word_data => said_data);
 
   publishing : if publish_mode > 0 generate
     subscription_manager : entity work.subscription_manager
@@ -151,22 +144,16 @@ begin
   end generate;
 
   between : if datalink = "full" generate
-    token_fifo : entity work.fifo
-      generic map (width => token_t'length, depth => tokens)
+    word_fifo : entity work.fifo
+      generic map (width => word_t'length, depth => words)
       port map (
         clock => clock, reset => reset,
         write_valid => said_valid, write_ready => said_ready, write_data => said_data,
-        read_valid => token_valid, read_ready => token_ready, read_data => token_data);
+        read_valid => word_valid, read_ready => word_ready, read_data => word_data);
   else generate
-    token_valid <= said_valid;
-    said_ready  <= token_ready;
-    token_data  <= said_data;
+    word_valid <= said_valid;
+    said_ready <= word_ready;
+    word_data  <= said_data;
   end generate;
-
-  speller : entity work.speller
-    port map (
-      clock => clock, reset => reset,
-      token_valid => token_valid, token_ready => token_ready, token_data => token_data,
-      word_valid => word_valid, word_ready => word_ready, word_data => word_data);
 
 end architecture;

@@ -1,25 +1,28 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Executes requests on the bus, answers them, and publishes groups between them. One thing at a time.
+-- Executes requests on the bus, answers them, and publishes groups between them. One thing at a time: a small processor
+-- whose program (program_pkg) lies in block RAM, an instruction a clock.
 --
--- Ports     request, data..., take, request_done: see request_buffer and request_stream. subscription: see
---           subscription_pkg. bii: see bii_pkg. token: valid/ready, what the speller makes a reply of.
+-- Ports     request, take, rewind, request_done: see request_buffer. subscription: see subscription_pkg. bii: see bii_pkg.
+--           word: valid/ready, what the datalink makes characters of.
 -- Latency   The head of a reply goes out in the clock in which the request is valid, if nothing else is in hand. Clocks
---           in all, with a 2-clock bus and room for tokens, for AB address and DB data bytes: read 6 + AB + DB, write
---           6 + AB + DB, a word of a read-many 4 + AB or DB, a word of a publish 4 or DB: whichever is more.
+--           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 10 + AB + DB, write
+--           8 + AB + DB, a word of a read-many 3 + AB + DB, a word of a publish 4 + DB.
 -- Errors    The E_ codes of docs/classic-protocol.md section 4. A refused request changes nothing. An error in the middle
 --           of a read-many or publish ends it there, and the bus is released.
 -- Arbitration  Between messages only. publish_mode 2 prefers publishes, 1 requests; but whoever waits has its turn after
 --           `turns_most` messages of the other, so that neither starves.
--- Pressure  token_ready stalls the machine wherever it wants to say something; nothing is lost.
+-- Pressure  word_ready stalls the program wherever it wants to say something; nothing is lost.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.application_pkg.all;
-use work.application_state_pkg.all;
 use work.bii_pkg.all;
+use work.datalink_pkg.all;
+use work.instruction_pkg.all;
+use work.program_pkg.all;
 use work.protocol_pkg.all;
 use work.subscription_pkg.all;
 use work.width_pkg.all;
@@ -34,24 +37,23 @@ entity application is
     most_words    : natural  range 0 to 255 := 32;  -- of a read-many; 0: there is no such command
     rate_bytes    : positive range 1 to 4   := 2;
     publish_mode  : natural  range 0 to 2   := 2;
-    turns_most    : positive range 1 to 15  := 3    -- messages in a row of the preferred side while the other waits
+    turns_most    : positive range 1 to 15  := 3;   -- messages in a row of the preferred side while the other waits
+    whole_requests : boolean                := true -- they can be looked at twice; false: rewind must not be needed
   );
   port (
     clock                 : in  std_ulogic;
     reset                 : in  std_ulogic;
     request               : in  request_t;
-    data                  : in  byte_t;
-    data_valid            : in  std_ulogic := '1';  -- data is there; a request that is kept whole has it always
-    data_ended            : in  std_ulogic := '0';  -- none will come any more
     take                  : out std_ulogic;
+    rewind                : out std_ulogic;
     request_done          : out std_ulogic;
     subscription_request  : out subscription_request_t;
     subscription_response : in  subscription_response_t;
     bii_request           : out bii_request_t;
     bii_response          : in  bii_response_t;
-    token_valid           : out std_ulogic;
-    token_ready           : in  std_ulogic;
-    token_data            : out token_t
+    word_valid            : out std_ulogic;
+    word_ready            : in  std_ulogic;
+    word_data             : out word_t
   );
 end entity;
 
@@ -60,377 +62,294 @@ architecture rtl of application is
   constant address_bytes : positive := bytes_for(address_width);
   constant data_bytes    : positive := bytes_for(data_width);
   constant mask_bytes    : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
+  constant publishes     : boolean  := publish_mode > 0;
 
-  signal r, r_next : record_t := record_initial;
+  -- The register of data also takes the rate of a group.
+  function register_bytes return positive is
+  begin
+    if publishes and rate_bytes > data_bytes then
+      return rate_bytes;
+    end if;
+    return data_bytes;
+  end function;
 
-  -- The fields of CNF. A byte cannot hold 256 groups: it says 00 then.
-  constant fields : fields_t := (
-    high(address_bytes, 1), high(data_bytes, 1), high(most_words, 1), high(publish_mode, 1),
-    high(base_hz, frequency_bytes(base_hz)), high(groups mod 256, 1), high(group_size, 1), high(rate_bytes, 1));
+  constant program : program_t := program_for(
+    address_bytes, data_bytes, most_words, publish_mode, base_hz, groups, group_size, rate_bytes, mask_bytes,
+    whole_requests);
+  constant position_bits : positive := bits_for(program'length);
+
+  signal instruction : instruction_t := nothing_done;
+  signal position    : unsigned(position_bits - 1 downto 0);  -- of the next instruction
+  signal following   : unsigned(position_bits - 1 downto 0);  -- if there is no jump
+
+  signal data         : std_ulogic_vector(8 * register_bytes - 1 downto 0) := (others => '0');
+  signal address      : std_ulogic_vector(8 * address_bytes - 1 downto 0)  := (others => '0');
+  signal count        : unsigned(7 downto 0) := (others => '0');
+  signal group_number : unsigned(bits_for(groups) - 1 downto 0) := (others => '0');
+
+  signal jump       : std_ulogic;  -- the condition of the instruction holds
+  signal step       : std_ulogic;  -- it is over in this clock
+
+  signal begins  : std_ulogic;             -- a message is begun
+  signal publish : std_ulogic;             -- the next message is a publish
+  signal publish_begun : std_ulogic := '0';
+  signal serving : std_ulogic := '0';      -- the message in hand is a request
+  signal turns   : natural range 0 to turns_most := 0;  -- of the preferred side in a row, while the other waited
+  signal yields  : std_ulogic := '0';      -- and now it is the other's
+  signal checked_publish : std_ulogic := '0';
+
+  signal bus_valid, bus_write, bus_hold : std_ulogic := '0';
+  signal access_done : std_ulogic := '0';
+  signal failure     : unsigned(1 downto 0) := "00";  -- where an access that has just failed leads, else 0
+
+  alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);
+
+  function to_bit(value : boolean) return std_ulogic is
+  begin
+    if value then
+      return '1';
+    end if;
+    return '0';
+  end function;
+
+  -- Whether a byte is more than a constant; a tree of gates is quicker than a subtraction.
+  function above(value : byte_t; limit : natural) return std_ulogic is
+    constant limit_bits : unsigned(7 downto 0) := to_unsigned(limit, 8);
+    variable more       : std_ulogic := '0';
+  begin
+    for place in 0 to 7 loop
+      if limit_bits(place) = '0' then
+        more := more or value(place);
+      else
+        more := more and value(place);
+      end if;
+    end loop;
+    return more;
+  end function;
 
 begin
 
-  execute : process (all)
-    variable v       : record_t;
-    variable s       : subscription_request_t;
-    variable free    : boolean;  -- the writer can be given a word
-    variable quiet   : boolean;  -- the writer says nothing, so that the machine can
-    variable publish : boolean;  -- the next message is one
+  -- What to do next.
 
-    procedure write_word(word : std_ulogic_vector(31 downto 0); bytes : positive) is
-    begin
-      v.word      := word;
-      v.word_left := bytes;
-    end procedure;
-
-    procedure say_text(text : text_t; following : state_t; bytes : natural := 0) is
-    begin
-      v.state     := say;
-      v.text      := text;
-      v.following := following;
-      v.say_bytes := bytes;
-    end procedure;
-
-    procedure gather_bytes(bytes : positive; following : state_t) is
-    begin
-      v.state       := gather;
-      v.following   := following;
-      v.gather_left := bytes;
-    end procedure;
-
-    procedure begin_access(address : std_ulogic_vector(31 downto 0)) is
-    begin
-      v.state           := access_bus;
-      v.bus_out.valid   := '1';
-      v.bus_out.address := address;
-    end procedure;
-
-    -- The next word of a read-many or a publish.
-    procedure next_word is
-    begin
-      if v.count = 0 then
-        v.bus_out.block_hold := '0';
-        v.state := tail;
-      elsif r.serving = '0' then
-        v.state := open_publish;
-      else
-        gather_bytes(address_bytes, open_block);
-      end if;
-    end procedure;
-
-    procedure begin_request is
-    begin
-      v.remaining := request.length;
-      case request.command is
-        when unknown =>
-          say_text(text_incomplete_command, tail);
-        when read =>
-          gather_bytes(address_bytes, open_read);
-        when write =>
-          gather_bytes(address_bytes, write_address);
-        when read_configuration =>
-          say_text(text_configuration, list_field);
-        when enable_publishing | enable_checked_publishing =>
-          s.enable := '1';
-          v.checked_publish := '0';
-          say_text(text_enable_publishing, tail);
-          if request.command = enable_checked_publishing then
-            v.checked_publish := '1';
-            say_text(text_enable_checked_publishing, tail);
-          end if;
-        when disable_publishing =>
-          s.disable := '1';
-          say_text(text_disable_publishing, tail);
-        when read_event_mask =>
-          v.index := to_unsigned(mask_bytes - 1, 8);
-          say_text(text_read_event_mask, list_mask);
-        when write_event_mask =>
-          v.index := to_unsigned(mask_bytes - 1, 8);
-          if request.length < mask_bytes then
-            say_text(text_missing_data, tail);
-          else
-            gather_bytes(1, store_mask);
-          end if;
-        when read_many =>
-          gather_bytes(1, check_block);
-        when write_group_addresses | write_group_rate | read_group =>
-          gather_bytes(1, check_group);
-      end case;
-    end procedure;
+  judge : process (all)
+    variable holds : std_ulogic_vector(condition_f);
   begin
-    v := r;
-    s := subscription_request_idle;
-    s.group_number := r.group_number;
-    s.index        := r.index;
-    s.value        := r.argument;
-
-    take         <= '0';
-    request_done <= '0';
-    token_valid  <= '0';
-    token_data   <= token_tail & x"00";
-
-    -- The writer: sends the bytes of a word, while the machine may already see to the next.
-    quiet := r.word_left = 0;
-    free  := r.word_left = 0 or (r.word_left = 1 and token_ready = '1');
-    if not quiet then
-      token_valid <= '1';
-      token_data  <= token_byte & r.word(31 downto 24);
-      if token_ready = '1' then
-        v.word      := r.word(23 downto 0) & x"00";
-        v.word_left := r.word_left - 1;
-      end if;
-    end if;
-
-    case r.state is
-      when idle =>
-        publish := subscription_response.publish = '1';
-        if publish and request.valid = '1' then
-          publish := (publish_mode = 2) = (r.turns /= turns_most);
-        end if;
-        token_valid <= request.valid or subscription_response.publish;
-        token_data  <= token_head & head_of(request);
-        if publish then
-          token_data <= token_head & head_of(r.checked_publish);
-        end if;
-        if token_ready = '1' and (request.valid = '1' or publish) then
-          v.turns := 0;
-          if request.valid = '1' and subscription_response.publish = '1' and r.turns /= turns_most then
-            v.turns := r.turns + 1;
-          end if;
-          v.bus_out.write := '0';
-          v.index         := (others => '0');
-          v.serving       := '1';
-          if publish then
-            s.publish_take := '1';
-            v.serving      := '0';
-            v.group_number := subscription_response.publish_group;
-            say_text(text_publish, publish_head);
-          elsif request.error = '1' then
-            v.state := error_code;
-          else
-            begin_request;
-          end if;
-        end if;
-
-      when error_code =>
-        write_word(request.code & x"000000", 1);
-        v.state := tail;
-
-      when gather =>
-        if data_ended = '1' or r.remaining = 0 then
-          v.bus_out.block_hold := '0';
-          say_text(missing_text(r.following), tail);
-        elsif data_valid = '1' then
-          take        <= '1';
-          v.argument  := r.argument(23 downto 0) & data;
-          v.remaining := r.remaining - 1;
-          v.gather_left := r.gather_left - 1;
-          if r.gather_left = 1 then
-            v.state := r.following;
-          end if;
-        end if;
-
-      when say =>
-        if quiet then
-          token_valid <= '1';
-          token_data  <= token(r.text);
-          if token_ready = '1' then
-            v.word_left := r.say_bytes;
-            v.state     := r.following;
-          end if;
-        end if;
-
-      when tail =>
-        if quiet then
-          token_valid <= '1';
-          if token_ready = '1' then
-            request_done <= r.serving;
-            v.state      := idle;
-          end if;
-        end if;
-
-      when open_read =>
-        begin_access(r.argument);
-
-      when write_address =>
-        v.bus_out.address := r.argument;
-        gather_bytes(data_bytes, open_write);
-
-      when open_write =>
-        v.bus_out.write := '1';
-        v.bus_out.data  := r.argument;
-        begin_access(r.bus_out.address);
-
-      when check_block =>
-        v.count := unsigned(r.argument(7 downto 0));
-        if unsigned(r.argument(7 downto 0)) = 0 or unsigned(r.argument(7 downto 0)) > most_words then
-          say_text(text_invalid_block_size, tail);
-        elsif quiet then
-          token_valid <= '1';
-          token_data  <= token(text_read_many);
-          if token_ready = '1' then
-            next_word;
-          end if;
-        end if;
-
-      when open_block =>
-        v.count := r.count - 1;
-        v.bus_out.block_hold := '1';
-        begin_access(r.argument);
-
-      when open_publish =>
-        v.count := r.count - 1;
-        v.index := r.index + 1;
-        v.bus_out.block_hold := '1';
-        begin_access(subscription_response.address);
-
-      when access_bus =>
-        if bii_response.done = '1' then
-          v.bus_out.valid := '0';
-          v.argument      := bii_response.data;
-          if bii_response.status /= ok then
-            v.bus_out.block_hold := '0';
-            say_text(bus_error_text(bii_response.status, r.bus_out.write), tail);
-          elsif r.bus_out.write = '1' then
-            say_text(text_write, tail);
-          elsif r.bus_out.block_hold = '0' then
-            v.word := high(bii_response.data, data_bytes);
-            say_text(text_read, tail, data_bytes);
-          elsif free then
-            write_word(high(bii_response.data, data_bytes), data_bytes);
-            next_word;
-          else
-            v.state := block_word;
-          end if;
-        end if;
-
-      when block_word =>
-        if free then
-          write_word(high(r.argument, data_bytes), data_bytes);
-          next_word;
-        end if;
-
-      when list_field =>
-        if free then
-          if r.index = 4 then
-            write_word(fields(to_integer(r.index(2 downto 0))), frequency_bytes(base_hz));
-          else
-            write_word(fields(to_integer(r.index(2 downto 0))), 1);
-          end if;
-          v.index := r.index + 1;
-          if r.index = 7 then
-            v.state := tail;
-          else
-            say_text(text_comma, list_field);
-          end if;
-        end if;
-
-      when check_group =>
-        v.group_number := unsigned(r.argument(7 downto 0));
-        if unsigned(r.argument(7 downto 0)) >= groups then
-          say_text(text_invalid_group, tail);
-        elsif request.command = read_group then
-          say_text(text_read_group, list_rate);
-        elsif request.command = write_group_rate then
-          gather_bytes(rate_bytes, write_rate);
-        else
-          gather_bytes(1, check_size);
-        end if;
-
-      when check_size =>
-        v.count := unsigned(r.argument(7 downto 0));
-        if unsigned(r.argument(7 downto 0)) = 0 or unsigned(r.argument(7 downto 0)) > group_size then
-          say_text(text_invalid_group_size, tail);
-        elsif r.remaining < unsigned(r.argument(7 downto 0)) * to_unsigned(address_bytes, 3) then
-          say_text(text_missing_address, tail);  -- and the group stays as it was
-        else
-          gather_bytes(address_bytes, store_address);
-        end if;
-
-      when store_address =>
-        s.write_address := '1';
-        v.index := r.index + 1;
-        if r.index + 1 = r.count then
-          s.write_count := '1';
-          say_text(text_write_group_addresses, tail);
-        else
-          gather_bytes(address_bytes, store_address);
-        end if;
-
-      when write_rate =>
-        s.write_rate := '1';
-        if subscription_response.done = '1' then
-          say_text(text_write_group_rate, tail);
-        end if;
-
-      when list_rate =>
-        if free and subscription_response.looked = '1' then
-          write_word(high(subscription_response.rate, rate_bytes), rate_bytes);
-          v.state := list_count;
-        end if;
-
-      when list_count =>
-        if free then
-          write_word(std_ulogic_vector(subscription_response.count) & x"000000", 1);
-          v.count := subscription_response.count;
-          v.state := tail;
-          if subscription_response.count /= 0 then
-            v.state := list_settle;
-          end if;
-        end if;
-
-      when list_settle =>
-        v.state := list_address;
-
-      when list_address =>
-        if free then
-          write_word(high(subscription_response.address, address_bytes), address_bytes);
-          v.index := r.index + 1;
-          v.count := r.count - 1;
-          v.state := list_settle;
-          if r.count = 1 then
-            v.state := tail;
-          end if;
-        end if;
-
-      when store_mask =>
-        s.write_mask := '1';
-        v.index := r.index - 1;
-        if r.index = 0 then
-          say_text(text_write_event_mask, tail);
-        else
-          gather_bytes(1, store_mask);
-        end if;
-
-      when list_mask =>
-        if free then
-          write_word(subscription_response.mask & x"000000", 1);
-          v.index := r.index - 1;
-          if r.index = 0 then
-            v.state := tail;
-          end if;
-        end if;
-
-      when publish_head =>
-        write_word(std_ulogic_vector(r.group_number) & std_ulogic_vector(subscription_response.count) & x"0000", 2);
-        v.count := subscription_response.count;
-        v.state := open_publish;
-    end case;
-
-    subscription_request <= s;
-    r_next <= v;
+    holds(if_missing)        := request.missing;
+    holds(if_bus_busy)       := not access_done;
+    holds(if_some_left)      := or count;
+    holds(if_bad_read_many)  := nor lowest or above(lowest, most_words);
+    holds(if_bad_size)       := nor lowest or above(lowest, group_size);
+    holds(if_bad_group)      := above(lowest, groups - 1);
+    holds(if_group_empty)    := subscription_response.empty;
+    holds(if_group_inactive) := subscription_response.inactive;
+    holds(if_rate_pending)   := not subscription_response.done;
+    jump <= or (holds and instruction(condition_f));
   end process;
 
-  bii_request <= r.bus_out;
+  step <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take)) and
+          (request.valid or subscription_response.publish or not instruction(do_begin));
 
-  step : process (clock)
+  begins <= instruction(do_begin) and step;
+
+  choose : process (all)
+  begin
+    publish <= subscription_response.publish;
+    if request.valid = '1' and (publish_mode = 2) = (yields = '1') then
+      publish <= '0';
+    end if;
+  end process;
+
+  go_on : process (all)
+    variable entry : command_t;
+  begin
+    entry := request.command;
+    if publish = '1' then
+      entry := std_ulogic_vector(to_unsigned(command_publish, 5));
+    elsif request.error = '1' then
+      entry := std_ulogic_vector(to_unsigned(command_error, 5));
+    end if;
+    following <= unsigned(instruction(following_f'right + position_bits - 1 downto following_f'right));
+    if instruction(do_begin) = '1' then
+      following(4 downto 0) <= unsigned(entry);
+    elsif failure /= 0 then
+      following <= resize(failure, position_bits);
+    end if;
+  end process;
+
+  -- The program waits while an access is open, so that there is no jump when it fails.
+  decide : process (all)
+  begin
+    position <= following;
+    if jump = '1' then
+      position <= unsigned(instruction(target_f'right + position_bits - 1 downto target_f'right));
+    end if;
+    if reset = '1' then
+      position <= (others => '0');
+    end if;
+  end process;
+
+  fetch : process (clock)
   begin
     if rising_edge(clock) then
-      r <= r_next;
-      if reset = '1' then
-        r <= record_initial;
+      if step = '1' or reset = '1' then
+        instruction <= program(to_integer(position));
       end if;
     end if;
+  end process;
+
+  -- What is said.
+
+  -- The head of an error is another one, and said later.
+  word_valid <= instruction(do_say) and
+                not (instruction(do_begin) and not publish and (request.error or not request.valid));
+
+  speak : process (all)
+    variable content : byte_t;
+  begin
+    case instruction(source_f) is
+      when from_data    => content := data(8 * data_bytes - 1 downto 8 * data_bytes - 8);
+      when from_address => content := address(8 * address_bytes - 1 downto 8 * address_bytes - 8);
+      when from_group   => content := byte_t(resize(group_number, 8));
+      when from_mask    => content := subscription_response.mask;
+      when others       => content := instruction(number_f);
+    end case;
+    if instruction(do_begin) = '1' then
+      content := byte_plain_head_c;
+      if publish = '1' then
+        content := byte_plain_publish_c;
+        if checked_publish = '1' then
+          content := byte_checked_publish_c;
+        end if;
+      elsif request.checked = '1' then
+        content := byte_checked_head_c;
+      end if;
+    end if;
+    word_data <= instruction(kind_f) & content;
+  end process;
+
+  -- What is done.
+
+  take         <= (instruction(do_take) and request.ready) or
+                  (instruction(do_begin) and word_ready and request.valid and not publish);
+  rewind       <= instruction(do_rewind);
+  request_done <= instruction(do_finish) and step and serving;
+
+  registers : process (clock)
+  begin
+    if rising_edge(clock) then
+      publish_begun <= begins and publish;
+      if begins = '1' then
+        serving <= not publish;
+        turns   <= 0;
+        yields  <= '0';
+        if request.valid = '1' and subscription_response.publish = '1' and yields = '0' then
+          turns  <= turns + 1;
+          yields <= to_bit(turns + 1 = turns_most);
+        end if;
+      end if;
+
+      if bii_response.done = '1' then
+        data(8 * data_bytes - 1 downto 0) <= bii_response.data(8 * data_bytes - 1 downto 0);
+      elsif instruction(do_shift_data) = '1' and step = '1' then
+        data <= data(data'left - 8 downto 0) & request.data;
+      end if;
+
+      if instruction(do_load_address) = '1' then
+        address <= subscription_response.word(address'range);
+        if address_width < 8 and instruction(do_count) = '1' then  -- it is no number of addresses
+          address(7 downto minimum(address_width, 7)) <= (others => '0');
+        end if;
+      elsif step = '1' and (instruction(do_shift_address) = '1' or instruction(do_begin) = '1') then
+        address <= address(address'left - 8 downto 0) & request.data;
+      end if;
+
+      if instruction(do_begin) = '1' then
+        count <= (others => '0');
+      elsif step = '1' and instruction(do_load_count) = '1' then
+        count <= unsigned(lowest);
+      elsif step = '1' and instruction(do_count) = '1' then
+        count <= count - 1;
+      end if;
+
+      if begins = '1' and publish = '1' then
+        group_number <= subscription_response.publish_group(group_number'range);
+      elsif step = '1' and instruction(do_load_group) = '1' then
+        group_number <= unsigned(lowest(group_number'range));
+      end if;
+
+      if instruction(manage_f) = manage_enable then
+        checked_publish <= instruction(number_f'right);
+      end if;
+
+      if reset = '1' then
+        turns  <= 0;
+        yields <= '0';
+        checked_publish <= '0';
+        publish_begun   <= '0';
+      end if;
+    end if;
+  end process;
+
+  drive : process (clock)
+  begin
+    if rising_edge(clock) then
+      bus_hold <= instruction(do_hold);
+      access_done <= bii_response.done;
+      failure     <= "00";
+      if bii_response.done = '1' and bii_response.status = silent then
+        failure <= to_unsigned(position_silent, 2);
+      elsif bii_response.done = '1' and bii_response.status = error and bus_write = '1' then
+        failure <= to_unsigned(position_refused_write, 2);
+      elsif bii_response.done = '1' and bii_response.status = error then
+        failure <= to_unsigned(position_refused_read, 2);
+      end if;
+      if bii_response.done = '1' then
+        bus_valid <= '0';
+      elsif step = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and
+          not (request.missing = '1' and serving = '1') then  -- not without the bytes it needs
+        bus_valid <= '1';
+      end if;
+      if bus_valid = '0' then
+        bus_write <= instruction(do_write);
+      end if;
+      if reset = '1' then
+        bus_valid <= '0';
+        bus_hold  <= '0';
+      end if;
+    end if;
+  end process;
+
+  access_bus : process (all)
+  begin
+    bii_request            <= bii_request_idle;
+    bii_request.valid      <= bus_valid;
+    bii_request.write      <= bus_write;
+    bii_request.block_hold <= bus_hold;
+    bii_request.address(address_width - 1 downto 0) <= address(address_width - 1 downto 0);
+    bii_request.data(data_width - 1 downto 0)       <= data(data_width - 1 downto 0);
+  end process;
+
+  manage_groups : process (all)
+  begin
+    subscription_request              <= subscription_request_idle;
+    subscription_request.group_number <= resize(group_number, 8);
+    subscription_request.place        <= '0' & count;
+    if instruction(do_place) = '1' then
+      subscription_request.place <= unsigned(instruction(number_f'left) & instruction(number_f));
+    end if;
+    subscription_request.word(address'range)              <= address;
+    subscription_request.rate(8 * rate_bytes - 1 downto 0) <= data(minimum(data'length, 8 * rate_bytes) - 1 downto 0);
+    case instruction(manage_f) is
+      when manage_write_word => subscription_request.write_word <= '1';
+      when manage_empty      => subscription_request.empty      <= '1';
+      when manage_fill       => subscription_request.fill       <= '1';
+      when manage_write_rate => subscription_request.write_rate <= '1';
+      when manage_write_mask => subscription_request.write_mask <= '1';
+      when manage_enable     => subscription_request.enable     <= '1';
+      when manage_disable    => subscription_request.disable    <= '1';
+      when others            => null;
+    end case;
+    subscription_request.publish_take <= publish_begun;
   end process;
 
 end architecture;

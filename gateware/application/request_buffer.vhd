@@ -2,16 +2,18 @@
 --
 -- Keeps requests until they are complete and found good; the application sees no other ones.
 --
---   receive --> | command letters -> command | data bytes -> one of two halves of a memory | --> request, data
+--   receive --> | letters -> recogniser -> command | data bytes -> one of two halves of a memory | --> request
 --
--- While one request is executed the next is received. A datalink error takes the place of the message it belongs to, so
--- that replies and errors leave in the order of their causes.
+-- A half has an entry of 8 data bits for every data byte and, before them, one that says what the message is: its command,
+-- and where its data end; or the code of a datalink error, which takes the place of the message it belongs to, so that
+-- replies and errors leave in the order of their causes. While one request is executed the next is received.
 --
 -- Ports     receive: an event a clock, never refused; nothing but `start` and a lone `bad` may come while room is low, and
---           those must not. request: stands until request_done; `data` is its first byte not yet taken, and the next one
---           in the clock after take.
--- Latency   A request is valid one clock after its `good`.
--- Errors    None of its own. Letters that are no command give `unknown`.
+--           those must not. request: stands until request_done. Its command and such stand until the first take; after
+--           that `data` is the first byte not yet taken, and the next one in the clock after take. rewind: back to where
+--           nothing has been taken.
+-- Latency   A request is valid two clocks after its `good`.
+-- Errors    None of its own. Letters that are no command give `command_unknown` or another number of no command.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,8 +39,8 @@ entity request_buffer is
     receive      : in  receive_t;
     room         : out std_ulogic;
     request      : out request_t;
-    data         : out byte_t;
     take         : in  std_ulogic;
+    rewind       : in  std_ulogic;
     request_done : in  std_ulogic
   );
 end entity;
@@ -46,23 +48,35 @@ end entity;
 architecture rtl of request_buffer is
 
   constant index_bits : positive := bits_for(message_entries);
+  constant value_bits : positive := maximum(8, index_bits);  -- a data byte, a code, or where the data end
 
-  type half_t is array (0 to 1) of request_t;
-  type memory_t is array (0 to 2 ** (index_bits + 1) - 1) of byte_t;
+  constant machine : recogniser_t := recogniser(has_read_many, has_publishing, has_checksum, configuration_command);
 
-  signal memory     : memory_t;
-  signal halves     : half_t := (others => request_none);
+  subtype index_t is unsigned(index_bits - 1 downto 0);
+  subtype entry_t is std_ulogic_vector(value_bits + 6 downto 0);  -- error, checked, command, value
+  type memory_t is array (0 to 2 ** (index_bits + 1) - 1) of entry_t;
+
+  signal memory : memory_t;
+  signal full   : std_ulogic_vector(0 to 1) := "00";  -- the half has a request
+
   signal write_half : std_ulogic := '0';
-  signal read_half  : std_ulogic := '0';
+  signal size       : index_t := (others => '0');  -- entries of the message so far
+  signal checked    : std_ulogic := '0';
+  signal command    : command_t := (others => '0');
+  signal judged     : std_ulogic;                  -- the message is good or bad
+  signal free        : std_ulogic;                 -- the half that is written to
+  signal writes      : std_ulogic;
+  signal write_entry : entry_t;
+  signal write_index : index_t;
 
-  signal checked : std_ulogic := '0';
-  signal marked  : std_ulogic := '0';  -- there was a colon
-  signal letters : letters_t := (others => (others => '0'));
-  signal count   : natural range 0 to 4 := 0;  -- letters; 4: too many
-  signal size    : unsigned(index_bits - 1 downto 0) := (others => '0');
-
-  signal read_index, read_next : unsigned(index_bits - 1 downto 0) := (others => '0');
-  signal half_next             : std_ulogic;
+  signal valid       : std_ulogic := '0';
+  signal read_half   : std_ulogic := '0';
+  signal half_next   : std_ulogic;
+  signal read_index  : index_t := (others => '0');
+  signal index_next  : index_t;
+  signal read_entry  : entry_t;
+  signal missing     : std_ulogic := '0';
+  signal ending      : index_t;                    -- the entry behind the last data byte
 
   function number(bit : std_ulogic) return natural is
   begin
@@ -74,80 +88,119 @@ architecture rtl of request_buffer is
 
 begin
 
-  room    <= not halves(number(write_half)).valid;
-  request <= halves(number(read_half));
+  -- Write side
 
-  half_next <= read_half xor request_done;
+  free   <= not full(number(write_half));
+  room   <= free;
+  judged <= '1' when receive.event = good or receive.event = bad else '0';
+  writes <= '1' when receive.event = byte or judged = '1' else '0';
 
-  advance : process (all)
+  recognise : process (clock)
   begin
-    read_next <= read_index;
-    if request_done = '1' then
-      read_next <= (others => '0');
-    elsif take = '1' then
-      read_next <= read_index + 1;
+    if rising_edge(clock) then
+      if receive.event = start or receive.event = letter or receive.event = colon then
+        command <= machine(step_of(command, receive));
+      end if;
+    end if;
+  end process;
+
+  form : process (all)
+  begin
+    write_entry <= '0' & checked & command & std_ulogic_vector(resize(unsigned(receive.data), value_bits));
+    write_index <= size;
+    if judged = '1' then
+      write_index <= (others => '0');
+    end if;
+    if receive.event = good then
+      write_entry(value_bits - 1 downto 0) <= std_ulogic_vector(resize(size, value_bits));
+    elsif receive.event = bad then
+      write_entry(write_entry'left) <= '1';
     end if;
   end process;
 
   store : process (clock)
   begin
     if rising_edge(clock) then
-      if receive.event = byte then
-        memory(to_integer(write_half & size)) <= receive.data;
+      -- Never the same entry at once: block RAMs do not agree about what that gives.
+      if writes = '1' and free = '1' then
+        memory(to_integer(write_half & write_index)) <= write_entry;
       end if;
-      data <= memory(to_integer(half_next & read_next));
+      if free = '0' or half_next /= write_half then
+        read_entry <= memory(to_integer(half_next & index_next));
+      end if;
     end if;
   end process;
 
   keep : process (clock)
   begin
     if rising_edge(clock) then
-      read_index <= read_next;
-      read_half  <= half_next;
       if request_done = '1' then
-        halves(number(read_half)).valid <= '0';
+        full(number(read_half)) <= '0';
       end if;
-
-      case receive.event is
-        when nothing =>
-          null;
-        when start =>
-          checked <= receive.checked;
-          marked  <= '0';
-          count   <= 0;
-          size    <= (others => '0');
-        when letter =>
-          if count < 3 then
-            letters(count + 1) <= receive.data(4 downto 0);
-          end if;
-          if count < 4 then
-            count <= count + 1;
-          end if;
-        when colon =>
-          marked <= '1';
-        when byte =>
-          size <= size + 1;
-        when good | bad =>
-          halves(number(write_half)) <= (
-            valid => '1', error => '0', code => receive.data, checked => checked,
-            command => command_of(
-              letters, count, marked, has_read_many, has_publishing, has_checksum, configuration_command),
-            length => resize(size, 11));
-          if receive.event = bad then
-            halves(number(write_half)).error <= '1';
-          end if;
-          write_half <= not write_half;
-      end case;
-
+      if receive.event = start then
+        checked <= receive.checked;
+        size    <= to_unsigned(1, index_bits);
+      elsif receive.event = byte then
+        size <= size + 1;
+      end if;
+      if judged = '1' then
+        full(number(write_half)) <= '1';
+        write_half <= not write_half;
+      end if;
       if reset = '1' then
-        halves(0).valid <= '0';
-        halves(1).valid <= '0';
-        write_half      <= '0';
-        read_half       <= '0';
-        read_index      <= (others => '0');
+        full       <= "00";
+        write_half <= '0';
       end if;
     end if;
   end process;
+
+  -- Read side
+
+  half_next <= read_half xor request_done;
+
+  advance : process (all)
+  begin
+    index_next <= read_index;
+    if request_done = '1' or rewind = '1' or reset = '1' then
+      index_next <= (others => '0');
+    elsif take = '1' then
+      index_next <= read_index + 1;
+    end if;
+  end process;
+
+  read : process (clock)
+  begin
+    if rising_edge(clock) then
+      read_index <= index_next;
+      read_half  <= half_next;
+      valid      <= full(number(half_next));  -- since a clock at least: its entry can be read
+      if read_index = 0 then
+        ending  <= unsigned(read_entry(index_bits - 1 downto 0));
+        missing <= '0';
+        if unsigned(read_entry(index_bits - 1 downto 0)) = 1 then
+          missing <= '1';
+        end if;
+      elsif take = '1' then
+        missing <= '0';
+        if read_index + 1 = ending then
+          missing <= '1';
+        end if;
+      end if;
+      if reset = '1' then
+        read_half <= '0';
+        valid     <= '0';
+      end if;
+    end if;
+  end process;
+
+  request <= (
+    valid   => valid,
+    ready   => '1',  -- a request that is kept whole has all its data
+    missing => missing,
+    data    => read_entry(7 downto 0),
+    error   => read_entry(read_entry'left),
+    checked => read_entry(read_entry'left - 1),
+    command => read_entry(read_entry'left - 2 downto read_entry'left - 6));
 
   -- Properties
   never_refused : process (clock)
@@ -155,7 +208,7 @@ begin
     if rising_edge(clock) and reset = '0' then
       assert not ((receive.event = start or receive.event = bad) and room = '0')
         report "request_buffer: a message began without room" severity failure;
-      assert not (request_done = '1' and request.valid = '0')
+      assert not (request_done = '1' and valid = '0')
         report "request_buffer: done without a request" severity failure;
     end if;
   end process;

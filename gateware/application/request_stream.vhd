@@ -2,14 +2,14 @@
 --
 -- Hands requests on while they come in, one byte at a time: the request_buffer of the datalinks "lite" and "none".
 --
---   receive --> | command letters -> command | one data byte | --> request, data, data_valid, data_ended
+--   receive --> | letters -> recogniser -> command | one data byte | --> request
 --
 -- Ports     receive: an event a clock, none while room is low. request: from the colon or the end of the command until
---           request_done; its length is said to be more than any request needs. data: the next byte, with data_valid;
---           data_ended: none will come. What comes behind a request that is done is dropped up to the next `start`.
+--           request_done; its command and such stand until the first take. After that `data` is the next byte, with `ready`;
+--           `missing`: none will come. What comes behind a request that is done is dropped up to the next `start`.
 --           message_end: with the colon or byte in `receive`: a request needs no more ("none" goes by it).
 -- Latency   A request is valid one clock after its colon or end, a byte one clock after it came; a byte in two clocks.
--- Errors    None of its own; a lone `bad` is handed on. Letters that are no command give `unknown`.
+-- Errors    None of its own; a lone `bad` is handed on. Letters that are no command give a number of no command.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,9 +37,6 @@ entity request_stream is
     room         : out std_ulogic;
     message_end  : out std_ulogic;
     request      : out request_t;
-    data         : out byte_t;
-    data_valid   : out std_ulogic;
-    data_ended   : out std_ulogic;
     take         : in  std_ulogic;
     request_done : in  std_ulogic
   );
@@ -47,100 +44,103 @@ end entity;
 
 architecture rtl of request_stream is
 
+  constant machine : recogniser_t := recogniser(has_read_many, has_publishing, false, configuration_command);
+
   type record_t is record
-    letters : letters_t;
-    count   : natural range 0 to 4;      -- letters; 4: too many
+    state   : command_t;                 -- of the recogniser
     named   : std_ulogic;                -- the request of this message has been handed on
     ended   : std_ulogic;                -- and all of it has come
     counted : std_ulogic;                -- a first byte has said how many there are
     left    : unsigned(10 downto 0);     -- bytes to come as far as known
-    request : request_t;
+    valid   : std_ulogic;
+    begun   : std_ulogic;                -- the command has been taken
+    error   : std_ulogic;
     full    : std_ulogic;                -- a byte is in `data`
     data    : byte_t;
   end record;
 
   constant initial : record_t := (
-    letters => (others => (others => '0')), count => 0, named => '0', ended => '0', counted => '0', left => (others => '0'),
-    request => request_none, full => '0', data => x"00");
+    state => (others => '0'), left => (others => '0'), data => x"00", others => '0');
 
   signal r, r_next : record_t := initial;
 
   -- Bytes a command needs, as far as its letters say; of read-many and WSA, up to their count.
   function bytes_of(command : command_t) return natural is
   begin
-    case command is
-      when read                  => return address_bytes;
-      when write                 => return address_bytes + data_bytes;
-      when read_many             => return 1;
-      when write_group_addresses => return 2;
-      when write_group_rate      => return 1 + rate_bytes;
-      when read_group            => return 1;
-      when write_event_mask      => return mask_bytes;
-      when others                => return 0;
+    case to_integer(unsigned(command)) is
+      when command_read                  => return address_bytes;
+      when command_write                 => return address_bytes + data_bytes;
+      when command_read_many             => return 1;
+      when command_write_group_addresses => return 2;
+      when command_write_group_rate      => return 1 + rate_bytes;
+      when command_read_group            => return 1;
+      when command_write_event_mask      => return mask_bytes;
+      when others                        => return 0;
     end case;
+  end function;
+
+  -- Whether its first bytes say how many there are.
+  function counts(command : command_t) return boolean is
+  begin
+    return unsigned(command) = command_read_many or unsigned(command) = command_write_group_addresses;
   end function;
 
 begin
 
-  room       <= not r.full and not (r.request.valid and r.ended);
-  request    <= r.request;
-  data       <= r.data;
-  data_valid <= r.full;
-  data_ended <= r.ended and not r.full;
+  room    <= not r.full and not (r.valid and r.ended);
+  request <= (
+    valid => r.valid, ready => r.full or r.ended, missing => r.ended and not r.full, data => r.data,
+    error => r.error, checked => '0', command => r.state);
 
   follow : process (all)
-    variable v       : record_t;
-    variable command : command_t;
+    variable v : record_t;
 
     procedure hand_on is
     begin
-      v.named           := '1';
-      v.request.valid   := '1';
-      v.request.error   := '0';
-      v.request.command := command;
+      v.named := '1';
+      v.valid := '1';
+      v.begun := '0';
+      v.error := '0';
     end procedure;
   begin
     v := r;
     message_end <= '0';
-    command := unknown;
 
     if take = '1' then
-      v.full := '0';
+      v.begun := '1';
+      if r.begun = '1' then
+        v.full := '0';
+      end if;
     end if;
     if request_done = '1' then
-      v.request.valid := '0';
-      v.full          := '0';
+      v.valid := '0';
+      v.full  := '0';
     end if;
 
     case receive.event is
       when start =>
-        v.count   := 0;
+        v.state   := machine(step_of(r.state, receive));
         v.named   := '0';
         v.ended   := '0';
         v.counted := '0';
       when letter =>
-        if r.count < 3 then
-          v.letters(r.count + 1) := receive.data(4 downto 0);
-        end if;
-        if r.count < 4 then
-          v.count := r.count + 1;
-        end if;
+        v.state := machine(step_of(r.state, receive));
       when colon =>
-        command := command_of(r.letters, r.count, '1', has_read_many, has_publishing, false, configuration_command);
+        v.state := machine(step_of(r.state, receive));
         hand_on;
-        v.left := to_unsigned(bytes_of(command), 11);
-        if bytes_of(command) = 0 then
+        v.left := to_unsigned(bytes_of(v.state), 11);
+        if bytes_of(v.state) = 0 then
           v.ended := '1';
           message_end <= '1';
         end if;
       when byte =>
-        if v.request.valid = '1' then
+        if v.valid = '1' then
           v.full := '1';
           v.data := receive.data;
         end if;
         v.left := r.left - 1;
         if r.left = 1 then
-          if r.counted = '0' and (r.request.command = read_many or r.request.command = write_group_addresses) then
+          if r.counted = '0' and counts(r.state) then
             v.counted := '1';
             v.left    := resize(unsigned(receive.data) * to_unsigned(address_bytes, 3), 11);
           end if;
@@ -152,18 +152,16 @@ begin
       when good =>
         v.ended := '1';
         if r.named = '0' then
-          command := command_of(r.letters, r.count, '0', has_read_many, has_publishing, false, configuration_command);
           hand_on;
         end if;
       when bad =>
         hand_on;
-        v.ended         := '1';
-        v.request.error := '1';
-        v.request.code  := receive.data;
+        v.ended := '1';
+        v.error := '1';
+        v.data  := receive.data;
       when nothing =>
         null;
     end case;
-    v.request.length := (others => '1');
     r_next <= v;
   end process;
 

@@ -46,19 +46,19 @@ architecture rtl of subscription_manager is
   constant period     : positive := clock_hz / base_hz;
   constant rate_bits  : positive := 8 * rate_bytes;
   constant group_bits : positive := bits_for(groups);
-  constant index_bits : positive := bits_for(group_size);
+  constant place_bits : positive := bits_for(1 + group_size + 2 * rate_bytes);
+  constant word_bits  : positive := maximum(8, address_width);
 
   subtype flags_t is std_ulogic_vector(groups - 1 downto 0);
   subtype group_t is natural range 0 to groups - 1;
 
-  type address_memory_t is array (0 to 2 ** (group_bits + index_bits) - 1) of
-    std_ulogic_vector(address_width - 1 downto 0);
-  type count_memory_t is array (0 to 2 ** group_bits - 1) of unsigned(7 downto 0);
-  type rate_memory_t is array (0 to 2 ** group_bits - 1) of unsigned(2 * rate_bits - 1 downto 0);
+  type word_memory_t is array (0 to 2 ** (group_bits + place_bits) - 1) of std_ulogic_vector(word_bits - 1 downto 0);
+  -- Eight words or more, which is when tools take block RAM instead of flip-flops.
+  type rate_memory_t is array (0 to 2 ** maximum(group_bits, 3) - 1) of unsigned(rate_bits - 1 downto 0);
 
-  signal addresses : address_memory_t;
-  signal counts    : count_memory_t;
-  signal rates     : rate_memory_t;  -- rate, and strobes counted towards it
+  signal words : word_memory_t;  -- see subscription_pkg
+  signal rates : rate_memory_t := (others => (others => '0'));  -- less one
+  signal tally : rate_memory_t := (others => (others => '0'));  -- strobes counted towards the rate; always fewer
 
   -- One flag a group.
   signal filled  : flags_t := (others => '0');  -- has addresses
@@ -69,11 +69,12 @@ architecture rtl of subscription_manager is
   signal past    : flags_t := (others => '0');  -- its event input one clock ago
   signal wanting : flags_t;
 
-  signal address : std_ulogic_vector(address_width - 1 downto 0);
-  signal count   : unsigned(7 downto 0);
+  signal word_address : unsigned(group_bits + place_bits - 1 downto 0);
+  signal group_word   : std_ulogic_vector(word_bits - 1 downto 0);
 
   signal publishing : std_ulogic := '0';
   signal divider    : natural range 0 to period - 1 := 0;
+  signal beginning  : std_ulogic := '1';  -- of a period: the divider is 0
   signal strobe     : std_ulogic := '0';  -- seen, and the groups not yet looked at
 
   type phase_t is (
@@ -84,9 +85,14 @@ architecture rtl of subscription_manager is
 
   signal phase        : phase_t := waiting;
   signal scan         : group_t := 0;
-  signal word         : unsigned(2 * rate_bits - 1 downto 0);
-  signal word_next    : unsigned(2 * rate_bits - 1 downto 0);
-  signal word_group   : group_t := 0;       -- the group `word` is of
+  signal rate_less_one : unsigned(rate_bits - 1 downto 0) := (others => '0'); -- of the group that is looked at
+  signal strobes      : unsigned(rate_bits - 1 downto 0) := (others => '0');  -- counted towards it
+  signal strobes_next : unsigned(rate_bits - 1 downto 0);
+  signal new_rate     : unsigned(rate_bits - 1 downto 0);
+  signal keep         : std_ulogic;         -- the tally, at a new rate
+  signal reached      : std_ulogic;         -- with this strobe
+  signal count_on     : std_ulogic;         -- the tally of the group changes
+  signal word_group   : group_t := 0;       -- the group that is looked at
   signal word_scanned : std_ulogic := '0';  -- it was read to be looked at
   signal looked       : std_ulogic := '0';
   signal done         : std_ulogic := '0';
@@ -95,8 +101,13 @@ architecture rtl of subscription_manager is
   signal choice      : group_t := 0;
   signal last_served : group_t := 0;
 
-  alias word_rate    : unsigned(rate_bits - 1 downto 0) is word(2 * rate_bits - 1 downto rate_bits);
-  alias word_strobes : unsigned(rate_bits - 1 downto 0) is word(rate_bits - 1 downto 0);
+  function to_bit(value : boolean) return std_ulogic is
+  begin
+    if value then
+      return '1';
+    end if;
+    return '0';
+  end function;
 
   -- The group after `last` that wants to publish, downwards and around.
   function next_group(candidates : flags_t; last : group_t) return group_t is
@@ -128,38 +139,45 @@ begin
 
   group_number <= to_integer(request.group_number) when request.group_number < groups else 0;
   read_group   <= scan when phase = looking else group_number;
+  word_address <= to_unsigned(group_number, group_bits) & resize(request.place, place_bits);
   wanting      <= filled and (due or tripped);
 
-  -- What becomes of the word that was read: counted one strobe further, or with its new rate.
-  count_on : process (all)
+  new_rate <= unsigned(request.rate(rate_bits - 1 downto 0));
+  reached  <= '1' when strobes = rate_less_one else '0';
+  count_on <= '1' when word_scanned = '1' or phase = changing else '0';
+
+  tally_next : process (all)
   begin
-    word_next <= word_rate & (word_strobes + 1);
+    strobes_next <= strobes + 1;
     if phase = changing then
-      word_next <= unsigned(request.value(rate_bits - 1 downto 0)) & to_unsigned(0, rate_bits);
-      if active(word_group) = '1' and word_strobes < unsigned(request.value(rate_bits - 1 downto 0)) then
-        word_next <= unsigned(request.value(rate_bits - 1 downto 0)) & word_strobes;
+      strobes_next <= (others => '0');
+      if keep = '1' then
+        strobes_next <= strobes;
       end if;
-    elsif word_strobes + 1 >= word_rate then
-      word_next <= word_rate & to_unsigned(0, rate_bits);
+    elsif reached = '1' then
+      strobes_next <= (others => '0');
     end if;
   end process;
 
+  -- No word is read in the clock in which it is written: block RAMs do not agree about what that gives.
   memory : process (clock)
   begin
     if rising_edge(clock) then
-      if request.write_address = '1' then
-        addresses(to_integer(to_unsigned(group_number, group_bits) & request.index(index_bits - 1 downto 0))) <=
-          request.value(address_width - 1 downto 0);
+      if request.write_word = '1' then
+        words(to_integer(word_address)) <= request.word(word_bits - 1 downto 0);
+      else
+        group_word <= words(to_integer(word_address));
       end if;
-      address <= addresses(to_integer(to_unsigned(group_number, group_bits) & request.index(index_bits - 1 downto 0)));
-      if request.write_count = '1' then
-        counts(group_number) <= request.index + 1;
+      if count_on = '1' then
+        tally(word_group) <= strobes_next;
       end if;
-      count <= counts(group_number);
-      if word_scanned = '1' or phase = changing then
-        rates(word_group) <= word_next;
+      if phase = changing then
+        rates(word_group) <= new_rate - 1;
       end if;
-      word <= rates(read_group);
+      if count_on = '0' or read_group /= word_group then
+        strobes       <= tally(read_group);
+        rate_less_one <= rates(read_group);
+      end if;
     end if;
   end process;
 
@@ -169,13 +187,15 @@ begin
       if phase = looking and scan = groups - 1 then
         strobe <= '0';
       end if;
-      if publishing = '0' then
-        divider <= 0;
-      elsif divider = 0 then
-        divider <= period - 1;
-        strobe  <= '1';
+      if publishing = '0' or divider = period - 1 then
+        divider   <= 0;
+        beginning <= '1';
       else
-        divider <= divider - 1;
+        divider   <= divider + 1;
+        beginning <= '0';
+      end if;
+      if publishing = '1' and beginning = '1' then
+        strobe <= '1';
       end if;
       if request.enable = '1' then
         publishing <= '1';
@@ -185,6 +205,7 @@ begin
       if reset = '1' then
         publishing <= '0';
         divider    <= 0;
+        beginning  <= '1';
         strobe     <= '0';
       end if;
     end if;
@@ -197,6 +218,7 @@ begin
       word_scanned <= '0';
       looked       <= '0';
       word_group   <= read_group;
+      keep         <= active(word_group) and to_bit(strobes < new_rate);
 
       case phase is
         when waiting =>
@@ -204,7 +226,7 @@ begin
           looked <= '1';
           if strobe = '1' and word_scanned = '0' then
             phase <= looking;
-          elsif request.write_rate = '1' and done = '0' and word_scanned = '0' then
+          elsif request.write_rate = '1' and done = '0' and looked = '1' then
             phase <= changing;
           end if;
         when looking =>
@@ -231,31 +253,33 @@ begin
   begin
     if rising_edge(clock) then
       if request.publish_take = '1' then
-        if due(choice) = '1' then
-          due(choice) <= '0';
+        if due(group_number) = '1' then
+          due(group_number) <= '0';
         else
-          tripped(choice) <= '0';
+          tripped(group_number) <= '0';
         end if;
       end if;
-      if word_scanned = '1' and word_strobes + 1 >= word_rate then
+      if word_scanned = '1' and reached = '1' then
         due(word_group) <= '1';
       end if;
       if phase = changing then
-        active(word_group) <= or request.value(rate_bits - 1 downto 0);
-        if unsigned(request.value(rate_bits - 1 downto 0)) = 0 then
+        active(word_group) <= or new_rate;
+        if new_rate = 0 then
           due(word_group) <= '0';
         end if;
       end if;
-      if request.write_count = '1' then
+      if request.fill = '1' then
         filled(group_number) <= '1';
+      elsif request.empty = '1' then
+        filled(group_number) <= '0';
       end if;
       past <= events;
       for g in 0 to groups - 1 loop
         if enabled(g) = '1' and events(g) = '1' and (past(g) = '0' or edge_events(g) = '0') then
           tripped(g) <= '1';
         end if;
-        if request.write_mask = '1' and request.index = g / 8 then
-          enabled(g) <= request.value(g mod 8);
+        if request.write_mask = '1' and request.place(4 downto 0) = g / 8 then
+          enabled(g) <= request.word(g mod 8);
         end if;
       end loop;
       if reset = '1' then
@@ -276,7 +300,7 @@ begin
       choice  <= next_group(wanting, last_served);
       -- While the groups are looked at the choice waits, so that all that become due together are seen together.
       if request.publish_take = '1' then
-        last_served <= choice;
+        last_served <= group_number;
       elsif publishing = '1' and strobe = '0' and phase = waiting and looked = '1' then
         publish <= or wanting;
       end if;
@@ -291,18 +315,13 @@ begin
   begin
     response               <= subscription_response_idle;
     response.done          <= done;
-    response.looked        <= looked;
-    response.address(address_width - 1 downto 0) <= address;
+    response.word(word_bits - 1 downto 0) <= group_word;
+    response.empty         <= not filled(group_number);
+    response.inactive      <= not active(group_number);
     response.publish       <= publish;
     response.publish_group <= to_unsigned(choice, 8);
-    if filled(group_number) = '1' then
-      response.count <= count;
-    end if;
-    if active(group_number) = '1' then
-      response.rate(rate_bits - 1 downto 0) <= std_ulogic_vector(word_rate);
-    end if;
     for g in 0 to groups - 1 loop
-      if request.index = g / 8 then
+      if request.place(4 downto 0) = g / 8 then
         response.mask(g mod 8) <= enabled(g);
       end if;
     end loop;

@@ -10,35 +10,42 @@ use work.protocol_pkg.all;
 
 package subscription_pkg is
 
+  -- A group keeps words at places. Place 0 has the number of its addresses; they follow from place 1, the last one first;
+  -- place -1 has the highest byte of its rate, -2 the next one; before those is room for those of a rate still to come.
+  -- The subscription manager itself looks at none of them.
+  subtype place_t is unsigned(8 downto 0);
+
   type subscription_request_t is record
-    group_number  : unsigned(7 downto 0);           -- which group is looked at or changed
-    index         : unsigned(7 downto 0);           -- which of its addresses; of a mask, which byte
-    value         : std_ulogic_vector(31 downto 0); -- what is written
-    write_address : std_ulogic;  -- value is address number index of the group
-    write_count   : std_ulogic;  -- address number index is the last one of the group
-    write_rate    : std_ulogic;  -- value is the group's rate; to be held until `done`
-    write_mask    : std_ulogic;  -- value is byte number index of the event mask
-    enable        : std_ulogic;  -- publishing on
-    disable       : std_ulogic;  -- publishing off
-    publish_take  : std_ulogic;  -- the publish that is due is taken on
+    group_number : unsigned(7 downto 0);           -- which group is looked at or changed
+    place        : place_t;                        -- which of its words; of a mask, which byte
+    word         : std_ulogic_vector(31 downto 0); -- what is written there
+    rate         : std_ulogic_vector(31 downto 0); -- with write_rate
+    write_word   : std_ulogic;  -- write that word
+    fill         : std_ulogic;  -- the group has addresses now
+    empty        : std_ulogic;  -- the group has none any more
+    write_rate   : std_ulogic;  -- set the group's rate; to be held until `done`
+    write_mask   : std_ulogic;  -- write that byte of the event mask
+    enable       : std_ulogic;  -- publishing on
+    disable      : std_ulogic;  -- publishing off
+    publish_take : std_ulogic;  -- the publish that was due in the clock before is taken on; it is of group_number
   end record;
 
   type subscription_response_t is record
     done     : std_ulogic;                      -- write_rate is done
-    looked   : std_ulogic;                      -- rate belongs to the group_number of the clock before
-    rate     : std_ulogic_vector(31 downto 0);
-    count    : unsigned(7 downto 0);            -- one clock after group_number
-    address  : std_ulogic_vector(31 downto 0);  -- one clock after group_number and index
+    word     : std_ulogic_vector(31 downto 0);  -- one clock after group_number and place
+    empty    : std_ulogic;                      -- the group has no addresses; at once
+    inactive : std_ulogic;                      -- the group's rate is 0; at once
     mask     : byte_t;                          -- at once
     publish  : std_ulogic;                      -- a publish is due
     publish_group : unsigned(7 downto 0);       -- with publish: of this group
   end record;
 
   constant subscription_request_idle : subscription_request_t := (
-    group_number => (others => '0'), index => (others => '0'), value => (others => '0'), others => '0');
+    group_number => (others => '0'), place => (others => '0'), word => (others => '0'), rate => (others => '0'),
+    others => '0');
 
   constant subscription_response_idle : subscription_response_t := (
-    done => '0', looked => '0', rate => (others => '0'), count => (others => '0'), address => (others => '0'),
-    mask => (others => '0'), publish => '0', publish_group => (others => '0'));
+    done => '0', word => (others => '0'), empty => '1', inactive => '1', mask => (others => '0'), publish => '0',
+    publish_group => (others => '0'));
 
 end package;

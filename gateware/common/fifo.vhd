@@ -55,7 +55,7 @@ begin
     report "fifo: depth must be a power of two and at least 2" severity failure;
 
   empty <= '1' when write_pointer = read_pointer else '0';
-  full  <= '1' when write_pointer - read_pointer = depth else '0';
+  full  <= '1' when write_pointer = (not read_pointer(index_bits) & read_pointer(index_bits - 1 downto 0)) else '0';
   load  <= not empty and (not loaded or read_ready);
 
   write_ready <= not full;

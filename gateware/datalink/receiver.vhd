@@ -41,152 +41,175 @@ end entity;
 
 architecture rtl of receiver is
 
-  type state_t is (
-    idle,     -- between messages; leaves on a head
-    letters,  -- of the command; leaves on colon, star or end
-    data,     -- digits of the data; leaves on star or end
-    tail      -- digits of the checksum; leaves on end
-  );
+  -- Where in a message: one of these, or none between messages.
+  signal in_letters : std_ulogic := '0';  -- of the command; leaves on colon, star or end
+  signal in_data    : std_ulogic := '0';  -- digits of the data; leaves on star or end
+  signal in_tail    : std_ulogic := '0';  -- digits of the checksum; leaves on end
 
-  type record_t is record
-    state          : state_t;
-    checked        : std_ulogic;
-    half           : std_ulogic;              -- the first digit of a pair is in `digit`
-    digit          : std_ulogic_vector(3 downto 0);
-    sum            : byte_t;
-    entries        : natural range 0 to message_entries;
-    checksum_bytes : natural range 0 to 2;    -- 2: too many
-    physical       : std_ulogic_vector(2 downto 0);  -- errors not told yet
-  end record;
+  signal checked        : std_ulogic := '0';
+  signal half           : std_ulogic := '0';            -- the first digit of a pair is in `digit`
+  signal digit          : std_ulogic_vector(3 downto 0) := (others => '0');
+  signal sum            : byte_t := crc8_initial_c;
+  signal entries        : natural range 0 to message_entries := 0;
+  signal some, several  : std_ulogic := '0';            -- entries behind the head: any, more than one
+  signal checksum_bytes : natural range 0 to 2 := 0;    -- 2: too many
+  signal physical       : std_ulogic_vector(2 downto 0) := "000";  -- errors not told yet
 
-  constant initial : record_t := (
-    state => idle, checked => '0', half => '0', digit => (others => '0'), sum => crc8_initial_c,
-    entries => 0, checksum_bytes => 0, physical => (others => '0'));
+  signal c         : character_t;
+  signal inside    : std_ulogic;                     -- a message
+  signal tells     : std_ulogic;                     -- a physical error
+  signal judges    : std_ulogic;                     -- a character of a message
+  signal starts    : std_ulogic;                     -- a message
+  signal pairs     : std_ulogic;                     -- it is the second digit of a byte
+  signal keeps     : std_ulogic;                     -- it makes an entry
+  signal fails     : std_ulogic;                     -- the message, with `code`
+  signal code      : std_ulogic_vector(3 downto 0);  -- of the error, its low digit
 
-  signal r, r_next : record_t := initial;
+  function to_bit(value : boolean) return std_ulogic is
+  begin
+    if value then
+      return '1';
+    end if;
+    return '0';
+  end function;
 
 begin
 
   assert checksum = "crc8" or checksum = "xor" or checksum = "none"
     report "receiver: checksum must be crc8, xor or none" severity failure;
 
+  c      <= character_data;
+  inside <= in_letters or in_data or in_tail;
+  tells  <= or physical and (inside or room);
+  judges <= character_valid and inside and nor physical;
+  starts <= character_valid and c.request and not inside and room and nor physical and
+            not (to_bit(checksum = "none") and c.checked);
+  pairs  <= half and c.digit;
+  keeps  <= (in_letters and (c.letter or c.colon)) or (in_data and pairs);
+
+  character_ready <= nor physical and (inside or room);
+
   judge : process (all)
-    variable v    : record_t;
-    variable c    : character_t;
-    variable o    : receive_t;
-    variable pair : byte_t;
-
-    procedure fail(code : byte_t) is
-    begin
-      o.event := bad;
-      o.data  := code;
-      v.state := idle;
-    end procedure;
-
-    -- One more entry of the message; a message that has too many is refused.
-    procedure keep(event : receive_event_t; content : byte_t) is
-    begin
-      if r.entries + 1 >= message_entries then
-        fail(datalink_error_message_too_long_c);
-      else
-        v.entries := r.entries + 1;
-        o.event   := event;
-        o.data    := content;
-      end if;
-    end procedure;
-
+    variable odd, unsummed, stray, alien : std_ulogic;
   begin
-    v := r;
-    c := character_data;
-    o := (event => nothing, checked => '0', data => (others => '0'));
-    pair := r.digit & c.value;
-    v.physical := r.physical or rx_error;
-    character_ready <= '0';
+    odd   := half and not c.digit;
+    stray := c.request or c.publish or (c.colon and not in_letters) or (c.star and (not checked or in_tail));
+    alien := not (c.line_end or c.separator or c.colon or c.star or (in_letters and c.letter) or
+                  (not in_letters and c.digit));
+    -- One entry or none and a sum of zero: at most a colon, for one letter never sums up to zero.
+    unsummed := checked and (not in_tail or or sum or
+                             to_bit(checksum_bytes /= 1 and (checksum_bytes /= 0 or several = '1')));
 
-    if r.physical /= "000" then
-      if r.state /= idle or room = '1' then
-        fail(byte_t(unsigned(datalink_error_physical_c) + unsigned(r.physical)));
-        v.physical := rx_error;
-      end if;
-    elsif r.state = idle then
-      character_ready <= room;
-      if character_valid = '1' and room = '1' then
-        if c.publish = '1' or (checksum = "none" and c.checked = '1') then
-          fail(datalink_error_format_c);
-        elsif c.request = '1' then
-          o.event   := start;
-          o.checked := c.checked;
-          v.state   := letters;
-          v.checked := c.checked;
-          v.half    := '0';
-          v.sum     := crc8_initial_c;
-          v.entries := 1;
-          v.checksum_bytes := 0;
-        end if;
-      end if;
+    fails <= '0';
+    code  <= datalink_error_message_too_long_c(3 downto 0);
+    if or physical = '1' then
+      fails <= tells;
+      code  <= std_ulogic_vector(unsigned(datalink_error_physical_c(3 downto 0)) + unsigned(physical));
+    elsif inside = '0' then
+      fails <= character_valid and room and (c.publish or (to_bit(checksum = "none") and c.checked));
+      code  <= datalink_error_format_c(3 downto 0);
     else
-      character_ready <= '1';
+      fails <= character_valid and
+               (odd or stray or alien or (c.line_end and unsummed) or (keeps and to_bit(entries = message_entries - 1)));
+      if odd = '1' then
+        code <= datalink_error_invalid_character_c(3 downto 0);
+        if (c.request or c.publish or c.line_end or c.colon or c.star) = '1' then
+          code <= datalink_error_odd_digits_c(3 downto 0);
+        end if;
+      elsif c.line_end = '1' then
+        code <= datalink_error_checksum_c(3 downto 0);
+      elsif stray = '1' then
+        code <= datalink_error_format_c(3 downto 0);
+      elsif alien = '1' then
+        code <= datalink_error_invalid_character_c(3 downto 0);
+      end if;
+    end if;
+  end process;
+
+  tell : process (all)
+  begin
+    receive.event   <= nothing;
+    receive.checked <= c.checked;
+    receive.data    <= digit & c.value;
+    if in_letters = '1' then
+      receive.data <= c.data;
+    end if;
+    if fails = '1' then
+      receive.event <= bad;
+      receive.data  <= datalink_error_message_too_long_c(7 downto 4) & code;
+    elsif starts = '1' then
+      receive.event <= start;
+    elsif judges = '1' then
+      if c.line_end = '1' then
+        receive.event <= good;
+      elsif in_letters = '1' and c.colon = '1' then
+        receive.event <= colon;
+      elsif in_letters = '1' and c.letter = '1' then
+        receive.event <= letter;
+      elsif in_data = '1' and pairs = '1' then
+        receive.event <= byte;
+      end if;
+    end if;
+  end process;
+
+  -- What is counted and summed of a message that fails does not matter; so nothing here waits for the judgement.
+  count : process (clock)
+  begin
+    if rising_edge(clock) then
       if character_valid = '1' then
-        if r.half = '1' and c.digit = '0' then
-          if c.request = '1' or c.publish = '1' or c.line_end = '1' or c.colon = '1' or c.star = '1' then
-            fail(datalink_error_odd_digits_c);
-          else
-            fail(datalink_error_invalid_character_c);
-          end if;
-        elsif c.line_end = '1' then
-          v.state := idle;
-          o.event := good;
-          -- Up to two entries and a sum of zero: head and at most a colon, for one letter never sums up to zero.
-          if r.checked = '1' and (r.state /= tail or r.sum /= x"00" or
-              (r.checksum_bytes /= 1 and not (r.checksum_bytes = 0 and r.entries <= 2))) then
-            fail(datalink_error_checksum_c);
-          end if;
-        elsif c.separator = '1' then
-          null;
-        elsif c.request = '1' or c.publish = '1' or (c.colon = '1' and r.state /= letters) or
-            (c.star = '1' and (r.checked = '0' or r.state = tail)) then
-          fail(datalink_error_format_c);
-        elsif c.star = '1' then
-          v.state := tail;
-        elsif c.colon = '1' then
-          v.state := data;
-          keep(colon, c.data);
-        elsif r.state = letters then
-          if c.letter = '1' then
-            v.sum := next_checksum(checksum, polynomial, r.sum, c.data);  -- the letter as sent: case counts
-            keep(letter, c.data);
-          else
-            fail(datalink_error_invalid_character_c);
-          end if;
-        elsif c.digit = '0' then
-          fail(datalink_error_invalid_character_c);
-        elsif r.half = '0' then
-          v.half  := '1';
-          v.digit := c.value;
-        else
-          v.half := '0';
-          v.sum  := next_checksum(checksum, polynomial, r.sum, pair);
-          if r.state = tail then
-            if r.checksum_bytes /= 2 then
-              v.checksum_bytes := r.checksum_bytes + 1;
-            end if;
-          else
-            keep(byte, pair);
-          end if;
+        digit <= c.value;
+      end if;
+      if inside = '0' then
+        checked        <= c.checked;
+        half           <= '0';
+        sum            <= crc8_initial_c;
+        entries        <= 1;
+        some           <= '0';
+        several        <= '0';
+        checksum_bytes <= 0;
+      elsif judges = '1' then
+        half <= c.digit and not half and not in_letters;
+        if in_letters = '1' and c.letter = '1' then
+          sum <= next_checksum(checksum, polynomial, sum, c.data);  -- the letter as sent: case counts
+        elsif pairs = '1' then
+          sum <= next_checksum(checksum, polynomial, sum, digit & c.value);
+        end if;
+        if keeps = '1' then
+          entries <= entries + 1;
+          some    <= '1';
+          several <= some;
+        end if;
+        if in_tail = '1' and pairs = '1' and checksum_bytes /= 2 then
+          checksum_bytes <= checksum_bytes + 1;
         end if;
       end if;
     end if;
-
-    receive <= o;
-    r_next  <= v;
   end process;
 
   step : process (clock)
   begin
     if rising_edge(clock) then
-      r <= r_next;
+      physical <= physical or rx_error;
+      if tells = '1' then
+        physical <= rx_error;
+      end if;
+      if starts = '1' then
+        in_letters <= '1';
+      elsif judges = '1' and c.colon = '1' then
+        in_letters <= '0';
+        in_data    <= '1';
+      elsif judges = '1' and c.star = '1' then
+        in_letters <= '0';
+        in_data    <= '0';
+        in_tail    <= '1';
+      end if;
+      if fails = '1' or (judges = '1' and c.line_end = '1') or reset = '1' then
+        in_letters <= '0';
+        in_data    <= '0';
+        in_tail    <= '0';
+      end if;
       if reset = '1' then
-        r <= initial;
+        physical <= "000";
       end if;
     end if;
   end process;

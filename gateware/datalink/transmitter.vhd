@@ -48,50 +48,58 @@ architecture rtl of transmitter is
   signal sum     : byte_t := crc8_initial_c;
   signal full    : std_ulogic := '0';
 
-  signal free : std_ulogic;  -- the output register takes a character
+  signal free    : std_ulogic;  -- the output register takes a character
+  signal several : std_ulogic;  -- the word may have several characters: a byte or a tail
+  signal closes  : std_ulogic;  -- if so, it is a tail
+  signal summed  : std_ulogic;  -- the message gets its checksum
+  signal last    : std_ulogic;  -- the character is the last one of its word
+  signal nibble  : std_ulogic_vector(3 downto 0);  -- that it spells, if it is a digit
   signal next_character : byte_t;
-  signal last : std_ulogic;  -- it is the last one of its word
 
 begin
+
+  -- The kinds of two characters or more are those with the highest bit; the lowest one tells them apart.
+  several <= word_data(10);
+  closes  <= word_data(8);
+  summed  <= checked when checksum /= "none" else '0';
 
   free       <= not full or tx_ready;
   tx_valid   <= full;
   word_ready <= free and last;
 
+  finish : process (all)
+  begin
+    last <= '1';
+    if several = '1' and closes = '0' and digits and place = 0 then
+      last <= '0';
+    elsif several = '1' and closes = '1' and summed = '1' and place /= 3 then
+      last <= '0';
+    end if;
+  end process;
+
   choose : process (all)
   begin
-    last           <= '1';
+    nibble <= word_data(7 downto 4);
+    if closes = '1' then
+      nibble <= sum(7 downto 4);
+      if place(1) = '1' then
+        nibble <= sum(3 downto 0);
+      end if;
+    elsif place(0) = '1' then
+      nibble <= word_data(3 downto 0);
+    end if;
+
     next_character <= word_data(7 downto 0);
-    case word_data(10 downto 8) is
-      when word_byte =>
-        if not digits then
-          null;
-        elsif place = 0 then
-          last           <= '0';
-          next_character <= digit(word_data(7 downto 4));
-        else
-          next_character <= digit(word_data(3 downto 0));
-        end if;
-      when word_tail =>
+    if several = '1' and closes = '0' and digits then
+      next_character <= digit(nibble);
+    elsif several = '1' and closes = '1' then
+      next_character <= digit(nibble);
+      if summed = '0' or place = 3 then
         next_character <= byte_line_feed_c;
-        if checked = '1' and checksum /= "none" then
-          case place is
-            when "00" =>
-              last           <= '0';
-              next_character <= byte_checksum_mark_c;
-            when "01" =>
-              last           <= '0';
-              next_character <= digit(sum(7 downto 4));
-            when "10" =>
-              last           <= '0';
-              next_character <= digit(sum(3 downto 0));
-            when others =>
-              null;
-          end case;
-        end if;
-      when others =>
-        null;
-    end case;
+      elsif place = 0 then
+        next_character <= byte_checksum_mark_c;
+      end if;
+    end if;
   end process;
 
   send : process (clock)
@@ -101,25 +109,28 @@ begin
         full <= word_valid;
         if word_valid = '1' then
           tx_data <= next_character;
+          place   <= place + 1;
           if last = '1' then
             place <= "00";
-            case word_data(10 downto 8) is
-              when word_head =>
-                checked <= '0';
-                if word_data(7 downto 0) = byte_checked_head_c or word_data(7 downto 0) = byte_checked_publish_c then
-                  checked <= '1';
-                end if;
-                sum <= crc8_initial_c;
-              when word_letter | word_byte =>
-                sum <= next_checksum(checksum, polynomial, sum, word_data(7 downto 0));
-              when word_error =>
-                checked <= '0';
-              when others =>
-                null;
-            end case;
-          else
-            place <= place + 1;
           end if;
+          case word_data(10 downto 8) is
+            when word_head =>
+              checked <= '0';
+              if word_data(7 downto 0) = byte_checked_head_c or word_data(7 downto 0) = byte_checked_publish_c then
+                checked <= '1';
+              end if;
+              sum <= crc8_initial_c;
+            when word_letter =>
+              sum <= next_checksum(checksum, polynomial, sum, word_data(7 downto 0));
+            when word_byte =>
+              if place = 0 then
+                sum <= next_checksum(checksum, polynomial, sum, word_data(7 downto 0));
+              end if;
+            when word_error =>
+              checked <= '0';
+            when others =>
+              null;
+          end case;
         end if;
       end if;
       if reset = '1' then

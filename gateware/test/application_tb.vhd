@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- application: tokens of replies, bus cycles and their blocks, errors in the middle, turns between requests and publishes,
+-- application: words of replies, bus cycles and their blocks, errors in the middle, turns between requests and publishes,
 -- stalls. The bus and the subscription manager are played by the bench; what everything together answers is in
 -- tests/gateware (recordings, the twin).
 
@@ -11,12 +11,13 @@ library ieee;
 use work.application_pkg.all;
 use work.bench_pkg.all;
 use work.bii_pkg.all;
+use work.datalink_pkg.all;
 use work.subscription_pkg.all;
 
 entity application_tb is
   generic (
     publish_mode : natural := 2;
-    stalls       : natural := 0  -- percent of the clocks in which no token is taken
+    stalls       : natural := 0  -- percent of the clocks in which no word is taken
   );
 end entity;
 
@@ -25,21 +26,28 @@ architecture bench of application_tb is
   signal clock                 : std_ulogic := '0';
   signal reset                 : std_ulogic := '1';
   signal ended                 : boolean := false;
-  signal request               : request_t := (
-    valid => '0', error => '0', code => x"00", checked => '0', command => unknown, length => (others => '0'));
-  signal data                  : std_ulogic_vector(7 downto 0) := x"00";
+  signal request               : request_t;
   signal take                  : std_ulogic;
+  signal rewind                : std_ulogic;
   signal request_done          : std_ulogic;
   signal subscription_request  : subscription_request_t;
   signal subscription_response : subscription_response_t := subscription_response_idle;
   signal bii_request           : bii_request_t;
   signal bii_response          : bii_response_t := bii_response_idle;
-  signal token_valid           : std_ulogic;
-  signal token_ready           : std_ulogic := '1';
-  signal token_data            : token_t;
+  signal word_valid            : std_ulogic;
+  signal word_ready            : std_ulogic := '1';
+  signal word_data             : word_t;
 
+  -- The request that is asked.
+  signal asked      : std_ulogic := '0';
+  signal command    : natural := 0;
+  signal checked    : std_ulogic := '0';
+  signal size       : natural := 0;
   signal bytes      : std_ulogic_vector(63 downto 0) := (others => '0');  -- of the request, the first one highest
-  signal taken      : natural := 0;
+  signal taken      : natural := 0;                                       -- of it, what it is counts too
+
+  type words_t is array (0 to 3, 0 to 511) of std_ulogic_vector(31 downto 0);
+  signal words      : words_t := (others => (others => (others => '0'))); -- of the groups
   signal heard      : string(1 to 400);                                   -- replies and publishes as text
   signal length     : natural := 0;
   signal clear      : boolean := false;
@@ -47,6 +55,10 @@ architecture bench of application_tb is
   signal blocks     : natural := 0;                                       -- that have ended
   signal outside    : natural := 0;                                       -- accesses of no block
   signal writes     : natural := 0;
+  signal rate       : std_ulogic_vector(31 downto 0) := (others => '0');
+  signal mask       : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal publish_due    : std_ulogic := '0';
+  signal publish_always : boolean := false;
   signal last_write : std_ulogic_vector(63 downto 0) := (others => '0');  -- address, data
   signal publishes  : natural := 0;
 
@@ -57,12 +69,62 @@ begin
   dut : entity work.application
     generic map (publish_mode => publish_mode)
     port map (
-      clock => clock, reset => reset, request => request, data => data, take => take, request_done => request_done,
+      clock => clock, reset => reset, request => request, take => take, rewind => rewind, request_done => request_done,
       subscription_request => subscription_request, subscription_response => subscription_response,
       bii_request => bii_request, bii_response => bii_response,
-      token_valid => token_valid, token_ready => token_ready, token_data => token_data);
+      word_valid => word_valid, word_ready => word_ready, word_data => word_data);
 
-  data <= bytes(63 - 8 * (taken mod 8) downto 56 - 8 * (taken mod 8));
+  hand_over : process (all)
+    variable place : natural;
+  begin
+    place := (taken + 7) mod 8;
+    request <= (
+      valid => asked, ready => '1', missing => '0', data => bytes(63 - 8 * place downto 56 - 8 * place), error => '0',
+      checked => '0', command => "10101");
+    if taken = 0 then
+      request.checked <= checked;
+      request.command <= std_ulogic_vector(to_unsigned(command, 5));
+      if command = command_error then
+        request.error <= '1';
+        request.data  <= x"F4";
+      end if;
+    elsif taken > size then
+      request.missing <= '1';
+    end if;
+  end process;
+
+  -- The words of the groups, one clock late; groups are filled and active once they are said to be.
+  keep : process (clock)
+    variable group_number, place : natural;
+  begin
+    if rising_edge(clock) then
+      group_number := to_integer(subscription_request.group_number) mod 4;
+      place := to_integer(subscription_request.place);
+      subscription_response.word <= words(group_number, place);
+      if subscription_request.write_word = '1' then
+        words(group_number, place) <= subscription_request.word;
+      end if;
+      if subscription_request.fill = '1' then
+        subscription_response.empty <= '0';
+      end if;
+      subscription_response.done <= subscription_request.write_rate and not subscription_response.done;
+      if subscription_request.write_rate = '1' then
+        rate <= subscription_request.rate;
+        subscription_response.inactive <= '0';
+      end if;
+      if subscription_request.write_mask = '1' then
+        mask(8 * (place mod 2) + 7 downto 8 * (place mod 2)) <= subscription_request.word(7 downto 0);
+      end if;
+      subscription_response.publish       <= publish_due;
+      subscription_response.publish_group <= x"01";
+      if publish_due = '1' and subscription_request.publish_take = '1' and not publish_always then
+        subscription_response.publish <= '0';
+      end if;
+    end if;
+  end process;
+
+  subscription_response.mask <=
+    mask(15 downto 8) when subscription_request.place = 1 else mask(7 downto 0);
 
   -- The bus: two clocks an access; word a is a in all four bytes; EE refuses, FF is silent.
   serve : process (clock)
@@ -110,24 +172,25 @@ begin
         length <= 0;
         taken  <= 0;
       else
-        if take = '1' then
+        if request_done = '1' or rewind = '1' then
+          taken <= 0;
+        elsif take = '1' then
           taken <= taken + 1;
         end if;
-        if token_valid = '1' and token_ready = '1' then
-          case token_data(9 downto 8) is
-            when token_head => add((1 => character'val(to_integer(unsigned(token_data(7 downto 0))))));
-            when token_text => add(spelling(text_t'val(to_integer(unsigned(token_data(7 downto 0))))));
-            when token_byte => add(to_hstring(token_data(7 downto 0)));
-            when others => add(";");
+        if word_valid = '1' and word_ready = '1' then
+          case word_data(10 downto 8) is
+            when word_byte => add(to_hstring(word_data(7 downto 0)));
+            when word_tail => add(";");
+            when others => add((1 => character'val(to_integer(unsigned(word_data(7 downto 0))))));
           end case;
         end if;
       end if;
       if subscription_request.publish_take = '1' then
         publishes <= publishes + 1;
       end if;
-      token_ready <= '1';
+      word_ready <= '1';
       if random.chance(stalls) then
-        token_ready <= '0';
+        word_ready <= '0';
       end if;
     end if;
   end process;
@@ -142,20 +205,22 @@ begin
       wait for 1 ps;
     end procedure;
 
-    procedure ask(command : command_t; data_bytes : natural; content : std_ulogic_vector(63 downto 0); reply : string;
-                  checked : std_ulogic := '0'; error : std_ulogic := '0') is
+    procedure ask(what : natural; data_bytes : natural; content : std_ulogic_vector(63 downto 0); reply : string;
+                  sum : std_ulogic := '0') is
     begin
       clear <= true;
       tick;
-      clear <= false;
+      clear   <= false;
+      asked   <= '1';
+      command <= what;
+      checked <= sum;
+      size    <= data_bytes;
       bytes   <= content;
-      request <= (valid => '1', error => error, code => x"F4", checked => checked, command => command,
-                  length => to_unsigned(data_bytes, 11));
       wait until rising_edge(clock) and request_done = '1';
-      request.valid <= '0';
+      asked <= '0';
       tick(2);
       assert heard(1 to length) = reply
-        report command_t'image(command) & ": " & heard(1 to length) & " instead of " & reply severity failure;
+        report integer'image(what) & ": " & heard(1 to length) & " instead of " & reply severity failure;
     end procedure;
 
     variable before : natural;
@@ -163,72 +228,72 @@ begin
     tick(2);
     reset <= '0';
     tick;
-    ask(read, 1, x"1200000000000000", "#S_R:12121212;");
-    ask(read, 2, x"3456000000000000", "$S_R:34343434;", checked => '1');
+    ask(command_read, 1, x"1200000000000000", "#S_R:12121212;");
+    ask(command_read, 2, x"3456000000000000", "$S_R:34343434;", sum => '1');
     check_equal(outside, 2, "single accesses are no block");
-    ask(write, 5, x"20DEADBEEF000000", "#S_W;");
+    ask(command_write, 5, x"20DEADBEEF000000", "#S_W;");
     check_equal(last_write(39 downto 0), std_ulogic_vector'(x"20DEADBEEF"), "what was written");
-    ask(read, 1, x"EE00000000000000", "#?E_FBR;");
-    ask(read, 1, x"FF00000000000000", "#?E_BAT;");
-    ask(write, 5, x"EE00000000000000", "#?E_FBW;");
+    ask(command_read, 1, x"EE00000000000000", "#?E_FBR;");
+    ask(command_read, 1, x"FF00000000000000", "#?E_BAT;");
+    ask(command_write, 5, x"EE00000000000000", "#?E_FBW;");
     -- What is refused leaves the bus alone.
     before := accesses;
-    ask(unknown, 0, x"0000000000000000", "#?E_ICC;");
-    ask(read, 0, x"0000000000000000", "#?E_MAB;");
-    ask(write, 0, x"0000000000000000", "#?E_MAB;");
-    ask(write, 4, x"2000000000000000", "#?E_MDB;");
-    ask(read_many, 0, x"0000000000000000", "#?E_MDB;");
-    ask(read_many, 1, x"0000000000000000", "#?E_IBS;");
-    ask(read_many, 1, x"2100000000000000", "#?E_IBS;");
-    ask(read_many, 1, x"0100000000000000", "#S_RM:?E_MAB;");
-    ask(unknown, 0, x"0000000000000000", "?F4;", error => '1');
+    ask(command_unknown, 0, x"0000000000000000", "#?E_ICC;");
+    ask(command_read, 0, x"0000000000000000", "#?E_MAB;");
+    ask(command_write, 0, x"0000000000000000", "#?E_MAB;");
+    ask(command_write, 4, x"2000000000000000", "#?E_MDB;");
+    ask(command_read_many, 0, x"0000000000000000", "#?E_MDB;");
+    ask(command_read_many, 1, x"0000000000000000", "#?E_IBS;");
+    ask(command_read_many, 1, x"2100000000000000", "#?E_IBS;");
+    ask(command_read_many, 1, x"0100000000000000", "#S_RM:?E_MAB;");
+    ask(command_error, 0, x"0000000000000000", "?F4;");
     check_equal(accesses, before, "bus accesses of refused requests");
     -- One block a read-many, which an error ends.
     before := blocks;
-    ask(read_many, 4, x"0301020300000000", "#S_RM:010101010202020203030303;");
+    ask(command_read_many, 4, x"0301020300000000", "#S_RM:010101010202020203030303;");
     check_equal(blocks, before + 1, "blocks");
-    ask(read_many, 4, x"0301EE0300000000", "#S_RM:01010101?E_FBR;");
-    ask(read_many, 4, x"0301FF0300000000", "#S_RM:01010101?E_BAT;");
-    ask(read_many, 3, x"0301020000000000", "#S_RM:0101010102020202?E_MAB;");
+    ask(command_read_many, 4, x"0301EE0300000000", "#S_RM:01010101?E_FBR;");
+    ask(command_read_many, 4, x"0301FF0300000000", "#S_RM:01010101?E_BAT;");
+    ask(command_read_many, 3, x"0301020000000000", "#S_RM:0101010102020202?E_MAB;");
     check_equal(blocks, before + 4, "blocks that ended in an error");
-    ask(read_configuration, 0, x"0000000000000000", "#CNF:01,04,20,0" & integer'image(publish_mode) & ",03E8,02,10,02;");
+    ask(command_read_configuration, 0, x"0000000000000000", "#CNF:01,04,20,0" & integer'image(publish_mode) & ",03E8,02,10,02;");
 
     if publish_mode > 0 then
-      ask(read_group, 1, x"0200000000000000", "#?E_ISG;");
-      ask(write_group_rate, 2, x"0000000000000000", "#?E_MDB;");
-      ask(write_group_addresses, 3, x"0002010000000000", "#?E_MAB;");
-      ask(write_group_addresses, 3, x"0011010000000000", "#?E_ILA;");
-      subscription_response.done   <= '1';
-      subscription_response.looked <= '1';
-      subscription_response.rate   <= x"00000102";
-      subscription_response.count  <= x"02";
-      subscription_response.address <= x"00000055";
-      subscription_response.mask   <= x"03";
-      ask(write_group_rate, 3, x"0001020000000000", "#S_WSR;");
-      ask(write_group_addresses, 4, x"0002010200000000", "#S_WSA;");
-      ask(read_group, 1, x"0100000000000000", "#S_RSI:0102025555;");
-      ask(write_event_mask, 2, x"0003000000000000", "#S_WIC;");
-      ask(read_event_mask, 0, x"0000000000000000", "#S_RIC:0303;");
-      ask(enable_checked_publishing, 0, x"0000000000000000", "#S_EPC;");
+      ask(command_read_group, 1, x"0200000000000000", "#?E_ISG;");
+      ask(command_write_group_rate, 2, x"0000000000000000", "#?E_MDB;");
+      ask(command_write_group_addresses, 3, x"0002010000000000", "#?E_MAB;");
+      ask(command_write_group_addresses, 3, x"0011010000000000", "#?E_ILA;");
+      ask(command_read_group, 1, x"0100000000000000", "#S_RSI:000000;");
+      ask(command_write_group_rate, 3, x"0101020000000000", "#S_WSR;");
+      check_equal(rate, std_ulogic_vector'(x"00000102"), "rate");
+      ask(command_write_group_addresses, 4, x"0102555600000000", "#S_WSA;");
+      ask(command_read_group, 1, x"0100000000000000", "#S_RSI:0102025556;");
+      ask(command_write_group_addresses, 4, x"0103111200000000", "#?E_MAB;");
+      ask(command_write_group_rate, 2, x"0107000000000000", "#?E_MDB;");
+      ask(command_read_group, 1, x"0100000000000000", "#S_RSI:0102025556;");  -- as it was
+      ask(command_write_event_mask, 2, x"0203000000000000", "#S_WIC;");
+      ask(command_write_event_mask, 1, x"0700000000000000", "#?E_MDB;");
+      ask(command_read_event_mask, 0, x"0000000000000000", "#S_RIC:0203;");
+      ask(command_enable_checked_publishing, 0, x"0000000000000000", "#S_EPC;");
       -- A publish: one block.
       before := blocks;
       clear <= true;
       tick;
       clear <= false;
-      subscription_response.publish_group <= x"01";
-      subscription_response.publish <= '1';
+      publish_due <= '1';
       wait until rising_edge(clock) and subscription_request.publish_take = '1';
-      subscription_response.publish <= '0';
+      publish_due <= '0';
       tick(200);
-      assert heard(1 to length) = "&PUB:01025555555555555555;"
+      assert heard(1 to length) = "&PUB:01025555555556565656;"
         report "publish: " & heard(1 to length) severity failure;
       check_equal(blocks, before + 1, "blocks of a publish");
-      ask(disable_publishing, 0, x"0000000000000000", "#S_DPS;");
+      ask(command_disable_publishing, 0, x"0000000000000000", "#S_DPS;");
       -- Neither starves: with both always waiting, the preferred side has three of four turns.
       before := publishes;
-      subscription_response.publish <= '1';
-      request <= (valid => '1', error => '1', code => x"F1", checked => '0', command => unknown,
-                  length => to_unsigned(0, 11));
+      publish_always <= true;
+      publish_due    <= '1';
+      asked   <= '1';
+      command <= command_error;
       clear <= true;
       for turn in 1 to 8 loop
         wait until rising_edge(clock) and request_done = '1';

@@ -24,8 +24,8 @@ architecture bench of request_buffer_tb is
   signal receive      : receive_t := (event => nothing, checked => '0', data => x"00");
   signal room         : std_ulogic;
   signal request      : request_t;
-  signal data         : std_ulogic_vector(7 downto 0);
   signal take         : std_ulogic := '0';
+  signal rewind       : std_ulogic := '0';
   signal request_done : std_ulogic := '0';
 
 begin
@@ -37,7 +37,7 @@ begin
       message_entries => 33, has_read_many => complete, has_publishing => complete, configuration_command => complete)
     port map (
       clock => clock, reset => reset, receive => receive, room => room,
-      request => request, data => data, take => take, request_done => request_done);
+      request => request, take => take, rewind => rewind, request_done => request_done);
 
   play : process
 
@@ -63,37 +63,56 @@ begin
       end loop;
     end procedure;
 
+    procedure take_one is
+    begin
+      take <= '1';
+      wait until rising_edge(clock);
+      take <= '0';
+      wait for 1 ps;
+    end procedure;
+
     procedure done is
     begin
       request_done <= '1';
       wait until rising_edge(clock);
       request_done <= '0';
       wait until rising_edge(clock);
+      wait for 1 ps;
     end procedure;
 
-    procedure understand(letters : string; marked : boolean; command : command_t; optional : boolean := true) is
-      variable expected : command_t := command;
+    procedure understand(letters : string; marked : boolean; command : natural; optional : boolean := true) is
+      variable expected : natural := command;
     begin
       if optional and not complete then
-        expected := unknown;
+        expected := command_unknown;
       end if;
       message(letters, marked);
       event(good);
-      wait until rising_edge(clock);
+      for c in 1 to 2 loop
+        wait until rising_edge(clock);
+      end loop;
+      wait for 1 ps;
       check_equal(request.valid, '1', "valid " & letters);
-      assert request.command = expected
-        report letters & " is " & command_t'image(request.command) severity failure;
+      check_equal(request.error, '0', "error " & letters);
+      check_equal(request.checked, '1', "checked " & letters);
+      if expected = command_unknown then  -- or any number of no command
+        assert unsigned(request.command) = expected or unsigned(request.command) >= command_spelling
+          report letters & " is " & to_string(request.command) severity failure;
+        assert unsigned(request.command) < command_error report letters & " is no request" severity failure;
+      else
+        check_equal(to_integer(unsigned(request.command)), expected, "command " & letters);
+      end if;
+      take_one;
+      check_equal(request.missing, '1', "missing " & letters);
       done;
     end procedure;
 
     procedure take_bytes(count : natural; first : natural) is
     begin
       for number in 0 to count - 1 loop
-        check_equal(to_integer(unsigned(data)), first + number, "data byte");
-        take <= '1';
-        wait until rising_edge(clock);
-        take <= '0';
-        wait for 1 ps;
+        check_equal(request.missing, '0', "missing");
+        check_equal(to_integer(unsigned(request.data)), first + number, "data byte");
+        take_one;
       end loop;
     end procedure;
 
@@ -101,27 +120,27 @@ begin
     wait until rising_edge(clock);
     wait until rising_edge(clock);
     reset <= '0';
-    understand("R", true, read, false);
-    understand("r", true, read, false);
-    understand("R", false, unknown, false);
-    understand("W", true, write, false);
-    understand("RM", true, read_many);
-    understand("RMX", true, unknown);
-    understand("RX", true, unknown);
-    understand("", true, unknown);
-    understand("RLC", false, read_configuration);
-    understand("rLcX", false, read_configuration);
-    understand("RL", false, unknown);
-    understand("WSA", true, write_group_addresses);
-    understand("WSAA", true, unknown);
-    understand("WSR", true, write_group_rate);
-    understand("RSI", true, read_group);
-    understand("EPS", false, enable_publishing);
-    understand("EPC", true, enable_checked_publishing);
-    understand("DPSDPS", false, disable_publishing);
-    understand("WIC", true, write_event_mask);
-    understand("WIC", false, unknown);
-    understand("RIC", false, read_event_mask);
+    understand("R", true, command_read, false);
+    understand("r", true, command_read, false);
+    understand("R", false, command_unknown, false);
+    understand("W", true, command_write, false);
+    understand("RM", true, command_read_many);
+    understand("RMX", true, command_unknown);
+    understand("RX", true, command_unknown);
+    understand("", true, command_unknown);
+    understand("RLC", false, command_read_configuration);
+    understand("rLcX", false, command_read_configuration);
+    understand("RL", false, command_unknown);
+    understand("WSA", true, command_write_group_addresses);
+    understand("WSAA", true, command_unknown);
+    understand("WSR", true, command_write_group_rate);
+    understand("RSI", true, command_read_group);
+    understand("EPS", false, command_enable_publishing);
+    understand("EPC", true, command_enable_checked_publishing);
+    understand("DPSDPS", false, command_disable_publishing);
+    understand("WIC", true, command_write_event_mask);
+    understand("WIC", false, command_unknown);
+    understand("RIC", false, command_read_event_mask);
 
     -- Two requests at a time, then no room; data come in order, a byte a clock, and do not mix.
     message("R", true, 5, 10);
@@ -131,23 +150,36 @@ begin
     event(good);
     wait for 1 ps;
     check_equal(room, '0', "room for a third");
-    check_equal(to_integer(request.length), 5, "length of the first");
+    take_one;
+    take_bytes(5, 10);
+    check_equal(request.missing, '1', "nothing behind the first");
+    -- Back to the start, and again from there.
+    rewind <= '1';
+    wait until rising_edge(clock);
+    rewind <= '0';
+    wait for 1 ps;
+    check_equal(to_integer(unsigned(request.command)), command_read, "the command again");
+    take_one;
     take_bytes(3, 10);
     done;
     check_equal(room, '1', "room after the first is done");
-    check(request.command = write, "the second request follows");
-    check_equal(to_integer(request.length), 20, "length of the second");
+    check_equal(request.valid, '1', "the second request follows");
+    check_equal(to_integer(unsigned(request.command)), command_write, "its command");
+    take_one;
     take_bytes(10, 100);
     -- A message that turns out bad takes only itself along, and its error stands in its place.
     message("R", true, 3, 50);
     event(bad, 16#F4#);
     take_bytes(10, 110);
+    check_equal(request.missing, '1', "nothing behind the second");
     done;
-    check_equal(request.error, '1', "the error is next");
-    check_equal(request.code, std_ulogic_vector'(x"F4"), "its code");
+    check_equal(request.valid, '1', "the error is next");
+    check_equal(request.error, '1', "as an error");
+    check_equal(request.data, std_ulogic_vector'(x"F4"), "its code");
     event(bad, 16#F1#);
     done;
-    check_equal(request.code, std_ulogic_vector'(x"F1"), "code of a lone error");
+    check_equal(request.error, '1', "a lone error");
+    check_equal(request.data, std_ulogic_vector'(x"F1"), "its code");
     done;
     check_equal(request.valid, '0', "nothing left");
     -- A reset forgets what is complete.
@@ -156,8 +188,10 @@ begin
     reset <= '1';
     wait until rising_edge(clock);
     reset <= '0';
-    wait until rising_edge(clock);
-    check_equal(request.valid, '0', "valid after reset");
+    for c in 1 to 3 loop
+      wait until rising_edge(clock);
+      check_equal(request.valid, '0', "valid after reset");
+    end loop;
     report_passed("request_buffer_tb");
     ended <= true;
     wait;

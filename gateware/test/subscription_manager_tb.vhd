@@ -52,10 +52,10 @@ begin
       wait for 1 ps;
     end procedure;
 
-    procedure look(group_number : natural; index : natural := 0) is
+    procedure look(group_number : natural; place : natural := 0) is
     begin
       request.group_number <= to_unsigned(group_number, 8);
-      request.index        <= to_unsigned(index, 8);
+      request.place        <= to_unsigned(place, 9);
     end procedure;
 
     function address_of(group_number : natural; index : natural) return natural is
@@ -72,37 +72,40 @@ begin
       return 1;
     end function;
 
+    -- Address number index of a group is at place size - index; at place 0 their number.
     procedure fill(group_number : natural; count : positive) is
     begin
-      for index in 0 to count - 1 loop
-        look(group_number, index);
-        request.value         <= std_ulogic_vector(to_unsigned(address_of(group_number, index), 32));
-        request.write_address <= '1';
-        if index = count - 1 then
-          request.write_count <= '1';
+      for place in 0 to count loop
+        look(group_number, place);
+        request.word <= std_ulogic_vector(to_unsigned(count, 32));
+        if place > 0 then
+          request.word <= std_ulogic_vector(to_unsigned(address_of(group_number, count - place), 32));
         end if;
+        request.write_word <= '1';
         tick;
-        request.write_address <= '0';
-        request.write_count   <= '0';
+        request.write_word <= '0';
       end loop;
+      request.fill <= '1';
+      tick;
+      request.fill <= '0';
     end procedure;
 
     procedure rate(group_number : natural; value : natural) is
     begin
       look(group_number);
-      request.value      <= std_ulogic_vector(to_unsigned(value, 32));
+      tick;
+      request.rate       <= std_ulogic_vector(to_unsigned(value, 32));
       request.write_rate <= '1';
       wait until rising_edge(clock) and response.done = '1';
       request.write_rate <= '0';
       tick(3);
-      check_equal(response.looked, '1', "looked");
-      check_equal(to_integer(unsigned(response.rate)), value, "rate read back");
+      check(response.inactive = '1' xor value /= 0, "inactive");
     end procedure;
 
     procedure mask(index : natural; value : natural) is
     begin
       look(0, index);
-      request.value      <= std_ulogic_vector(to_unsigned(value, 32));
+      request.word       <= std_ulogic_vector(to_unsigned(value, 32));
       request.write_mask <= '1';
       tick;
       request.write_mask <= '0';
@@ -132,6 +135,8 @@ begin
       end loop;
       check_equal(response.publish, '1', "publish of group " & integer'image(group_number));
       check_equal(to_integer(response.publish_group), group_number, "group to publish");
+      tick;
+      look(group_number);
       request.publish_take <= '1';
       tick;
       request.publish_take <= '0';
@@ -155,20 +160,23 @@ begin
     -- Every address of every group, at its place; a group not filled has none.
     look(last);
     tick(2);
-    check_equal(to_integer(response.count), 0, "count of an empty group");
-    check_equal(to_integer(unsigned(response.rate)), 0, "rate of a group never set");
+    check_equal(response.empty, '1', "an empty group");
+    check_equal(response.inactive, '1', "rate of a group never set");
     for group_number in 0 to last loop
       fill(group_number, size_of(group_number));
     end loop;
     for group_number in 0 to last loop
       for index in 0 to size_of(group_number) - 1 loop
         if index mod 16 = 0 or index = size_of(group_number) - 1 then
-          look(group_number, index);
+          look(group_number, size_of(group_number) - index);
           tick(2);
-          check_equal(to_integer(response.count), size_of(group_number), "count");
-          check_equal(to_integer(unsigned(response.address)), address_of(group_number, index), "address");
+          check_equal(to_integer(unsigned(response.word)), address_of(group_number, index), "address");
         end if;
       end loop;
+      look(group_number, 0);
+      tick(2);
+      check_equal(to_integer(unsigned(response.word)), size_of(group_number) mod 2 ** maximum(minimum(address_width, 20), 8), "count");
+      check_equal(response.empty, '0', "a group with addresses");
     end loop;
     -- Rate 1 in all groups: due together, served downwards and around, one period after the other to the clock.
     for group_number in 0 to last loop

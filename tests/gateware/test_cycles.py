@@ -13,16 +13,16 @@ import pytest
 
 from unitylink.tools.conformance_bench import bench
 
-READ_LAST_IN_TO_FIRST_OUT = 5  # goal 9
-READ_LAST_IN_TO_LAST_OUT = 22
+READ_LAST_IN_TO_FIRST_OUT = 6  # goal 9
+READ_LAST_IN_TO_LAST_OUT = 23
 READ_PERIOD = 14  # goal 16: the reply has 14 bytes
 READ_PERIOD_CHECKED = 17  # goal 19: the reply has 17 bytes
 WRITE_PERIOD = 14  # goal 16: the request has 14 bytes
 WRITE_PERIOD_CHECKED = 17  # the request has 17 bytes
-READ_MANY_FIXED = 12  # last in to last out: goal 14, and 8 a word
+READ_MANY_FIXED = 13  # last in to last out: goal 14, and 8 a word
 PUBLISH_FIXED = 10  # back to back: goal 12, and 8 a word; a publish has 10 + 8 n bytes
 CLOCKS_A_WORD = 8
-STACK_READ = 31  # through both FIFOs, first in to last out: goal 36
+STACK_READ = 32  # through both FIFOs, first in to last out: goal 36
 STACK_WRITE = 35  # goal 36
 
 CONFIGURATION = bench({"FREQ": 100000})

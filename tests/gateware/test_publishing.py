@@ -81,7 +81,7 @@ def test_256_groups(rtl: Any) -> None:
     configuration = replace(configuration, group_size=255)
     addresses = "".join(f"{(7 * n) % 128:02x}" for n in range(255))
     exchanges: list[list[tuple[str, Any]]] = [
-        [("send", text), ("quiet", 600)]
+        [("send", text), ("quiet", 2000)]
         for text in (
             "#RLC\n",
             f"#WSA:ffff{addresses}\n",

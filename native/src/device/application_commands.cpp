@@ -131,12 +131,8 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   for (std::uint32_t address = 0; addresses_.size() < count;) {
     if (!cursor.take(configuration_.address_bytes(), address)) {
       refuse_missing(error::missing_address);  // and the group stays as it was
-      if (configuration_.datalink != Datalink::full) {  // but without a buffer the addresses that came are stored
-        const std::span<const std::uint32_t> before = subscriptions_.addresses(group);
-        for (std::size_t place = addresses_.size(); place < before.size(); ++place) {
-          addresses_.push_back(before[place]);
-        }
-        addresses_.resize(before.size());
+      if (configuration_.datalink != Datalink::full) {  // but without a buffer it has none any more
+        addresses_.clear();
         subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
       }
       return;
