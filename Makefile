@@ -7,6 +7,7 @@
 #   make bench   the performance figures, as ratios within one run
 #   make docs    regenerates what is generated in docs/ and checks every link
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
+#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth)
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -20,9 +21,9 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage synth docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,15s/^# //p' Makefile
+	@sed -n '2,16s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -63,6 +64,11 @@ coverage: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh system
 	$(BIN)/python tools/coverage.py
+
+synth: $(VENV)/.built
+	@tools/setup.sh group synth
+	@tools/setup.sh synth
+	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept)
 
 docs: $(VENV)/.built
 	@tools/setup.sh group test

@@ -4,12 +4,12 @@
 -- interface. `core` puts a Wishbone master behind it, `core_axi_lite` an AXI4-Lite one; yours may be another.
 --
 --   rx --> datalink --> request_buffer --> application <--> bii
---   tx <--    "     <-- speller <-- fifo <-----+   ^
+--   tx <--    "     <-- fifo <-----------------+   ^
 --                                subscription_manager <-- events
 --
 -- Ports     rx, tx: byte streams, valid/ready/data. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1
 --           framing, 2 overrun). events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
--- Latency   From the last byte of a request to the first of its reply: 5 clocks. Then a byte a clock, as far as the bus and
+-- Latency   From the last byte of a request to the first of its reply: 6 clocks. Then a byte a clock, as far as the bus and
 --           the reply go: the figures are in docs/gateware/core.md and asserted in tests/gateware/test_cycles.py.
 -- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
 -- Pressure  tx_ready stalls replies, then execution, then rx_ready. Two requests are kept, in execution and behind it.

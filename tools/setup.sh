@@ -5,6 +5,7 @@
 #   setup.sh group NAME     the packages of a dependency group of pyproject.toml
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh system         Debian packages that only the tests need, and those
+#   setup.sh synth          Debian packages that measure the gateware's area
 #   setup.sh native         the native tests, fuzzers and benches
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -91,6 +92,12 @@ build)
   ;;
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
+synth)
+  need_rtl
+  need yosys yosys command -v yosys
+  need nextpnr-ice40 nextpnr-ice40 command -v nextpnr-ice40             # places and routes
+  install_missing
+  ;;
 system)
   cxx=${CXX:-c++}
   need_rtl

@@ -6,7 +6,7 @@
 -- Ports     request, take, rewind, request_done: see request_buffer. subscription: see subscription_pkg. bii: see bii_pkg.
 --           word: valid/ready, what the datalink makes characters of.
 -- Latency   The head of a reply goes out in the clock in which the request is valid, if nothing else is in hand. Clocks
---           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 10 + AB + DB, write
+--           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write
 --           8 + AB + DB, a word of a read-many 3 + AB + DB, a word of a publish 4 + DB.
 -- Errors    The E_ codes of docs/classic-protocol.md section 4. A refused request changes nothing. An error in the middle
 --           of a read-many or publish ends it there, and the bus is released.
@@ -100,7 +100,8 @@ architecture rtl of application is
 
   signal bus_valid, bus_write, bus_hold : std_ulogic := '0';
   signal access_done : std_ulogic := '0';
-  signal failure     : unsigned(1 downto 0) := "00";  -- where an access that has just failed leads, else 0
+  signal failed      : std_ulogic;
+  signal failure     : unsigned(1 downto 0) := "00";  -- where the access that has failed leads, else 0
 
   alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);
 
@@ -131,12 +132,13 @@ begin
 
   -- What to do next.
 
+  failed <= or failure;
+
   judge : process (all)
     variable holds : std_ulogic_vector(condition_f);
   begin
     holds(if_missing)        := request.missing;
-    holds(if_bus_busy)       := not access_done;
-    holds(if_some_left)      := or count;
+    holds(if_some_left)      := or count and not failed;
     holds(if_bad_read_many)  := nor lowest or above(lowest, most_words);
     holds(if_bad_size)       := nor lowest or above(lowest, group_size);
     holds(if_bad_group)      := above(lowest, groups - 1);
@@ -147,7 +149,8 @@ begin
   end process;
 
   step <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take)) and
-          (request.valid or subscription_response.publish or not instruction(do_begin));
+          (request.valid or subscription_response.publish or not instruction(do_begin)) and
+          (access_done or not instruction(do_await));
 
   begins <= instruction(do_begin) and step;
 
@@ -171,12 +174,11 @@ begin
     following <= unsigned(instruction(following_f'right + position_bits - 1 downto following_f'right));
     if instruction(do_begin) = '1' then
       following(4 downto 0) <= unsigned(entry);
-    elsif failure /= 0 then
+    elsif instruction(do_await) = '1' and failed = '1' then
       following <= resize(failure, position_bits);
     end if;
   end process;
 
-  -- The program waits while an access is open, so that there is no jump when it fails.
   decide : process (all)
   begin
     position <= following;
@@ -200,7 +202,8 @@ begin
   -- What is said.
 
   -- The head of an error is another one, and said later.
-  word_valid <= instruction(do_say) and
+  word_valid <= instruction(do_say) and (request.ready or not instruction(do_take)) and
+                (access_done or not instruction(do_await)) and
                 not (instruction(do_begin) and not publish and (request.error or not request.valid));
 
   speak : process (all)
@@ -229,7 +232,7 @@ begin
 
   -- What is done.
 
-  take         <= (instruction(do_take) and request.ready) or
+  take         <= (instruction(do_take) and request.ready and (word_ready or not instruction(do_say))) or
                   (instruction(do_begin) and word_ready and request.valid and not publish);
   rewind       <= instruction(do_rewind);
   request_done <= instruction(do_finish) and step and serving;
@@ -294,23 +297,24 @@ begin
   begin
     if rising_edge(clock) then
       bus_hold <= instruction(do_hold);
-      access_done <= bii_response.done;
-      failure     <= "00";
-      if bii_response.done = '1' and bii_response.status = silent then
-        failure <= to_unsigned(position_silent, 2);
-      elsif bii_response.done = '1' and bii_response.status = error and bus_write = '1' then
-        failure <= to_unsigned(position_refused_write, 2);
-      elsif bii_response.done = '1' and bii_response.status = error then
-        failure <= to_unsigned(position_refused_read, 2);
-      end if;
       if bii_response.done = '1' then
-        bus_valid <= '0';
+        bus_valid   <= '0';
+        access_done <= '1';
+        if bii_response.status = silent then
+          failure <= to_unsigned(position_silent, 2);
+        elsif bii_response.status = error and bus_write = '1' then
+          failure <= to_unsigned(position_refused_write, 2);
+        elsif bii_response.status = error then
+          failure <= to_unsigned(position_refused_read, 2);
+        end if;
       elsif step = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and
-          not (request.missing = '1' and serving = '1') then  -- not without the bytes it needs
-        bus_valid <= '1';
+            not (request.missing = '1' and serving = '1') then  -- not without the bytes it needs
+        bus_valid   <= '1';
+        bus_write   <= instruction(do_write);
+        access_done <= '0';
       end if;
-      if bus_valid = '0' then
-        bus_write <= instruction(do_write);
+      if instruction(do_begin) = '1' then
+        failure <= "00";
       end if;
       if reset = '1' then
         bus_valid <= '0';

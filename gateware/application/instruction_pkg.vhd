@@ -4,8 +4,8 @@
 --
 -- An instruction does all that it says in one clock and goes on at `following`. Where its `condition` holds it goes on at
 -- `target` instead. No access begins while a byte of the request is missing. Saying waits for the datalink, taking for the
--- request, beginning for work. An access that fails leads to one of the positions below, whatever the instruction is. Bits
--- are not encoded further, so that none has to be decoded.
+-- request, beginning for work, awaiting for the end of the access; if that failed, it goes on at one of the positions below.
+-- Bits are not encoded further, so that none has to be decoded.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,11 +25,10 @@ package instruction_pkg is
   subtype kind_f      is natural range 28 downto 26;
   subtype source_f    is natural range 31 downto 29;
   subtype manage_f    is natural range 34 downto 32;
-  subtype condition_f is natural range 58 downto 50;
+  subtype condition_f is natural range 58 downto 51;
 
   -- What makes it jump, a bit each.
-  constant if_missing        : natural := 50;  -- all data bytes are taken
-  constant if_bus_busy       : natural := 51;  -- the access is not over
+  constant if_missing        : natural := 51;  -- all data bytes are taken
   constant if_some_left      : natural := 52;  -- `count` is not zero
   constant if_bad_read_many  : natural := 53;  -- the lowest byte of `address` is no number of words
   constant if_bad_size       : natural := 54;  -- it is no size of a group
@@ -76,6 +75,7 @@ package instruction_pkg is
   constant do_hold          : natural := 47;  -- hold the bus
   constant do_begin         : natural := 48;  -- go on where the message in hand says, with `count` zero
   constant do_place         : natural := 49;  -- the place of the group's word is `number`, else `count`
+  constant do_await         : natural := 50;  -- wait for the end of the access
 
   constant nothing_done : instruction_t := (others => '0');
 

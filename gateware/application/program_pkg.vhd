@@ -59,7 +59,9 @@ package body program_pkg is
 
     -- Routines that others lead to.
     variable finish, last_word, missing_address, missing_data, invalid_block_size, invalid_group, invalid_group_size,
-      more, list_addresses, list_none, list_size, zero_rate : natural;
+      branch, next_word, more, list_addresses, list_none, list_size, zero_rate : natural;
+    type branches_t is array (0 to 3) of natural;
+    variable branches : branches_t;
 
     procedure put(i : instruction_t; condition : natural := never; target : natural := 0) is
     begin
@@ -160,13 +162,12 @@ package body program_pkg is
 
     -- Of a block: the access is open, and `count` the number of words behind this one. `again` fetches the next one.
     procedure block_word(again : natural) is
-      variable branch : natural;
     begin
       branch := here;
-      put(act(do_hold));
+      put(act(do_await) or act(do_hold));
       go_to(last_word);
       jump_from(branch, if_some_left);
-      wait_while(if_bus_busy, act(do_hold));
+      next_word := here;
       say_data(data_bytes, act(do_hold));
       go_to(again);
     end procedure;
@@ -194,7 +195,6 @@ package body program_pkg is
     here := position_silent;
     spell_error(application_error_bus_timeout_c);
     last_word := here;
-    wait_while(if_bus_busy, act(do_hold));
     say_data(data_bytes);  -- the bus is free again
     go_to(finish);
     begin_command(command_error);
@@ -215,7 +215,7 @@ package body program_pkg is
 
     begin_command(command_read);
     take_bytes(address_bytes, take_address, act(do_read), missing_address);
-    wait_while(if_bus_busy);
+    put(act(do_await));
     spell(reply_read_c & ":");
     say_data(data_bytes);
     go_to(finish);
@@ -223,20 +223,39 @@ package body program_pkg is
     begin_command(command_write);
     take_bytes(address_bytes, take_address, nothing_done, missing_address);
     take_bytes(data_bytes, act(do_shift_data), act(do_write), missing_data);
-    wait_while(if_bus_busy);
+    put(act(do_await));
     spell(reply_write_c);
     go_to(finish);
 
     if most_words > 0 then
       invalid_block_size := here;
       spell_error(application_error_invalid_block_size_c);
-      begin_command(command_read_many);
-      take_bytes(1, take_address, too_few => missing_data);
-      put(act(do_load_count), if_bad_read_many, invalid_block_size);
-      spell(reply_read_many_c & ":");
       more := here;
       take_bytes(address_bytes, take_address or act(do_hold), act(do_read) or act(do_count), missing_address);
       block_word(more);
+      -- The first word is read while the letters are said. Where its address is missing, they are said all the same.
+      begin_command(command_read_many);
+      take_bytes(1, take_address, too_few => missing_data);
+      put(act(do_load_count) or act(do_hold), if_bad_read_many, invalid_block_size);
+      for place in reply_read_many_c'range loop
+        branch := here;
+        put(letter(reply_read_many_c(place)) or act(do_hold));
+        if place - reply_read_many_c'left < address_bytes then
+          code(branch) := code(branch) or take_address;
+          code(branch)(if_missing) := '1';
+        end if;
+        if place - reply_read_many_c'left = address_bytes - 1 then
+          code(branch) := code(branch) or act(do_read) or act(do_count);
+        end if;
+        branches(place - reply_read_many_c'left) := branch;
+      end loop;
+      put(letter(':') or act(do_await) or act(do_hold), if_some_left, next_word);
+      go_to(last_word);
+      for number in 0 to address_bytes - 1 loop
+        code(branches(number))(target_f) := std_ulogic_vector(to_unsigned(here, 9));
+        spell(reply_read_many_c(reply_read_many_c'left + number + 1 to reply_read_many_c'right) & ":");
+        go_to(missing_address);
+      end loop;
     end if;
 
     begin_command(command_read_configuration);

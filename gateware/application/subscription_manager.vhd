@@ -8,8 +8,8 @@
 -- served first. Among groups that are due the choice goes downwards and around from the one last served.
 --
 -- Ports     See subscription_pkg; everything is taken at once but write_rate, which waits for `done` (a strobe that comes
---           meanwhile waits for it, 2 clocks). `publish` is withdrawn while groups are looked at; take it where it
---           stands. The event inputs must be synchronous to the clock.
+--           meanwhile waits for it, 2 clocks). `publish` is withdrawn while groups are looked at; take it where
+--           it stood one clock ago. The event inputs must be synchronous to the clock.
 -- Latency   From strobe to `publish`: groups + 5 clocks, always the same; from an event input: 2 clocks, or after the
 --           groups have been looked at.
 -- Errors    None. An empty group never becomes due, and rate 0 is off. Addresses, counts and rates live in block RAM.
@@ -70,6 +70,7 @@ architecture rtl of subscription_manager is
   signal wanting : flags_t;
 
   signal word_address : unsigned(group_bits + place_bits - 1 downto 0);
+  signal reads_word   : std_ulogic;
   signal group_word   : std_ulogic_vector(word_bits - 1 downto 0);
 
   signal publishing : std_ulogic := '0';
@@ -140,6 +141,7 @@ begin
   group_number <= to_integer(request.group_number) when request.group_number < groups else 0;
   read_group   <= scan when phase = looking else group_number;
   word_address <= to_unsigned(group_number, group_bits) & resize(request.place, place_bits);
+  reads_word   <= not request.write_word;
   wanting      <= filled and (due or tripped);
 
   new_rate <= unsigned(request.rate(rate_bits - 1 downto 0));
@@ -165,7 +167,8 @@ begin
     if rising_edge(clock) then
       if request.write_word = '1' then
         words(to_integer(word_address)) <= request.word(word_bits - 1 downto 0);
-      else
+      end if;
+      if reads_word = '1' then  -- with an `else` instead GHDL 2.0 reads when it writes
         group_word <= words(to_integer(word_address));
       end if;
       if count_on = '1' then

