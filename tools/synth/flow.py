@@ -84,9 +84,8 @@ def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
     with tempfile.TemporaryDirectory() as folder:
         source, mapped = Path(folder) / "design.v", Path(folder) / "design.json"
         source.write_text(verilog, encoding="utf-8")
-        script = (
-            f"read_verilog {source}; {chip.synthesise} -top {top} -json {mapped}; tee -o {folder}/stat stat"
-        )
+        synthesise = f"{chip.synthesise} -top {top} -json {mapped}"
+        script = f"read_verilog {source}; {synthesise}; tee -o {folder}/stat stat"
         call(tool("yosys"), "-q", "-p", script)
         counts = dict(
             re.findall(r"^\s+(\w+)\s+(\d+)$", (Path(folder) / "stat").read_text("utf-8"), re.MULTILINE)

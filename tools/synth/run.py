@@ -61,8 +61,8 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "",
         f"Every row: GHDL to Verilog, yosys, nextpnr with a target of {TARGET_MHZ} MHz and seeds "
         f"{', '.join(map(str, SEEDS))}; the clock is the median, register to register, of the seeds (range).",
-        "`core` is measured as it is, its byte streams and its bus on pins, without a physical layer. `hello_led` is a whole",
-        "design. 2012 is the gateware of that year in the same flow.",
+        "`core` is measured as it is, its byte streams and its bus on pins, without a physical layer.",
+        "`hello_led` is a whole design. 2012 is the gateware of that year in the same flow.",
         "",
         f"Tools: {'; '.join(tools)}. `make synth` measures anew, and fails when a row grew or slowed; "
         "`tests/gateware/test_area.py` watches the cells in every `make test`.",
@@ -72,7 +72,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
             "",
             f"## {chip.name}",
             "",
-            f"| | | logic cells ({chip.cell}) | LUT4 | flip-flops | block RAM | MHz (range) | 2012: cells, MHz |",
+            f"| | | cells ({chip.cell}) | LUT4 | flip-flops | block RAM | MHz (range) | 2012: cells, MHz |",
             "|---|---|---|---|---|---|---|---|",
         ]
         for row in ROWS:
@@ -81,8 +81,8 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
             peer = PEERS.get(row.name)
             old = "{}, {}".format(*peer[list(CHIPS).index(chip_name)]) if peer else ""
             lines.append(
-                f"| `{row.name}` | {row.what} | {f['cells']} | {f['luts']} | {f['flip_flops']} | {f['memories']} "
-                f"| {f['mhz']} ({low} to {high}) | {old} |"
+                f"| `{row.name}` | {row.what} | {f['cells']} | {f['luts']} | {f['flip_flops']} "
+                f"| {f['memories']} | {f['mhz']} ({low} to {high}) | {old} |"
             )
     return "\n".join(lines) + "\n"
 
