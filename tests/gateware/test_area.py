@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gateware does not grow unnoticed: yosys counts again and compares with the record of `make synth`."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+GROWTH_MOST = 1.02
+RECORD = json.loads((ROOT / "gateware" / "area.json").read_text(encoding="utf-8"))["rows"]
+
+
+@pytest.fixture
+def flow(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """tools/synth/flow.py, which is no package."""
+    monkeypatch.syspath_prepend(str(ROOT / "tools" / "synth"))
+    return importlib.import_module("flow")
+
+
+@pytest.mark.parametrize("name", ["core", "no_publishing"])
+def test_cells_are_those_of_the_record(flow: Any, name: str) -> None:
+    row = next(row for row in importlib.import_module("table").ROWS if row.name == name)
+    mapped = flow.map_cells(flow.verilog_of(row), row.top, flow.ICE40)
+    recorded = RECORD[name]["ice40"]
+    assert mapped.luts <= recorded["luts"] * GROWTH_MOST, "grew: if it is meant, `make synth ACCEPT=1`"
+    assert mapped.flip_flops <= recorded["flip_flops"] * GROWTH_MOST
+
+
+def test_the_record_keeps_the_limits(flow: Any) -> None:
+    limited = [row for row in importlib.import_module("table").ROWS if row.cells_most is not None]
+    assert limited
+    for row in limited:
+        assert RECORD[row.name]["ice40"]["cells"] <= row.cells_most
