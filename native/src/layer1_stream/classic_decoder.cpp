@@ -18,6 +18,7 @@ constexpr std::string_view error_codes[] = {
 };
 constexpr std::uint8_t datalink_code_max = datalink_error::physical + 7;
 constexpr std::string_view busy_line = "?busy";
+constexpr std::string_view reply_prefix = "S_";  // of all replies but CNF
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) noexcept {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -194,6 +195,9 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
   }
   if (message_.is_publish()) {
     return read_publish();
+  }
+  if (!configuration && !message_.letters.starts_with(reply_prefix)) {
+    return Found::message;  // a digit that has become a head may have a letter behind it, and that is no reply
   }
   message_.kind = MessageKind::reply;
   return Found::message;

@@ -136,3 +136,8 @@ def _crc(data: bytes) -> int:
         for _ in range(8):
             remainder = (remainder << 1 ^ 0x07) & 0xFF if remainder & 0x80 else remainder << 1
     return remainder
+
+
+def test_a_head_with_a_letter_behind_it_is_no_reply() -> None:
+    """A checksum `3f` of which a bit was flipped."""
+    assert not [e for e in ClassicDecoder().feed(b"$S_R:40de1212*#f\n") if isinstance(e, Reply)]
