@@ -3,17 +3,22 @@
 
 from __future__ import annotations
 
+import random
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from unitylink import protocol
+from unitylink import Link, protocol
 from unitylink._native import Bus
 from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
+from unitylink.simulate import Board
+from unitylink.simulate.rtl import RtlBoard
+from unitylink.spec import load
 
-GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
+ROOT = Path(__file__).resolve().parents[2]
+GATEWARE = ROOT / "gateware"
 CLOCK_HZ = 1_000_000
 SEEN = [0x84, 0x87, 0x8C, 0x17F, 0x40, 0x44]  # of tosnet_slave_tb: words the nodes see …
 GIVEN = [0x80, 0x83, 0x88, 0x178, 0x179, 0x17B]  # … and give
@@ -157,3 +162,27 @@ def test_synthesis(ghdl: Any, tmp_path: Path, whole: str, depth: int) -> None:
     sources = [source for source in sorted(GATEWARE.rglob("*.vhd")) if "test" not in source.parts]
     netlist = type(ghdl)(tmp_path, [*sources, wrapper]).synthesise("tosnet_wrapper")
     assert ("array (0 to 2047)" in netlist) == (whole == "true"), "the memory is one that block RAM can hold"
+
+
+def commits(board: Board) -> list[object]:
+    """Random writes and commits as a program without TosNetProxy makes them, and what both sides see then."""
+    draw, seen = random.Random(11), []
+    inputs = [0x8C, 0x8D, 0x8E, 0x8F, 0x94, 0x95, 0x96, 0x97]
+    with Link(board.url) as link:
+        for _ in range(60):
+            for address in draw.sample(inputs, draw.randint(0, len(inputs))):
+                link.write(address, draw.getrandbits(32))
+            link.write(protocol.TOSNET_STATUS, 0)
+            while (status := link.read(protocol.TOSNET_STATUS)) & 1:
+                pass
+            seen += [list(link.read_many(inputs)), [board.registers[address] for address in inputs]]
+            seen.append(status >> protocol.TOSNET_STATUS_WRITE_POINTER_BIT & 1)
+        seen += [link.read(protocol.TOSNET_NETWORK_REGISTERS + index) for index in range(3)]
+    return seen
+
+
+def test_a_compiled_design_commits_as_the_twin_does() -> None:
+    """The netlist of the SCARA's design, whose two banks exchange without a copy."""
+    spec = load(ROOT / "examples" / "scara" / "scara.ul")
+    with RtlBoard(spec) as rtl, Board(spec) as twin:
+        assert commits(rtl) == commits(twin)
