@@ -79,6 +79,8 @@ docs: $(VENV)/.built
 
 fuzz: $(NATIVE)/.built
 	@for target in $(NATIVE)/fuzz_*; do $$target --seconds $(SECONDS) || exit 1; done
+	@tools/setup.sh group test
+	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 
 wheel: $(VENV)/.built
 	@tools/setup.sh group wheel

@@ -119,8 +119,27 @@ def _build() -> str:
 @click.option(
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version."
 )
-def cli() -> None:
-    """See `help` above; the group itself does nothing."""
+@click.option(
+    "--include",
+    "-I",
+    multiple=True,
+    metavar="DIR",
+    help="Look there too for the specs that a spec imports; before the folders of UNITYLINK_PATH.",
+)
+@click.pass_context
+def cli(ctx: click.Context, include: tuple[str, ...]) -> None:
+    """See `help` above; the group itself only widens the search path, for as long as a command runs."""
+    if include:
+        before = os.environ.get("UNITYLINK_PATH")
+        os.environ["UNITYLINK_PATH"] = os.pathsep.join([*include, *([before] if before else [])])
+        ctx.call_on_close(lambda: _restore(before))
+
+
+def _restore(path: str | None) -> None:
+    if path is None:
+        os.environ.pop("UNITYLINK_PATH", None)
+    else:
+        os.environ["UNITYLINK_PATH"] = path
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -170,10 +170,12 @@ class Cursor:
         return i
 
     def at_link_kind(self, i: int) -> bool:
-        """Is token `i` the beginning of `TOSNET(…)` or its like?"""
-        if self.kinds[i + 1 if self.kinds[i] != "end" else i] != "(" or self.texts[i] not in LINK_KINDS:
+        """Is token `i` the beginning of `TOSNET(…)` or its like? They are no keywords, but for the first."""
+        if self.texts[i] not in LINK_KINDS or self.kinds[i + 1] != "(":
             return False
-        return self.kinds[i] == ("keyword" if self.texts[i] == "TOSNET" else "name")
+        if self.kinds[i] == "keyword":
+            return self.texts[i] == "TOSNET"
+        return self.kinds[i] == "name" and not self.at_head(i)
 
     def at_nested(self) -> bool:
         """Is this a whole constructor inside a body: do members follow its closing brace?"""

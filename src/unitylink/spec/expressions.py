@@ -15,6 +15,7 @@ MAX_EXPONENT = 60  # of a decimal number: 1e60
 # How tightly operators bind. A sum is read apart: it may be as long as the text.
 _LOOSER = {"|": 1, "&": 2, "<<": 3, ">>": 3}
 _PRODUCT = ("*", "/", "%")
+_ENDS = frozenset((")", ",", ";", ":", "]"))
 
 
 class ExpressionReader(Cursor):
@@ -25,6 +26,9 @@ class ExpressionReader(Cursor):
     def argument(self, what: str, key: Name | None = None) -> Argument:
         """Read an expression; the parts of the sum it is are put together when their values are known."""
         self.operations = 0
+        if self.kinds[self.i + 1 if self.kinds[self.i] != "end" else self.i] in _ENDS:  # most are one word
+            one = self._operand(what)
+            return Argument([one], one.start, one.end, key)
         return self._argument(what, 1, key)
 
     def _argument(self, what: str, tightness: int, key: Name | None = None) -> Argument:

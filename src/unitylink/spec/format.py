@@ -175,8 +175,9 @@ class _Writer:
         return not self.annotation and self.first != "link"
 
     def _piece(self, word: str) -> None:
-        """Add to the line; a line may be broken behind a comma, and nowhere else."""
-        if self.pieces and not (self.pieces[-1][-1] == "," and word != ","):
+        """Add to the line; it may be broken behind a comma of the outermost bracket, and nowhere else."""
+        inner = len(self.brackets) > 1
+        if self.pieces and not (self.pieces[-1][-1] == "," and word != "," and not inner):
             self.pieces[-1].append(word)
         else:
             self.pieces.append([word])

@@ -28,7 +28,7 @@ KEYWORDS = frozenset(
         "signed",
     )
 )
-MAX_TOKENS = 240_000  # comments count too; more than 10,000 statements with every property
+MAX_TOKENS = 360_000  # comments count too; more than 10,000 statements with every property
 _LOOKAHEAD = 5
 MAX_NAME = 100  # characters of a name: paths are made of names, so this bounds every path
 

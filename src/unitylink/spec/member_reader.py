@@ -130,13 +130,15 @@ class MemberReader(PropertyReader):
         text = self.texts[first]
         if text[:2] not in ("0x", "0X") and not self.broken:
             if not self.touched():
-                hint = (
-                    f"write 0x{part.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
-                    if isinstance(part.value, int)
-                    else "addresses are whole numbers such as 0x80"
-                )
+                hint = f"write 0x{text} if the 0x was forgotten"
+                if isinstance(part.value, int):
+                    hint = (
+                        f"write 0x{part.value:X} if decimal {text} is meant, 0x{text} if the 0x was forgotten"
+                    )
                 self.report("UL019", first, "addresses are written in hexadecimal", hint)
             self.broken = True
+        if self.broken:
+            return Number(0, part.start, part.end)
         return part
 
     # --- elements -------------------------------------------------------------------------------------------

@@ -195,7 +195,9 @@ class _Parser(DeclarationReader):
             if not nested and self.at_nested():
                 hint = f"put it behind the closing brace of `{node.name.text}`"
                 self.unexpected("a member", hint, begins=True)
-                self._constructor(program, Notes(), node.name.text)
+                before = self.i
+                self._constructor(program, self._notes(), node.name.text)
+                self.i += self.i == before
                 continue
             if at_end or (self.at_head() and not self.at_public_member()):
                 swallowed = (at_end and self._swallowed_brace()) or self.kinds[self.i - 1] == "]"

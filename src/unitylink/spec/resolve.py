@@ -135,6 +135,8 @@ class Resolver:
                 self._expand_root(scope)
             except _TooMany:
                 self._report_too_many(scope.node.name, f"more than {MAX_ITEMS:,}")
+                self.placed.clear()  # a part of it shows nothing
+                self.blocks.clear()
                 return
 
     def _expand_root(self, scope: Scope) -> None:

@@ -57,6 +57,16 @@ def test_example_specs_are_without_diagnostic_and_formatted_as_shown() -> None:
             assert format_text(block) == block
 
 
+def test_example_of_an_import(tmp_path: Path) -> None:
+    page = PAGE.read_text("utf-8").split(MARK)[0]
+    (name, imported), *others = re.findall(r"\n\n```\n// (\w+\.ul)\n(.*?)```", page, re.DOTALL)
+    (importing,) = re.findall(r"\n\n```\n(import .*?)```", page, re.DOTALL)
+    assert not others
+    (tmp_path / name).write_text(imported)
+    assert compile_text(importing, str(tmp_path / "arm.ul")).diagnostics == ()
+    assert format_text(importing) == importing and format_text(imported) == imported
+
+
 def test_example_specs_of_the_page_and_of_examples_agree() -> None:
     scara = (ROOT / "examples" / "scara" / "scara.ul").read_text("utf-8")
     assert f"```ul\n{scara}```" in PAGE.read_text("utf-8")

@@ -17,13 +17,43 @@ from unitylink.spec import CODES, Diagnostic, Instance, Spec, compile_text, form
 from unitylink.spec.explain import explain
 
 ROOT = Path(__file__).parents[3]
-VALID = [path.read_text("utf-8") for path in sorted(ROOT.glob("examples/*/*.ul"))]
-ERRORS = [explain(code).wrong for code in CODES if explain(code).wrong]
 WORDS = re.split(
     " ",
-    "link public TOSNET CTRL BASE COMM UART READ WRITE ID CRC PUBLISH ALL signed ^READ a b joint x "
-    "0x1 0xFFFFFFFFF 10 1 0 12ab 0x \"s\" 's' \"s 's // /* */ @ ( ) { } , ; : = . + § \\ \n \r \0 \ufeff",
+    "link public TOSNET CTRL BASE COMM UART READ WRITE ID CRC PUBLISH ALL signed ^READ a b joint x i "
+    '0x1 0xFFFFFFFFF 10 1 0 12ab 0x 0.5 1e9 30deg 1<<64 1/0 1/3 "s" \'s\' "s \'s "{i}" "../x" '
+    "// /// /* */ @ ( ) { } [ ] , ; : = . .. + - * / % << >> & | § \\ \n \r \0 \ufeff "
+    "const enum bits open import fixed(8,8) u8 i16 u65 READWRITE W1C PULSE READCLEAR on change 10 Hz "
+    'UNIT="rad" MIN=-1 MAX=2 SCALE=0 GROUP=g MEMORY() FIFO(BASE=0) @ros(x=1) pwm(channels=2)',
 )
+
+
+def mutated(seed: int, corpus: list[str]) -> str:
+    """Return a text of the corpus with one to four mutations: left out, put in, taken from another text."""
+    chance = random.Random(seed)
+    text = chance.choice(corpus)
+    for _ in range(chance.randrange(1, 5)):
+        at = chance.randrange(len(text) + 1)
+        to = min(len(text), at + chance.choice((0, 0, 1, 3, chance.randrange(30))))
+        other = chance.choice(corpus)
+        start = chance.randrange(len(other))
+        choices = (
+            "",
+            chance.choice(WORDS),
+            other[start : start + chance.randrange(60)],
+            chance.choice("@{}[]();:=,.'\"/*-+"),
+        )
+        text = text[:at] + chance.choice(choices) + text[to:]
+    return text
+
+
+def corpus() -> list[str]:
+    """Return the texts that are mutated: examples, every construct, and every mistake."""
+    files = [*sorted(ROOT.glob("examples/*/*.ul")), Path(__file__).with_name("everything.ul")]
+    texts = [path.read_text("utf-8") for path in files]
+    return texts + [explain(code).wrong for code in CODES if explain(code).wrong]
+
+
+TEXTS = corpus()
 
 
 def check(text: str) -> None:
@@ -100,23 +130,10 @@ def test_arbitrary_words(text: str) -> None:
     check("public a(x): @ (y) { " + text)
 
 
-@given(st.sampled_from(VALID + ERRORS), st.integers(0, 2**32), st.integers(1, 4))
-@settings(max_examples=300, deadline=None)
-def test_mutated_specs(text: str, seed: int, mutations: int) -> None:
-    chance = random.Random(seed)
-    for _ in range(mutations):
-        at, to = sorted(chance.randrange(len(text) + 1) for _ in range(2))
-        other = chance.choice(VALID)
-        start = chance.randrange(len(other))
-        choices = [
-            "",
-            chance.choice(WORDS),
-            other[start : start + chance.randrange(60)],
-            chance.choice("@{}();:=,.'\"/*"),
-        ]
-        to = min(to, at + chance.randrange(30))
-        text = text[:at] + chance.choice(choices) + text[to:]
-    check(text)
+@given(st.integers(0, 2**32))
+@settings(max_examples=400, deadline=None)
+def test_mutated_specs(seed: int) -> None:
+    check(mutated(seed, TEXTS))
 
 
 # --- generated valid specs ----------------------------------------------------------------------------------
@@ -180,7 +197,7 @@ def test_generated_specs_compile_and_format(tokens: list[str], data: st.DataObje
     assert kept == [comment.strip() for comment in comments.findall(text)]
 
 
-@pytest.mark.parametrize("text", VALID + ERRORS)
+@pytest.mark.parametrize("text", TEXTS)
 def test_every_prefix_ends_with_diagnostics_inside(text: str) -> None:
     for end in range(0, min(len(text), 1500), 13):
         check(text[:end])
