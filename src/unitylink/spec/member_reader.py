@@ -87,7 +87,7 @@ class MemberReader(PropertyReader):
             return self._group(name, notes)
         count = self._count()
         self.expect(":", "`:` and a constructor, or `=` and the members of a group")
-        if self._at_element():
+        if self._at_element() and not self._at_new_access():  # that may be a constructor of another file
             shown = f"`@{name.text}: {self.texts[self.i]}`"
             if not self.faulty():
                 advice = self.replace(f"write {shown}", name.start, name.start, "@")

@@ -13,6 +13,7 @@ from ..protocol import ADDRESS_BITS_MAX
 from .cursor import ACCESS_WORDS
 from .declared import Declared
 from .diagnostics import Advice, Reporter
+from .model import READS, WRITES
 from .syntax import (
     Argument,
     BrokenNode,
@@ -212,6 +213,8 @@ class Scopes:
         if not self.program.damaged and self.news("constructor", name):
             candidates = chain(ACCESS_WORDS, self.first)
             otherwise = f"declare it: `{name.text}(…) {{ … }}`"
+            if name.text in WRITES or name.text in READS:
+                otherwise = f"an element's name stands after `@`: `@name: {name.text}();`"
             at = (name.start, name.end)
             advice = self.reporter.did_you_mean(name.text, candidates, otherwise, at)
             self.reporter.report("UL024", *at, f"there is no constructor `{name.text}`", advice)

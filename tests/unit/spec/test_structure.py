@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unitylink.spec import Annotation, Component, LinkBinding, Spec, compile_file, compile_text
-from unitylink.spec.allocate import Occupied
+from unitylink.spec import Annotation, LinkBinding, Spec, compile_file, compile_text
 
 ROOT = Path(__file__).parents[3]
 
@@ -356,94 +355,3 @@ def test_a_classic_spec_keeps_its_hash() -> None:
     hashes = {path.stem: compile_file(path).spec for path in (ROOT / "examples" / "scara").glob("scara.ul")}
     assert hashes["scara"] is not None
     assert hashes["scara"].hash == "bba6528006aa96af"
-
-
-# --- components ---------------------------------------------------------------------------------------------
-
-
-def test_components_get_addresses_where_there_is_room() -> None:
-    spec = clean("""
-    link board (ADDRESS=8);
-    public board() {
-       drive: pwm(channels=4);
-       @led = 0x0: WRITE();
-       encoder[2]: quadrature_encoder();
-       fan: pwm(channels=1) @ 0x40;
-       buttons: gpio(pins=12);
-       @pressed = 0x1: u12 READ(PUBLISH(on buttons.changed));
-    }
-    """)
-    places = {i.path: (i.component.base, i.component.words) for i in spec.root().instances if i.component}
-    assert places == {
-        "drive": (8, 6),
-        "encoder[0]": (4, 4),
-        "encoder[1]": (16, 4),
-        "fan": (64, 3),
-        "buttons": (24, 6),
-    }
-    drive = spec.root().instances[0].component
-    assert drive == Component(
-        "pwm", 8, 6,
-        (("channels", 4), ("counter_bits", 24), ("servo_minimum_us", 500), ("servo_maximum_us", 2500)),
-        (("pins", "out", 4),), (),
-    )  # fmt: skip
-    assert words(spec)["drive.width[3]"] == 13
-    assert spec.devices[0].groups[0].event == "buttons.changed"
-
-
-def test_room_is_found_beside_tosnet_and_below_the_base() -> None:
-    spec = clean("""
-    public a(c,u) { MEMORY(CTRL=c, COMM=u); net: net(c, u); parts: parts(); }
-    net(c,u) { TOSNET(CTRL=c, COMM=u, BASE=0); @x = 0x40: READ(); }
-    parts() { MEMORY(BASE=0x10); e: quadrature_encoder(); }
-    """)
-    part = spec.root().instances[1].instances[0].component
-    assert part is not None
-    assert part.base == 0x800
-
-
-def test_a_constructor_of_ones_own_comes_before_the_library() -> None:
-    spec = clean("public a() { p: pwm() @ (0x1); } pwm(): @ (v) { @v: READ(); }")
-    assert spec.root().instances[0].component is None
-
-
-@given(
-    st.lists(st.tuples(st.integers(0, 200), st.integers(1, 40)), max_size=20),
-    st.integers(0, 5),
-    st.integers(0, 60),
-)
-@settings(max_examples=200, deadline=None)
-def test_room_is_free_aligned_and_the_first(taken: list[tuple[int, int]], power: int, lowest: int) -> None:
-    occupied = Occupied()
-    used: set[int] = set()
-    for first, count in taken:
-        occupied.take(first, count)
-        used.update(range(first, first + count))
-    size = 1 << power
-    free = (at for at in range(0, 1000, size) if at >= lowest and not used & set(range(at, at + size)))
-    assert occupied.room(size, lowest, 1 << 32) == next(free)
-
-
-GENERIC = re.compile(r"^ +(\w+) +:", re.MULTILINE)
-
-
-@pytest.mark.parametrize(
-    "path", sorted((ROOT / "src/unitylink/spec/library").glob("*.ul")), ids=lambda p: p.stem
-)
-def test_library_agrees_with_the_vhdl(path: Path) -> None:
-    spec = clean(f"public a() {{ part: {path.stem}(); }}")
-    component = spec.root().instances[0].component
-    assert component is not None
-    source = (ROOT / "gateware" / "cores" / f"{component.entity}.vhd").read_text("utf-8")
-    entity = source[source.index(f"entity {component.entity} is") : source.index("end entity")]
-    generics, ports = entity.split("port (")
-    known = dict.fromkeys(GENERIC.findall(generics))
-    assert {name for name, _ in component.generics} <= set(known)
-    assert set(known) - {name for name, _ in component.generics} <= {"clock_hz", "data_width"}
-    outside = set(GENERIC.findall(ports)) - {"clock", "reset", "wishbone_m2s", "wishbone_s2m"}
-    assert {name for name, _, _ in component.pins} | set(component.events) == outside
-    for name, direction, bits in component.pins:
-        assert re.search(rf"\b{name} +: +{direction} +std_ulogic{'_vector' if bits else ''}\b", ports), name
-    for name, value in component.generics:
-        default = re.search(rf"\b{name} +:.*:= *([0-9_]+)", generics)
-        assert default is not None and int(default.group(1).replace("_", "")) == value
