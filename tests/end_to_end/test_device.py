@@ -334,7 +334,8 @@ def test_watch_on_a_terminal_is_a_live_table(on_terminal: Callable[..., str], me
 def test_list_asks_the_device(serve: Serve, run: Run, memory: Path) -> None:
     server = serve(memory, "--base-hz", "2000")
     report = json.loads(run("list", server.url, "--spec", memory, "a.get", "--json").stdout)
-    assert report["items"][0]["publish"] == {"by": "hardware", "divisor": 10, "rate_hz": 200.0}
+    publish = report["items"][0]["publish"]
+    assert publish == {"by": "hardware", "divisor": 10, "rate_hz": 200.0, "on": None, "group": ""}
     assert report["items"][0]["reachable"] is True
     wide = memory.with_name("wide.ul")
     wide.write_text("public wide() { @far = 0x1234: READ(); }\n")

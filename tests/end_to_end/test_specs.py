@@ -20,7 +20,7 @@ BAD = 'public led() {\n   @on = 0x10: WRITE()\n   @count = 0x11: READ(IDD="n");\
 
 
 def test_version_and_module(run: Run) -> None:
-    assert re.fullmatch(r"unitylink \d+\.\d+\.\d+\n", run("--version").stdout)
+    assert re.fullmatch(r"unitylink \d+\.\d+\.\d+, protocol: classic \d+, .*\n", run("--version").stdout)
     module = subprocess.run(
         [sys.executable, "-m", "unitylink", "--version"], capture_output=True, text=True, check=True
     )
@@ -53,7 +53,9 @@ def test_check_json_has_the_form_tools_rely_on(run: Run, tmp_path: Path) -> None
     assert done.returncode == 1
     assert set(report) == {"diagnostics"}
     for diagnostic in report["diagnostics"]:
-        assert list(diagnostic) == ["severity", "code", "file", "line", "column", "message", "hint"]
+        assert list(diagnostic) == [
+            *("severity", "code", "file", "line", "column", "message", "hint", "labels", "fixes")
+        ]
         assert re.fullmatch(r"UL\d{3}", diagnostic["code"])
         assert diagnostic["severity"] == "error" and diagnostic["file"] == "a.ul" and diagnostic["hint"]
     assert [d["line"] for d in report["diagnostics"]] == [2, 3]
@@ -127,6 +129,8 @@ def test_list(run: Run, scara: Path) -> None:
         "by": "hardware",
         "divisor": 10,
         "rate_hz": 100.0,
+        "on": None,
+        "group": "",
     }
     assert re.fullmatch(r"[0-9a-f]{16}", report["hash"])
 
@@ -180,7 +184,7 @@ def test_new_makes_a_project_that_runs(run: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "python run.py" in done.stdout
     files = sorted(path.name for path in (tmp_path / "arm").iterdir())
-    assert files == ["README.md", "arm.py", "arm.ul", "run.py"]
+    assert files == ["README.md", "arm.py", "arm.ul", "run.py", "test_arm.py"]
     assert run("check", "arm/arm.ul").returncode == 0
     assert run("fmt", "--check", "arm/arm.ul").returncode == 0
     assert run("generate", "arm/arm.ul", "--out", "arm", "--check").returncode == 0

@@ -34,8 +34,8 @@ class Item:
 
     @property
     def pollable(self) -> bool:
-        """Whether it may be read without being named: not where reading changes something."""
-        return self.element is None or self.element.pollable
+        """Whether it may be read without being named: not where that changes something or means nothing."""
+        return self.element is None or self.element.access not in ("READCLEAR", "PULSE")
 
     @property
     def quantity(self) -> Quantity:

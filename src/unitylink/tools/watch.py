@@ -94,7 +94,7 @@ def command(
 
 
 def _is_read(item: Item) -> bool:
-    return item.element is not None and item.pollable
+    return item.element is not None and item.element.pollable
 
 
 def _print_lines(

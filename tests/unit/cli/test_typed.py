@@ -101,6 +101,7 @@ def test_read_write_list(capsys: pytest.CaptureFixture[str]) -> None:
         board.registers[0x32] = 9
         assert "lost" not in run("read", "*")
         assert run("read", "lost") == "lost = 9\n"
+        assert run("read", "j[1]", "--value") == "0.5\n0.5\nrun\n0\n", "WRITEs too"
         listed = run("list")
         assert "-3.14159265 to 3.14159265" in listed and "on change" in listed and "fixed(8,8)" in listed
 
