@@ -46,7 +46,7 @@ def python_text(table: Table) -> str:
 
     for key, value in table["protocol"].items():
         constant(key.upper(), value)
-    for section in ("bytes", "crc8", "command", "reply", "limits", "tosnet"):
+    for section in ("bytes", "crc8", "command", "reply", "limits", "latency", "tosnet"):
         lines.append("")
         prefix = (
             ""

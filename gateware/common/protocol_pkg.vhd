@@ -93,6 +93,20 @@ package protocol_pkg is
   constant limits_clock_hz_default_c : natural := 50000000;
   constant limits_base_hz_default_c : natural := 1000;
 
+  -- latency
+  constant latency_tick_c : natural := 11;
+  constant latency_read_c : natural := 9;
+  constant latency_read_many_c : natural := 9;
+  constant latency_read_many_word_c : natural := 3;
+  constant latency_group_addresses_c : natural := 17;
+  constant latency_group_address_c : natural := 3;
+  constant latency_read_group_c : natural := 18;
+  constant latency_read_group_address_c : natural := 2;
+  constant latency_publish_c : natural := 12;
+  constant latency_publish_word_c : natural := 4;
+  constant latency_publish_words_before_c : natural := 7;
+  constant latency_turns_most_c : natural := 3;
+
   -- tosnet
   constant tosnet_address_bits_c : natural := 11;
   constant tosnet_memory_words_c : natural := 1024;

@@ -101,6 +101,21 @@ inline constexpr std::uint32_t clock_hz_default = 50000000;
 inline constexpr std::uint32_t base_hz_default = 1000;
 }  // namespace limits
 
+namespace latency {
+inline constexpr std::uint32_t tick = 11;
+inline constexpr std::uint32_t read = 9;
+inline constexpr std::uint32_t read_many = 9;
+inline constexpr std::uint32_t read_many_word = 3;
+inline constexpr std::uint32_t group_addresses = 17;
+inline constexpr std::uint32_t group_address = 3;
+inline constexpr std::uint32_t read_group = 18;
+inline constexpr std::uint32_t read_group_address = 2;
+inline constexpr std::uint32_t publish = 12;
+inline constexpr std::uint32_t publish_word = 4;
+inline constexpr std::uint32_t publish_words_before = 7;
+inline constexpr std::uint32_t turns_most = 3;
+}  // namespace latency
+
 namespace tosnet {
 inline constexpr std::uint32_t address_bits = 11;
 inline constexpr std::uint32_t memory_words = 1024;

@@ -17,6 +17,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "protocol": set(),
     "_native": set(),
+    "isochrony": SHARED,
     "spec": SHARED,
     "values": {"spec", "errors"},
     "board_configuration": {"spec", *SHARED},

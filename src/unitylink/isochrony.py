@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How regularly the gateware publishes: the clocks from a base strobe to the first bus strobe of a publish.
+
+The constants are those of protocol.toml, [latency]; tests/gateware/test_isochrony.py holds the RTL to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from . import protocol
+from .errors import ValueRangeError
+
+_CHECKSUM_CHARACTERS = 3
+
+
+class Gateware(Protocol):
+    """What has to be known of the gateware; a BoardConfiguration tells it."""
+
+    @property
+    def address_bits(self) -> int: ...
+    @property
+    def data_bits(self) -> int: ...
+    @property
+    def clock_hz(self) -> int: ...
+    @property
+    def groups(self) -> int: ...
+    @property
+    def group_size(self) -> int: ...
+    @property
+    def read_many(self) -> int: ...
+    @property
+    def rate_bytes(self) -> int: ...
+    @property
+    def publish_mode(self) -> int: ...
+    @property
+    def datalink(self) -> str: ...
+    @property
+    def checksum(self) -> str: ...
+    @property
+    def byte_clocks(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class Occupation:
+    """What a message costs: clocks of the application, and characters on the line; `name` is its command."""
+
+    name: str
+    clocks: int
+    characters: int
+
+
+@dataclass(frozen=True)
+class Isochrony:
+    """Clocks from base strobe to first bus strobe: always `idle_clocks` when idle, at most `late_clocks` more.
+
+    `longest` is the message that can be in the way for the longest time.
+    """
+
+    idle_clocks: int
+    late_clocks: int
+    longest: Occupation
+    clock_hz: int
+
+    @property
+    def bound_clocks(self) -> int:
+        return self.idle_clocks + self.late_clocks
+
+    @property
+    def idle_s(self) -> float:
+        return self.idle_clocks / self.clock_hz
+
+    @property
+    def late_s(self) -> float:
+        return self.late_clocks / self.clock_hz
+
+
+def isochrony(
+    gateware: Gateware,
+    *,
+    read_many: int | None = None,
+    before: Sequence[int] = (),
+    checked: bool = True,
+    bus_waits: int = 0,
+) -> Isochrony:
+    """Return the idle time and the bound of a publish of `gateware`, in clocks.
+
+    `read_many` is the longest one the host sends (None: the longest there is); `before` the words of publishes
+    that may be due at once and go before; `checked` counts checksums; `bus_waits` is by how many clocks a
+    slave acknowledges later than one after the strobe. An access that times out takes twice the bus timeout
+    more. Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing bounds it.
+
+    >>> from unitylink.simulate import BoardConfiguration
+    >>> result = isochrony(BoardConfiguration(groups=2, group_size=16, read_many=32))
+    >>> result.idle_clocks, result.late_clocks, result.longest.name
+    (14, 273, 'RM')
+    """
+    c = gateware
+    if c.publish_mode == 0:
+        raise ValueRangeError("isochrony: publish_mode is 0; gateware without publishing has none")
+    if c.datalink != "full":
+        raise ValueRangeError(
+            f"isochrony: datalink is {c.datalink!r}; only 'full' has a bound, the others wait for the host"
+        )
+    words = c.read_many if read_many is None else read_many
+    if not 0 <= words <= c.read_many:
+        raise ValueRangeError(f"isochrony: read_many is {words}; choose 0 to {c.read_many}")
+    address_bytes, data_bytes = -(-c.address_bits // 8), -(-c.data_bits // 8)
+    tail = 1 + (_CHECKSUM_CHARACTERS if checked and c.checksum != "none" else 0)
+    requests = [
+        Occupation(
+            "R", protocol.LATENCY_READ + address_bytes + data_bytes + bus_waits, 5 + 2 * data_bytes + tail
+        ),
+        Occupation(
+            "RM",
+            protocol.LATENCY_READ_MANY
+            + words * (protocol.LATENCY_READ_MANY_WORD + address_bytes + data_bytes + bus_waits),
+            6 + 2 * data_bytes * words + tail,
+        ),
+        Occupation(
+            "WSA",
+            protocol.LATENCY_GROUP_ADDRESSES
+            + c.group_size * (protocol.LATENCY_GROUP_ADDRESS + 2 * address_bytes),
+            6 + tail,
+        ),
+        Occupation(
+            "RSI",
+            protocol.LATENCY_READ_GROUP
+            + c.group_size * (protocol.LATENCY_READ_GROUP_ADDRESS + address_bytes),
+            7 + 2 * (c.rate_bytes + 1 + address_bytes * c.group_size) + tail,
+        ),
+    ]
+    publishes = [
+        Occupation(
+            "PUB",
+            protocol.LATENCY_PUBLISH
+            + address_bytes
+            + count * (protocol.LATENCY_PUBLISH_WORD + data_bytes + bus_waits),
+            9 + 2 * data_bytes * count + tail,
+        )
+        for count in before
+    ]
+    longest = max(requests, key=lambda one: _clocks([one], c.byte_clocks))
+    in_the_way = _in_the_way(longest, publishes, c.publish_mode)
+    # Another group's publish, begun by an event, may be in hand as well as a request.
+    late = max(_clocks(in_the_way, c.byte_clocks), _clocks(publishes, c.byte_clocks))
+    return Isochrony(protocol.LATENCY_TICK + c.groups + address_bytes, late, longest, c.clock_hz)
+
+
+def _in_the_way(request: Occupation, publishes: list[Occupation], publish_mode: int) -> list[Occupation]:
+    """Return the messages that can go before a publish, with requests coming in without end."""
+    turns = protocol.LATENCY_TURNS_MOST
+    if publish_mode == 1:  # requests first: each publish waits for a row of them
+        row = [request] * turns
+        return [request, *row, *(one for publish in publishes for one in (publish, *row))]
+    found = [request]
+    for number, publish in enumerate(publishes, start=1):
+        found.append(publish)
+        if number % turns == 0:
+            found.append(request)
+    return found
+
+
+def _clocks(messages: list[Occupation], byte_clocks: int) -> int:
+    """Return how long messages one after the other keep the next one from the bus.
+
+    Either the application is the slower one, or the line. Then what was said before lies in the FIFO between
+    them, and a publish has a few words to put behind it before it asks for the bus.
+    """
+    words = protocol.LATENCY_PUBLISH_WORDS_BEFORE
+    per_character = max(1, byte_clocks)
+    line = sum(one.characters for one in messages) + 2 * words
+    return max(sum(one.clocks for one in messages), line * per_character - words)

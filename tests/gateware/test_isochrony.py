@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From base strobe to first bus strobe: always the same when idle, within the bound under full load.
+
+`-s` prints the table of docs/gateware/isochrony.md with what was measured beside it.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink.isochrony import isochrony
+from unitylink.simulate import BoardConfiguration
+from unitylink.tools.conformance_bench import bench
+
+CLOCK_FS = 2_000_000  # of replay_tb
+STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
+TICKS = 70
+NEAR = 12  # clocks: as near to the bound as the worst of so many ticks comes
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "isochrony.md"
+
+CONFIGURATIONS = {
+    "8/32 bits, 2 groups of 16, RM 32": bench({}),
+    "the same, requests first": bench({"PM": 1}),
+    "8/32 bits, 16 groups of 16, RM 32": bench({"SG": 4}),
+    "8/16 bits, 2 groups of 32, no RM": bench({"DW": 16, "SW": 5, "RMS": 0}),
+    "32/32 bits, 4 groups of 8, RM 32": bench({"AW": 32, "SG": 2, "SW": 3}),
+    "32/8 bits, 2 groups of 32, RM 8": bench({"AW": 32, "DW": 8, "SW": 5, "RMS": 8}),
+}
+
+
+def crc8(covered: bytes) -> int:
+    sum_ = 0
+    for byte in covered:
+        sum_ ^= byte
+        for _ in range(8):
+            sum_ = (sum_ << 1 ^ (0x07 if sum_ & 0x80 else 0)) & 0xFF
+    return sum_
+
+
+def request(letters: str, data: bytes) -> str:
+    return f"${letters}:{data.hex()}*{crc8(letters.encode() + data):02x}\n"
+
+
+def address(configuration: BoardConfiguration, value: int) -> bytes:
+    return value.to_bytes(-(-configuration.address_bits // 8), "big")
+
+
+def longest_request(configuration: BoardConfiguration) -> str:
+    """What the bound says to be in the way for the longest time; not about the group that publishes."""
+    other = address(configuration, 0x10)
+    last = configuration.groups - 1
+    size = configuration.group_size
+    match isochrony(configuration).longest.name:
+        case "RM":
+            return request("RM", bytes([configuration.read_many]) + configuration.read_many * other)
+        case "WSA":
+            return request("WSA", bytes([last, size]) + size * other)
+        case "RSI":
+            return request("RSI", bytes([last]))
+    raise AssertionError("a read is the longest message")
+
+
+def ticks_of(path: Path) -> list[int]:
+    """The clocks at which the base strobe rises, from the waves of one signal."""
+    now, found = 0, []
+    for line in path.read_text(encoding="ascii").splitlines():
+        if line.startswith("#"):
+            now = int(line[1:])
+        elif line.startswith("1"):
+            found.append(now // CLOCK_FS + 1)
+    return found
+
+
+class Watch:
+    """Plays to the core and sees its base strobes."""
+
+    def __init__(self, rtl: Any, folder: Path) -> None:
+        self.rtl, self.waves = rtl, folder / "ticks.vcd"
+        (folder / "ticks.opt").write_text(f"$ version 1.1\n{STROBE}\n", encoding="ascii")
+        rtl.options = (f"--vcd={self.waves}", f"--read-wave-opt={folder / 'ticks.opt'}")
+
+    def delays(
+        self, configuration: BoardConfiguration, settings: str, period: int, load: str, of: int = 0x77
+    ) -> list[int]:
+        """Clocks from each base strobe, the first apart, to the first bus strobe at address `of`."""
+        hz = configuration.clock_hz // period
+        configuration = replace(configuration, base_hz=hz, bench_memory=False)
+        quiet = [("quiet", 300)]
+        enable = [("send", "#EPC\n"), ("wait", 200)]
+        self.rtl(configuration, [[("send", settings), *quiet, *enable, ("send", load + "#DPS\n"), *quiet]])
+        ticks = ticks_of(self.waves)
+        accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == of]
+        first = [
+            accesses[place] for tick in ticks[1:] if (place := bisect(accesses, tick - 1)) < len(accesses)
+        ]
+        return [at - tick for at, tick in zip(first, ticks[1:], strict=False)]
+
+
+@pytest.fixture
+def watch(rtl: Any, tmp_path: Path) -> Watch:
+    return Watch(rtl, tmp_path)
+
+
+def settings_of(configuration: BoardConfiguration) -> str:
+    size, last = configuration.group_size, configuration.groups - 1
+    settings = request("WSA", bytes([0, 1]) + address(configuration, 0x77))
+    if last:
+        settings += request("WSA", bytes([last, size]) + size * address(configuration, 0x78))
+    return settings + request("WSR", bytes([0]) + (1).to_bytes(configuration.rate_bytes, "big"))
+
+
+@pytest.mark.parametrize("name", CONFIGURATIONS)
+def test_idle_is_always_the_same(watch: Watch, name: str) -> None:
+    configuration = CONFIGURATIONS[name]
+    delays = watch.delays(configuration, settings_of(configuration), 501, "\n" * 501 * 20)
+    assert len(delays) >= 18
+    assert set(delays) == {isochrony(configuration).idle_clocks}
+
+
+@pytest.mark.parametrize("name", CONFIGURATIONS)
+def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
+    configuration = CONFIGURATIONS[name]
+    result = isochrony(configuration)
+    load = longest_request(configuration)
+    cycle = max(result.longest.clocks, result.longest.characters, len(load))
+    period = (3 * result.late_clocks + 100) | 1
+    delays = watch.delays(configuration, settings_of(configuration), period, load * (TICKS * period // cycle))
+    late = max(delays) - result.idle_clocks
+    print(
+        f"\n| {name} | {result.idle_clocks} | {result.longest.name} | {result.late_clocks} |  measured {late}"
+    )
+    assert min(delays) >= result.idle_clocks
+    assert result.late_clocks - NEAR <= late <= result.late_clocks
+
+
+@pytest.mark.parametrize("load", ["#R:10\n", "#W:10DEADBEEF\n", "#RLC\n", "#R:zz\n", "$R:10*00\n", "#X\n"])
+@pytest.mark.parametrize("mode", [1, 2])
+def test_no_other_load_is_worse(watch: Watch, mode: int, load: str) -> None:
+    configuration = bench({"PM": mode, "RMS": 4})
+    result = isochrony(configuration)
+    delays = watch.delays(configuration, settings_of(configuration), 301, load * 600)
+    assert len(delays) > 15
+    assert max(delays) <= result.bound_clocks
+
+
+def test_a_publish_before_it(watch: Watch) -> None:
+    """Two groups due at once: the one that comes second waits for a request and for the first."""
+    configuration = bench({})
+    settings = request("WSA", bytes([0, 9]) + bytes([0x77] * 9)) + request("WSR", bytes([0, 0, 1]))
+    settings += request("WSA", bytes([1, 16]) + bytes([0x78] * 16)) + request("WSR", bytes([1, 0, 1]))
+    result = isochrony(configuration, before=[16])
+    load = longest_request(configuration)
+    period = (3 * result.late_clocks + 100) | 1
+    delays = watch.delays(configuration, settings, period, load * (40 * period // 272))
+    assert max(delays) - result.idle_clocks <= result.late_clocks
+    assert max(delays) - result.idle_clocks > isochrony(configuration).late_clocks
+
+
+def test_page_has_these_figures() -> None:
+    rows = re.findall(
+        r"^\| (.+?) \| (\d+) \| (\w+) \| (\d+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    expected = []
+    for name, configuration in CONFIGURATIONS.items():
+        result = isochrony(configuration)
+        expected.append((name, str(result.idle_clocks), result.longest.name, str(result.late_clocks)))
+    assert rows == expected
