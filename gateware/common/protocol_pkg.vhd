@@ -102,6 +102,7 @@ package protocol_pkg is
   constant latency_group_address_c : natural := 3;
   constant latency_read_group_c : natural := 18;
   constant latency_read_group_address_c : natural := 2;
+  constant latency_other_c : natural := 34;
   constant latency_publish_c : natural := 12;
   constant latency_publish_word_c : natural := 4;
   constant latency_publish_words_before_c : natural := 7;

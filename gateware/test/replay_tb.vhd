@@ -44,6 +44,7 @@ entity replay_tb is
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
     bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
+    byte_clocks   : positive := 1;       -- clocks a byte that leaves takes on its line
     bus_waits     : natural  := 0;       -- clocks an acknowledge is later than the soonest
     seed          : positive := 1
   );
@@ -147,7 +148,7 @@ begin
         last_activity <= now_clock;
       end if;
       tx_ready <= '1';
-      if random.chance(stall_percent) then
+      if random.chance(stall_percent) or now_clock mod byte_clocks /= 0 then
         tx_ready <= '0';
       end if;
     end if;

@@ -14,6 +14,7 @@ from . import protocol
 from .errors import ValueRangeError
 
 _CHECKSUM_CHARACTERS = 3
+_CONFIGURATION_CHARACTERS = 34  # of CNF, with a base frequency of four bytes
 
 
 class Gateware(Protocol):
@@ -54,7 +55,7 @@ class Occupation:
 
 @dataclass(frozen=True)
 class Isochrony:
-    """Clocks from base strobe to first bus strobe: always `idle_clocks` when idle, at most `late_clocks` more.
+    """Clocks from base strobe to first bus strobe: `idle_clocks` when idle, at most `late_clocks` more.
 
     `longest` is the message that can be in the way for the longest time.
     """
@@ -87,10 +88,11 @@ def isochrony(
 ) -> Isochrony:
     """Return the idle time and the bound of a publish of `gateware`, in clocks.
 
-    `read_many` is the longest one the host sends (None: the longest there is); `before` the words of publishes
-    that may be due at once and go before; `checked` counts checksums; `bus_waits` is by how many clocks a
-    slave acknowledges later than one after the strobe. An access that times out takes twice the bus timeout
-    more. Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing bounds it.
+    `read_many` is the longest one the host sends (None: the longest there is); `before` has the words of
+    publishes that may be due at once and go before; `checked` counts checksums; `bus_waits` is by how many
+    clocks a slave acknowledges later than one after the strobe. An access that times out takes twice the bus
+    timeout more. Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing
+    bounds that.
 
     >>> from unitylink.simulate import BoardConfiguration
     >>> result = isochrony(BoardConfiguration(groups=2, group_size=16, read_many=32))
@@ -132,6 +134,12 @@ def isochrony(
             7 + 2 * (c.rate_bytes + 1 + address_bytes * c.group_size) + tail,
         ),
     ]
+    mask_bytes = max(protocol.EVENT_MASK_BYTES_MIN, -(-c.groups // 8))
+    requests += [
+        Occupation("RLC", protocol.LATENCY_OTHER, _CONFIGURATION_CHARACTERS + tail),
+        Occupation("WIC", protocol.LATENCY_OTHER + 3 * mask_bytes, 6 + tail),
+        Occupation("RIC", protocol.LATENCY_OTHER + mask_bytes, 7 + 2 * mask_bytes + tail),
+    ]
     publishes = [
         Occupation(
             "PUB",
@@ -142,10 +150,10 @@ def isochrony(
         )
         for count in before
     ]
-    longest = max(requests, key=lambda one: _clocks([one], c.byte_clocks))
-    in_the_way = _in_the_way(longest, publishes, c.publish_mode)
-    # Another group's publish, begun by an event, may be in hand as well as a request.
-    late = max(_clocks(in_the_way, c.byte_clocks), _clocks(publishes, c.byte_clocks))
+    late, longest = max(
+        ((_clocks(_in_the_way(one, publishes, c.publish_mode), c.byte_clocks), one) for one in requests),
+        key=lambda pair: pair[0],
+    )
     return Isochrony(protocol.LATENCY_TICK + c.groups + address_bytes, late, longest, c.clock_hz)
 
 

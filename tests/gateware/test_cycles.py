@@ -88,30 +88,3 @@ def test_publish_back_to_back(rtl: Any, words: int) -> None:
 def test_through_both_fifos(rtl: Any, message: str, most: int) -> None:
     rtl(CONFIGURATION, [[("send", message), ("quiet", 100)]], fifo_words=16)
     assert clocks(rtl, "b")[-1] - clocks(rtl, "o")[0] == most
-
-
-def test_isochrony(rtl: Any) -> None:
-    """Idle: every bus strobe a period after the one before, to the clock."""
-    period = CONFIGURATION.clock_hz // CONFIGURATION.base_hz
-    rtl(CONFIGURATION, [[("send", "#WSA:000112\n#WSR:000001\n#EPS\n"), ("wait", 20 * period)]])
-    strobes = clocks(rtl, "t")
-    assert len(strobes) >= 20
-    assert {b - a for a, b in pairwise(strobes)} == {period}
-
-
-@pytest.mark.parametrize("mode", [1, 2])
-def test_isochrony_under_load(rtl: Any, mode: int) -> None:
-    """Requests without end: publishing goes on, and so do requests."""
-    configuration = bench({"FREQ": 100000, "PM": mode})
-    reads = 300
-    rtl(configuration, [[("send", "#WSA:000112\n#WSR:000001\n#EPS\n" + "#R:10\n" * reads), ("quiet", 200)]])
-    period = configuration.clock_hz // configuration.base_hz
-    heads = clocks(rtl, "b", "%")
-    ends = clocks(rtl, "b", "\n")
-    assert len(ends) >= reads + 3
-    assert len(heads) >= (ends[-1] - ends[2]) // period
-    late = max(abs(at - heads[0] - number * period) for number, at in enumerate(heads))
-    messages = 1 if mode == 2 else 4
-    assert late <= messages * READ_PERIOD + 3 * READ_PERIOD, (
-        "beyond what the token FIFO and the messages before explain"
-    )

@@ -20,8 +20,9 @@ from unitylink.tools.conformance_bench import bench
 
 CLOCK_FS = 2_000_000  # of replay_tb
 STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
-TICKS = 70
-NEAR = 12  # clocks: as near to the bound as the worst of so many ticks comes
+TICKS = 50
+PERIODS = (1.23, 1.31, 1.47)  # between base strobes, in bounds: other phases of the load
+NEAR = 12  # clocks: so near to the bound comes the worst of so many ticks
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "isochrony.md"
 
 CONFIGURATIONS = {
@@ -51,12 +52,12 @@ def address(configuration: BoardConfiguration, value: int) -> bytes:
     return value.to_bytes(-(-configuration.address_bits // 8), "big")
 
 
-def longest_request(configuration: BoardConfiguration) -> str:
+def longest_request(configuration: BoardConfiguration, longest: str) -> str:
     """What the bound says to be in the way for the longest time; not about the group that publishes."""
     other = address(configuration, 0x10)
     last = configuration.groups - 1
     size = configuration.group_size
-    match isochrony(configuration).longest.name:
+    match longest:
         case "RM":
             return request("RM", bytes([configuration.read_many]) + configuration.read_many * other)
         case "WSA":
@@ -86,16 +87,17 @@ class Watch:
         rtl.options = (f"--vcd={self.waves}", f"--read-wave-opt={folder / 'ticks.opt'}")
 
     def delays(
-        self, configuration: BoardConfiguration, settings: str, period: int, load: str, of: int = 0x77
+        self, configuration: BoardConfiguration, settings: str, period: int, load: str, **generics: int
     ) -> list[int]:
-        """Clocks from each base strobe, the first apart, to the first bus strobe at address `of`."""
+        """Clocks from each base strobe, the first apart, to the first bus strobe at address 0x77."""
         hz = configuration.clock_hz // period
         configuration = replace(configuration, base_hz=hz, bench_memory=False)
         quiet = [("quiet", 300)]
         enable = [("send", "#EPC\n"), ("wait", 200)]
-        self.rtl(configuration, [[("send", settings), *quiet, *enable, ("send", load + "#DPS\n"), *quiet]])
+        steps = [("send", settings), *quiet, *enable, ("send", load + "#DPS\n"), *quiet]
+        self.rtl(configuration, [steps], **generics)
         ticks = ticks_of(self.waves)
-        accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == of]
+        accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == 0x77]
         first = [
             accesses[place] for tick in ticks[1:] if (place := bisect(accesses, tick - 1)) < len(accesses)
         ]
@@ -127,14 +129,16 @@ def test_idle_is_always_the_same(watch: Watch, name: str) -> None:
 def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
     configuration = CONFIGURATIONS[name]
     result = isochrony(configuration)
-    load = longest_request(configuration)
+    load = longest_request(configuration, result.longest.name)
     cycle = max(result.longest.clocks, result.longest.characters, len(load))
-    period = (3 * result.late_clocks + 100) | 1
-    delays = watch.delays(configuration, settings_of(configuration), period, load * (TICKS * period // cycle))
+    delays: list[int] = []
+    for part in PERIODS:
+        period = round(part * result.late_clocks) + 100
+        count = TICKS * period // cycle
+        delays += watch.delays(configuration, settings_of(configuration), period, load * count)
     late = max(delays) - result.idle_clocks
-    print(
-        f"\n| {name} | {result.idle_clocks} | {result.longest.name} | {result.late_clocks} |  measured {late}"
-    )
+    row = f"| {name} | {result.idle_clocks} | {result.longest.name} | {result.late_clocks} |"
+    print(f"\n{row} {late} measured, {len(delays)} ticks")
     assert min(delays) >= result.idle_clocks
     assert result.late_clocks - NEAR <= late <= result.late_clocks
 
@@ -142,10 +146,10 @@ def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
 @pytest.mark.parametrize("load", ["#R:10\n", "#W:10DEADBEEF\n", "#RLC\n", "#R:zz\n", "$R:10*00\n", "#X\n"])
 @pytest.mark.parametrize("mode", [1, 2])
 def test_no_other_load_is_worse(watch: Watch, mode: int, load: str) -> None:
-    configuration = bench({"PM": mode, "RMS": 4})
+    configuration = bench({"PM": mode, "RMS": 0, "SW": 1})  # the lowest bound
     result = isochrony(configuration)
     delays = watch.delays(configuration, settings_of(configuration), 301, load * 600)
-    assert len(delays) > 15
+    assert len(delays) > 10
     assert max(delays) <= result.bound_clocks
 
 
@@ -155,17 +159,40 @@ def test_a_publish_before_it(watch: Watch) -> None:
     settings = request("WSA", bytes([0, 9]) + bytes([0x77] * 9)) + request("WSR", bytes([0, 0, 1]))
     settings += request("WSA", bytes([1, 16]) + bytes([0x78] * 16)) + request("WSR", bytes([1, 0, 1]))
     result = isochrony(configuration, before=[16])
-    load = longest_request(configuration)
+    load = longest_request(configuration, result.longest.name)
     period = (3 * result.late_clocks + 100) | 1
     delays = watch.delays(configuration, settings, period, load * (40 * period // 272))
     assert max(delays) - result.idle_clocks <= result.late_clocks
     assert max(delays) - result.idle_clocks > isochrony(configuration).late_clocks
 
 
-def test_page_has_these_figures() -> None:
-    rows = re.findall(
-        r"^\| (.+?) \| (\d+) \| (\w+) \| (\d+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
+def test_a_slow_line(watch: Watch) -> None:
+    """Ten clocks a byte, as a UART at a fifth of the clock: what was said before has to leave first."""
+    configuration = replace(bench({"RMS": 8}), baud_hz=50_000_000)
+    result = isochrony(configuration)
+    period = round(1.31 * result.late_clocks) + 400
+    load = longest_request(configuration, result.longest.name) * (
+        40 * period // (10 * result.longest.characters)
     )
+    delays = watch.delays(configuration, settings_of(configuration), period, load, byte_clocks=10)
+    late = max(delays) - result.idle_clocks
+    assert result.late_clocks * 0.9 <= late <= result.late_clocks
+
+
+def test_slow_slaves(watch: Watch) -> None:
+    configuration = bench({"RMS": 8})
+    result = isochrony(configuration, bus_waits=9)
+    load = longest_request(configuration, result.longest.name) * 120
+    delays: list[int] = []
+    for period in (409, 421, 443):
+        delays += watch.delays(configuration, settings_of(configuration), period, load, bus_waits=9)
+    late = max(delays) - result.idle_clocks
+    assert result.late_clocks - NEAR <= late <= result.late_clocks
+
+
+def test_page_has_these_figures() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (.+?) \| (\d+) \| (\w+) \| (\d+) \|$", page, re.MULTILINE)
     expected = []
     for name, configuration in CONFIGURATIONS.items():
         result = isochrony(configuration)

@@ -110,6 +110,7 @@ inline constexpr std::uint32_t group_addresses = 17;
 inline constexpr std::uint32_t group_address = 3;
 inline constexpr std::uint32_t read_group = 18;
 inline constexpr std::uint32_t read_group_address = 2;
+inline constexpr std::uint32_t other = 34;
 inline constexpr std::uint32_t publish = 12;
 inline constexpr std::uint32_t publish_word = 4;
 inline constexpr std::uint32_t publish_words_before = 7;
