@@ -37,7 +37,7 @@ entity application is
     most_words    : natural  range 0 to 255 := 32;  -- of a read-many; 0: there is no such command
     rate_bytes    : positive range 1 to 4   := 2;
     publish_mode  : natural  range 0 to 2   := 2;
-    turns_most    : positive range 1 to 15  := latency_turns_most_c;  -- messages in a row of the preferred side while the other waits
+    turns_most    : positive range 1 to 15  := latency_turns_most_c;  -- messages in a row while the other side waits
     whole_requests : boolean                := true -- they can be looked at twice; false: rewind must not be needed
   );
   port (
