@@ -174,7 +174,7 @@ begin
       read_index <= index_next;
       read_half  <= half_next;
       valid      <= full(number(half_next));  -- since a clock at least: its entry can be read
-      if read_index = 0 then
+      if read_index = 0 and valid = '1' then  -- before that the entry may never have been written
         ending  <= unsigned(read_entry(index_bits - 1 downto 0));
         missing <= '0';
         if unsigned(read_entry(index_bits - 1 downto 0)) = 1 then

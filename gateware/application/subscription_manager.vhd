@@ -102,14 +102,6 @@ architecture rtl of subscription_manager is
   signal choice      : group_t := 0;
   signal last_served : group_t := 0;
 
-  function to_bit(value : boolean) return std_ulogic is
-  begin
-    if value then
-      return '1';
-    end if;
-    return '0';
-  end function;
-
   -- The group after `last` that wants to publish, downwards and around.
   function next_group(candidates : flags_t; last : group_t) return group_t is
     variable below, above : group_t := 0;
@@ -221,7 +213,10 @@ begin
       word_scanned <= '0';
       looked       <= '0';
       word_group   <= read_group;
-      keep         <= active(word_group) and to_bit(strobes < new_rate);
+      keep         <= '0';
+      if request.write_rate = '1' and active(word_group) = '1' and strobes < new_rate then
+        keep <= '1';
+      end if;
 
       case phase is
         when waiting =>
