@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .sampler import Sample
 
 _REDRAW_S = 0.1
+_STALE_S = 1.0  # no value is stale before this age, however fast it should come
+_STALE_PERIODS = 3  # and none before so many of its samples are overdue
 _TREND = 24  # values in the trend column
 _BARS = "▁▂▃▄▅▆▇█"
 
@@ -50,6 +52,13 @@ class Track:
             self.minimum = self.maximum = value
         self.minimum, self.maximum = min(self.minimum, value), max(self.maximum, value)
         self.values.append(value)
+
+    def stale_s(self, now_s: float, expected_hz: float) -> float | None:
+        """Return the age of the last sample in s if samples at `expected_hz` (0: at no rate) are overdue."""
+        if not self.times_s or expected_hz <= 0:
+            return None
+        age_s = now_s - self.times_s[-1]
+        return age_s if age_s > max(_STALE_S, _STALE_PERIODS / expected_hz) else None
 
     @property
     def rate_hz(self) -> float:
@@ -115,8 +124,14 @@ def draw(
     message: str,
     *,
     width: int = 120,
+    now_s: float | None = None,
 ) -> Table:
-    """Return the table of this moment; a terminal too narrow for all of it still gets names and values."""
+    """Return the table of this moment; a terminal too narrow for all of it still gets names and values.
+
+    What should have come again by `now_s` (on the clock of the samples; now, if not given) and did not is
+    grey, with its age in place of its rate.
+    """
+    now_s = time.monotonic() if now_s is None else now_s
     table = Table(
         title=Text(link),
         box=box.SIMPLE_HEAD,
@@ -139,18 +154,22 @@ def draw(
         table.add_column("from", style="dim")
     if bars:
         table.add_column("trend", min_width=_TREND, no_wrap=True, style="green")
-    origin = {path: "gateware" if r.hardware else "polled" for r in publisher.reports() for path in r.paths}
+    reports = {path: report for report in publisher.reports() for path in report.paths}
     for item in items:
         track = tracks[item.name]
         known = bool(track.times_s)
+        report = reports.get(item.name)
+        age_s = track.stale_s(now_s, report.rate_hz if report else 0.0)
+        grey = "" if age_s is None else "bright_black"
+        rate = f"{track.rate_hz:.0f} Hz" if track.rate_hz else ""
         ends = [shown(end, item.quantity) if track.values else "" for end in (track.minimum, track.maximum)]
         table.add_row(
             Text(item.name),
-            Text(shown(track.latest, item.quantity)) if known else "-",
+            Text(shown(track.latest, item.quantity), style=grey) if known else "-",
             *([Text(item.unit)] if units else []),
             *ends[: 2 * extremes],
-            f"{track.rate_hz:.0f} Hz" if track.rate_hz else "",
-            *([origin.get(item.name, "")] if extremes else []),
-            *([trend(track.values)] if bars else []),
+            rate if age_s is None else Text(f"{age_s:.0f} s ago", style=grey),
+            *([("gateware" if report.hardware else "polled") if report else ""] if extremes else []),
+            *([Text(trend(track.values), style=grey)] if bars else []),
         )
     return table

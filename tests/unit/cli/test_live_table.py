@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from unitylink.layer4_data import Publisher
+from unitylink.layer4_data.publication import PublishReport
 from unitylink.tools.live_table import Track, draw, trend
 from unitylink.tools.names import Item
 
@@ -57,3 +58,34 @@ def test_names_and_values_stay_whole_on_a_narrow_terminal(width: int) -> None:
     Console(file=out, width=width).print(table)
     assert "left.j1.cpos" in out.getvalue() and " -1234567 " in out.getvalue()
     assert max(map(len, out.getvalue().splitlines())) <= width
+
+
+class Reported(Publisher):
+    """A publisher that says at which rates values should come."""
+
+    def __init__(self, **rates_hz: float) -> None:
+        super().__init__()
+        self.rates_hz = rates_hz
+
+    def reports(self) -> list[PublishReport]:
+        return [
+            PublishReport("sim:a.ul", True, rate_hz, (path,), 0, 0) for path, rate_hz in self.rates_hz.items()
+        ]
+
+
+@pytest.mark.parametrize(
+    ("now_s", "old"), [(0.9, set()), (2.0, {"fast"}), (29.0, {"fast"}), (31.0, {"fast", "slow"})]
+)
+def test_what_should_have_come_again_is_grey_and_says_its_age(now_s: float, old: set[str]) -> None:
+    items = [Item("fast", 1), Item("slow", 2), Item("event", 3), Item("never", 4)]
+    tracks = {item.name: Track() for item in items}
+    for name in ("fast", "slow", "event"):
+        tracks[name].take(0.0, 7)
+    publisher = Reported(fast=100.0, slow=0.1, event=0.0, never=100.0)
+    table = draw(items, tracks, publisher, "sim:a.ul", "", now_s=now_s)
+    out = io.StringIO()
+    Console(file=out, width=120, force_terminal=True, color_system="standard").print(table)
+    rows = {name: next(r for r in out.getvalue().splitlines() if name in r) for name in tracks}
+    for name, row in rows.items():
+        assert (f"{now_s:.0f} s ago" in row) == (name in old), row
+        assert ("\x1b[90m" in row or "\x1b[90;" in row) == (name in old), repr(row)
