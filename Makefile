@@ -5,7 +5,7 @@
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
-#   make docs    regenerates what is generated in docs/ and checks every link
+#   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth)
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
@@ -76,6 +76,8 @@ docs: $(VENV)/.built
 	$(BIN)/python tests/unit/spec/test_docs.py
 	$(BIN)/python -c "from unitylink.ports.findings import page; print(page(), end='')" > docs/troubleshooting.md
 	$(BIN)/python -m pytest tests/unit/docs -q
+	@tools/setup.sh group docs
+	$(BIN)/python tools/docs/build_site.py
 
 fuzz: $(NATIVE)/.built
 	@for target in $(NATIVE)/fuzz_*; do $$target --seconds $(SECONDS) || exit 1; done

@@ -24,6 +24,7 @@ say "recorded exchanges of the 2012 gateware"
 "$bin/unitylink" conformance tests/conformance/classic-transcripts.json --rtl | tail -n 3
 say "tests"
 tools/setup.sh group wheel
+tools/setup.sh group docs
 rm -rf build/coverage
 UNITYLINK_COVERAGE="$PWD/build/coverage" "$bin/python" -m pytest tests -q -n 2 --dist loadgroup
 say "line coverage of the gateware"

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Build the documents as a site:  python tools/docs/build_site.py [--out FOLDER]
+
+The site has the pages that links lead to from the top README, at the paths they have in the checkout, so that
+a page reads the same on a repository host. FOLDER (build/docs) gets `pages`, what mkdocs reads; the site goes
+to FOLDER/site, or build/site. A broken link, a missing heading, a page of mkdocs.yml that is not there: exit
+code 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import yaml
+from reference import pages as reference_pages
+
+ROOT = Path(__file__).resolve().parents[2]
+LINK = re.compile(r"(!?\[[^\]]*\])\(([^)\s]+)\)")
+FENCE = re.compile(r"^```")
+
+
+def main() -> int:
+    """Stage the pages, build the site, and say where it is."""
+    parser = argparse.ArgumentParser(description="Build the documents as a site.")
+    parser.add_argument(
+        "--out", type=Path, help="folder for pages and site; build/docs and build/site without"
+    )
+    out: Path | None = parser.parse_args().out
+    work = out or ROOT / "build" / "docs"
+    site = out / "site" if out else ROOT / "build" / "site"
+    shutil.rmtree(work / "pages", ignore_errors=True)
+    stage(work / "pages")
+    settings = work / "mkdocs.yml"
+    places = {"docs_dir": "pages", "site_dir": str(site.resolve()), "nav": navigation(work / "pages")}
+    settings.write_text(yaml.safe_dump({"INHERIT": str(ROOT / "mkdocs.yml"), **places}), "utf-8")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", settings]
+    built = subprocess.run(command, check=False)
+    if built.returncode == 0:
+        print(f"{site / 'index.html'}; with search: {sys.executable} -m http.server -d {site}")
+    return built.returncode
+
+
+def stage(folder: Path) -> None:
+    """Write the pages, and the files they show, into `folder`."""
+    waiting = [ROOT / "README.md"]
+    done: set[Path] = set()
+    while waiting:
+        page = waiting.pop()
+        if page in done:
+            continue
+        done.add(page)
+        target = folder / page.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if page.suffix == ".md":
+            text, linked = _page(page)
+            target.write_text(text, "utf-8")
+            waiting += linked
+        else:
+            shutil.copyfile(page, target)
+    for name, text in reference_pages().items():
+        target = folder / "docs" / "reference" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, "utf-8")
+
+
+def navigation(pages: Path) -> list[Any]:
+    """Return the order of mkdocs.yml, with what has no place there after its folder's page, or last."""
+    text = (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[2]
+    placed = set(re.findall(r"[\w./-]+\.md", text))
+    nav: list[Any] = yaml.safe_load(text)
+    for name in sorted(str(page.relative_to(pages)) for page in pages.rglob("*.md")):
+        if name not in placed:
+            folder = f"{Path(name).parent}/README.md"
+            (_list_with(nav, folder) or nav[-1]["Explanation"]).append(name)
+    return nav
+
+
+def _list_with(nav: list[Any], name: str) -> list[Any] | None:
+    """Return the innermost list that begins with the page `name`, the page of a folder."""
+    if nav[0] == name:
+        return nav
+    for entry in nav:
+        for inside in entry.values() if isinstance(entry, dict) else ():
+            if isinstance(inside, list) and (found := _list_with(inside, name)):
+                return found
+    return None
+
+
+def _page(page: Path) -> tuple[str, list[Path]]:
+    """Return a page as mkdocs takes it, and the files it links to."""
+    linked: list[Path] = []
+
+    def link(found: re.Match[str]) -> str:
+        label, target = found.groups()
+        name, mark, anchor = target.partition("#")
+        if "://" in target or target.startswith("mailto:") or not name:
+            return found.group()
+        file = (page.parent / name).resolve()
+        if file.is_dir():
+            if not (file / "README.md").exists():
+                return label.strip("![]")  # a folder is something to see on a repository host only
+            file, name = file / "README.md", f"{name.rstrip('/')}/README.md"
+        linked.append(file)
+        return f"{label}({name}{mark}{anchor})"
+
+    lines: list[str] = []
+    fenced = False
+    for line in page.read_text("utf-8").splitlines():
+        fenced ^= bool(FENCE.match(line))
+        if not fenced and _starts_block(line) and lines and lines[-1] and not _continues(lines[-1], line):
+            lines.append("")  # GitHub needs no empty line before a list or a table, Python-Markdown does
+        lines.append(line if fenced else LINK.sub(link, line))
+    return "\n".join(lines) + "\n", linked
+
+
+def _starts_block(line: str) -> bool:
+    return bool(re.match(r"([-*] |\d+\. |\|)", line))
+
+
+def _continues(before: str, line: str) -> bool:
+    return _starts_block(before) or before.startswith("  ")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
