@@ -24,7 +24,7 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
     )
     packages = sorted(GATEWARE.rglob("*_pkg.vhd"))
     sources = {*packages, *(GATEWARE / name for name in REPLAY), folder / "core.vhd"}
-    synthesised = type(rtl)(type(ghdl)(folder, sorted(sources), is_netlist=True), folder)
+    synthesised = type(rtl)(type(ghdl)(folder, sorted(sources)), folder)
 
     configuration = bench({})  # the netlist has the default generics
     messages = [
