@@ -69,8 +69,9 @@ class Machine:
         self.gids = frozenset((*os.getgroups(), os.getgid()) if gids is None else gids)
 
     def path(self, name: str) -> Path:
-        """Return where the file `name`, which begins with a slash, is below the root."""
-        return self.root / name.lstrip("/")
+        """Return where the file `name` is below the root; without a slash in front it counts from the working
+        folder, as for whoever opens it."""
+        return self.root / os.path.abspath(name).lstrip("/")
 
     # ---- which ports there are
 

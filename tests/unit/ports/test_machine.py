@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 
@@ -32,6 +33,14 @@ def test_a_link_to_the_device_is_the_device(fake: FakeMachine) -> None:
     fake.usb_port()
     (fake.root / "dev/robot").symlink_to(fake.root / "dev/ttyUSB0")
     assert fake.machine().serial_port("/dev/robot").serial_number == "FT1234"
+
+
+def test_a_port_may_be_named_from_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "arm.tty").touch()
+    monkeypatch.chdir(tmp_path)
+    machine = Machine()
+    assert machine.exists("./arm.tty") and machine.exists("arm.tty")
+    assert not machine.exists("./leg.tty")
 
 
 @pytest.mark.parametrize(
