@@ -16,6 +16,7 @@ import pytest
 from .conftest import ROOT, UNITYLINK
 
 BIN = Path(sys.executable).parent
+FIRST_HOUR = ROOT / "docs" / "first-hour.md"
 PATIENCE_S = 600  # a build on a loaded machine
 
 
@@ -87,6 +88,13 @@ class TestWheel:
         call("../venv/bin/pip", "install", "--quiet", "pytest", cwd=fresh / "arm")
         assert "1 passed" in call("../venv/bin/python", "-m", "pytest", cwd=fresh / "arm")
         assert "x.position" in call("../venv/bin/unitylink", "list", "--spec", "arm.ul", cwd=fresh / "arm")
+
+    def test_the_first_hour_goes_as_written(self, wheels: Path, tmp_path: Path) -> None:
+        (wheel,) = wheels.glob("*.whl")
+        page = tmp_path / "first-hour.md"
+        call(sys.executable, ROOT / "tools" / "docs" / "first_hour.py", wheel, "--out", page, cwd=tmp_path)
+        typed = [re.findall(r"^\$ (.*)$", p.read_text("utf-8"), re.M) for p in (page, FIRST_HOUR)]
+        assert typed[0] == typed[1], "docs/first-hour.md is not what tools/docs/first_hour.py writes"
 
     def test_the_sdist_has_what_the_build_needs(self, wheels: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")

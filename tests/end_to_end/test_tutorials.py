@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tutorials have a reader type works: `sh` blocks in one bash, titled blocks as files."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from .conftest import PATIENCE_S, ROOT
+
+BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```", re.M | re.S)
+
+
+def script_of(page: str) -> str:
+    """Return all that a page has its reader do, as one bash script."""
+    parts = ["set -e"]
+    for language, file, text in BLOCK.findall((ROOT / "docs" / page).read_text("utf-8")):
+        assert language in ("sh", "python", "text"), f"{page}: a block of {language}"
+        assert file or language != "python", f"{page}: a Python block without a title is run by nobody"
+        if file:
+            parts.append(f"cat > {file} <<'END OF FILE'\n{text}END OF FILE")
+        elif language == "sh":
+            parts.append(text)
+    return "\n".join(parts)
+
+
+@pytest.mark.parametrize(
+    ("page", "says"),
+    [
+        ("own-plant.md", ("x.position=", "there: 1000 -500", "1 passed")),
+        (
+            "own-board.md",
+            ("without a fault", "told by the device", "x.position is now 300", "read x.position"),
+        ),
+    ],
+)
+def test_a_tutorial_works_as_it_stands(page: str, says: tuple[str, ...], tmp_path: Path) -> None:
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    output = tmp_path / "output"
+    with (
+        output.open("w") as file,
+        subprocess.Popen(
+            ["bash", "-c", script_of(page)],
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+            stdin=subprocess.DEVNULL,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        ) as bash,
+    ):
+        try:
+            code = bash.wait(timeout=2 * PATIENCE_S)
+        finally:
+            with suppress(ProcessLookupError):  # nothing was left behind
+                os.killpg(bash.pid, signal.SIGTERM)  # a virtual board
+    said = output.read_text("utf-8")
+    assert code == 0, said
+    for text in says:
+        assert text in said, said
