@@ -7,7 +7,7 @@
 #   make bench   the performance figures, as ratios within one run
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
-#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth)
+#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -68,7 +68,7 @@ coverage: $(VENV)/.built
 synth: $(VENV)/.built
 	@tools/setup.sh group synth
 	@tools/setup.sh synth
-	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept)
+	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(ROWS),--rows $(ROWS))
 
 docs: $(VENV)/.built
 	@tools/setup.sh group test

@@ -50,7 +50,7 @@ architecture rtl of subscription_manager is
   constant word_bits  : positive := maximum(8, address_width);
 
   subtype flags_t is std_ulogic_vector(groups - 1 downto 0);
-  subtype group_t is natural range 0 to groups - 1;
+  subtype group_t is natural range 0 to maximum(groups, 2) - 1;  -- of no bits it would be no address of a memory
 
   type word_memory_t is array (0 to 2 ** (group_bits + place_bits) - 1) of std_ulogic_vector(word_bits - 1 downto 0);
   -- Eight words or more, which is when tools take block RAM instead of flip-flops.

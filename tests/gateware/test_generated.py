@@ -69,6 +69,7 @@ DESIGNS = {
     ),
     "reads": ("public a() { @x = 0x7: READ(); }", {"groups": 2, "read_many": 0, "checksum": "xor"}),
     "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_event_groups": (0, 15)}),
+    "one_group": ("public a() { @x = 0x7: READ(PUBLISH(10 Hz)); }", {"groups": 1}),
     "nothing": ("public a() { }", {}),
     "devices": ("public a() { @x = 0x7: READ(); } public b() { @x = 0x7: READ(); @y = 0x9: WRITE(); }", {}),
 }

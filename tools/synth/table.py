@@ -40,4 +40,10 @@ ROWS = (
         top="hello_led_top",
         example="hello_led",
     ),
+    Row(
+        "servo",
+        "a whole design: the same with PWM, encoder and an event (examples/servo)",
+        top="servo_top",
+        example="servo",
+    ),
 )
