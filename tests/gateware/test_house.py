@@ -18,18 +18,16 @@ ENTITIES = {
 BENCHES = "\n".join(
     file.read_text(encoding="utf-8") for file in (ROOT / "gateware" / "test").glob("*_tb.vhd")
 )
-PAGES = "\n".join(file.read_text(encoding="utf-8") for file in (ROOT / "docs" / "gateware").glob("*.md"))
+PAGES = {file.stem for file in (ROOT / "docs" / "gateware").glob("*.md")}
 
 
 @pytest.mark.parametrize("entity", ENTITIES)
 def test_entity_has_a_bench_and_a_page(entity: str) -> None:
     assert f"entity work.{entity}\n" in BENCHES, f"no bench in gateware/test instantiates {entity}"
-    assert re.search(rf"\b{entity}\b", PAGES), f"no page in docs/gateware names {entity}"
+    assert entity in PAGES, f"docs/gateware/{entity}.md is missing"
 
 
-@pytest.mark.parametrize(
-    "page", sorted(set(ENTITIES) & {file.stem for file in (ROOT / "docs" / "gateware").glob("*.md")})
-)
+@pytest.mark.parametrize("page", sorted(set(ENTITIES) & PAGES))
 def test_page_names_every_generic(page: str) -> None:
     text = (ROOT / "docs" / "gateware" / f"{page}.md").read_text(encoding="utf-8")
     source = ENTITIES[page].read_text(encoding="utf-8")
