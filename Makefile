@@ -77,6 +77,7 @@ docs: $(VENV)/.built
 	$(BIN)/python -c "from unitylink.ports.findings import page; print(page(), end='')" > docs/troubleshooting.md
 	$(BIN)/python -m pytest tests/unit/docs -q
 	@tools/setup.sh group docs
+	$(BIN)/python tools/docs/pictures.py
 	$(BIN)/python tools/docs/build_site.py
 
 fuzz: $(NATIVE)/.built
