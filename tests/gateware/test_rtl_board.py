@@ -55,7 +55,7 @@ def spec(tmp_path_factory: pytest.TempPathFactory) -> Spec:
 @pytest.mark.parametrize("endpoint", ["fd", "pty", "tcp", "udp"])
 def test_words_go_both_ways(spec: Spec, endpoint: str) -> None:
     plant = Follower()
-    with RtlBoard(spec, plant=plant, endpoint=endpoint) as board, Link(board.url) as link:
+    with RtlBoard(spec, plant=plant, endpoint=endpoint) as board, Link(f"{board.url}?timeout=10") as link:
         assert link.configuration.address_bytes == 1
         link.write(0, 0xDEADBEEF)
         assert board.registers[0] == 0xDEADBEEF
@@ -71,7 +71,7 @@ def test_words_go_both_ways(spec: Spec, endpoint: str) -> None:
 
 
 def test_publishes_are_isochronous_in_device_time(spec: Spec) -> None:
-    with RtlBoard(spec, plant=Follower()) as board, Link(board.url) as link:
+    with RtlBoard(spec, plant=Follower()) as board, Link(f"{board.url}?timeout=10") as link:
         subscription = link.subscribe([4, 5], divisor=10)  # of 1 kHz; the plant counts every millisecond
         levels: list[int] = []
         while len(levels) < 20:
@@ -82,7 +82,7 @@ def test_publishes_are_isochronous_in_device_time(spec: Spec) -> None:
 
 
 def test_event_publishes(spec: Spec) -> None:
-    with RtlBoard(spec, plant=Follower()) as board, Link(board.url) as link:
+    with RtlBoard(spec, plant=Follower()) as board, Link(f"{board.url}?timeout=10") as link:
         subscription = link.subscribe([0x30], on_event=True)
         for value in (5, 6, 7):
             board.registers[0x30] = value

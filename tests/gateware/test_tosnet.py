@@ -168,7 +168,7 @@ def commits(board: Board) -> list[object]:
     """Random writes and commits as a program without TosNetProxy makes them, and what both sides see then."""
     draw, seen = random.Random(11), []
     inputs = [0x8C, 0x8D, 0x8E, 0x8F, 0x94, 0x95, 0x96, 0x97]
-    with Link(board.url) as link:
+    with Link(f"{board.url}?timeout=10") as link:
         for _ in range(60):
             for address in draw.sample(inputs, draw.randint(0, len(inputs))):
                 link.write(address, draw.getrandbits(32))

@@ -30,7 +30,7 @@ PENDING = 1
 def network(cycle_s: float = 200e-6) -> Iterator[tuple[Board, Link, TosNetProxy]]:
     tosnet = TosnetConfiguration(nodes=(TosnetNode(2), TosnetNode(5, registers=0b11)), cycle_s=cycle_s)
     configuration = BoardConfiguration(address_bits=11, tosnet=tosnet)
-    with Board(configuration=configuration) as board, Link(board.url) as link:
+    with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
         yield board, link, TosNetProxy(link)
 
 
@@ -140,7 +140,7 @@ def test_fifo_double_buffer_and_memory_side_by_side() -> None:
         fifos=(FifoConfiguration(base=0x40, depth=8),),
         double_buffers=(DoubleBufferConfiguration(base=0x80, size=4),),
     )
-    with Board(configuration=configuration) as board, Link(board.url) as link:
+    with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
         memory, fifo = MemoryProxy(link, 0x10), FifoProxy(link, 0x40)
         memory.write_many(range(4), [1, 2, 3, 4])
         assert [board.registers[0x10 + n] for n in range(4)] == [1, 2, 3, 4]
@@ -194,7 +194,7 @@ def test_a_fifo_publishes_its_words_by_itself() -> None:
     """No rate and no poll: each word comes once, also those that were there before anybody asked."""
     fifo = FifoConfiguration(base=0x40, depth=64, event_group=3, remind_clocks=50_000)
     configuration = BoardConfiguration(groups=4, edge_event_groups=(3,), fifos=(fifo,))
-    with Board(configuration=configuration) as board, Link(board.url) as link:
+    with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
         board.registers[0x40] = 1
         board.registers[0x40] = 2
         with FifoProxy(link, 0x40).subscribe([0], on_event=True, group=3) as words:

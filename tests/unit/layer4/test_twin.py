@@ -22,7 +22,7 @@ SPEC = load(Path(__file__).resolve().parents[3] / "examples" / "scara" / "scara.
 
 @pytest.fixture
 def scara() -> Iterator[tuple[Board, Node]]:
-    with Board(SPEC, plant=ScaraPlant()) as board, Link(board.url) as link:
+    with Board(SPEC, plant=ScaraPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         yield board, load_spec_objects(SPEC, link)
 
 
@@ -98,7 +98,10 @@ def test_async_publishes_end_with_the_link(scara: tuple[Board, Node]) -> None:
 
 def test_software_publishing_beside_hardware() -> None:
     configuration = BoardConfiguration.for_spec(SPEC, groups=1, group_size=6)
-    with Board(SPEC, configuration=configuration, plant=ScaraPlant()) as board, Link(board.url) as link:
+    with (
+        Board(SPEC, configuration=configuration, plant=ScaraPlant()) as board,
+        Link(f"{board.url}?timeout=10") as link,
+    ):
         robot = load_spec_objects(SPEC, link)
         with pytest.raises(DeviceMismatch, match="has 1 publish groups of 5 values, 2 are needed"):
             robot.start_publishing()

@@ -44,7 +44,7 @@ def test_a_link_reads_writes_leaves_and_comes_back(endpoint: str) -> None:
     with Board(endpoint=endpoint) as board:
         board.registers[0x21] = -2
         for value in (0xDEADBEEF, 7):
-            with Link(board.url) as link:
+            with Link(f"{board.url}?timeout=10") as link:
                 link.write(0x20, value)
                 assert link.read(0x20) == value
                 assert link.read(0x21) == 0xFFFFFFFE
@@ -55,7 +55,7 @@ def test_a_link_reads_writes_leaves_and_comes_back(endpoint: str) -> None:
 
 @pytest.mark.parametrize("endpoint", ENDPOINTS)
 def test_publishes_reach_the_link(endpoint: str) -> None:
-    with Board(configuration=PUBLISHING, endpoint=endpoint) as board, Link(board.url) as link:
+    with Board(configuration=PUBLISHING, endpoint=endpoint) as board, Link(f"{board.url}?timeout=10") as link:
         board.registers[5] = 1234
         subscription = link.subscribe([5, 6], divisor=2)
         seen = 0
@@ -96,7 +96,7 @@ def test_tcp_client_that_sends_no_more_still_gets_its_answers() -> None:
 
 
 def test_callers_in_a_loop_do_not_keep_the_board_from_its_work() -> None:
-    with Board(endpoint="tcp") as board, Link(board.url) as link:
+    with Board(endpoint="tcp") as board, Link(f"{board.url}?timeout=10") as link:
         done = threading.Event()
 
         def hammer() -> None:
@@ -150,7 +150,7 @@ def test_pty_at_a_path_of_its_own(tmp_path: Path) -> None:
     with Board(endpoint=f"pty:{path}") as board:
         assert board.url == f"serial:{path}"
         assert path.is_symlink()
-        with Link(board.url) as link:
+        with Link(f"{board.url}?timeout=10") as link:
             assert link.read(0) == 0
     assert not path.is_symlink()
     path.write_text("mine")
@@ -159,7 +159,7 @@ def test_pty_at_a_path_of_its_own(tmp_path: Path) -> None:
     assert path.read_text() == "mine"
     stale = tmp_path / "stale.tty"
     stale.symlink_to(tmp_path / "gone")
-    with Board(endpoint=f"pty:{stale}") as board, Link(board.url) as link:
+    with Board(endpoint=f"pty:{stale}") as board, Link(f"{board.url}?timeout=10") as link:
         assert link.read(0) == 0
 
 
@@ -191,7 +191,7 @@ def test_published_into_the_void_while_nobody_listens() -> None:
                 break
             stepped.wait(0.005)
         assert board.statistics.bytes_dropped > 0
-        with Link(board.url) as link:  # and a link copes with a board that publishes already
+        with Link(f"{board.url}?timeout=10") as link:  # and a link copes with a board that publishes already
             assert link.read(5) == 0
 
 
@@ -285,7 +285,7 @@ def test_a_plant_that_fails_is_reported_and_the_board_goes_on(caplog: pytest.Log
     plant = Counting(fail_at=3)
     with Board(plant=plant) as board:
         assert plant.enough.wait(10)
-        with Link(board.url) as link:
+        with Link(f"{board.url}?timeout=10") as link:
             assert link.read(1) == 3
         while board.error is None:
             os.sched_yield()

@@ -50,7 +50,7 @@ def spec() -> Spec:
 
 
 def test_events_and_changes_publish(spec: Spec) -> None:
-    with Board(spec, plant=Still()) as board, Link(board.url) as link:
+    with Board(spec, plant=Still()) as board, Link(f"{board.url}?timeout=10") as link:
         arm = load_spec_objects(spec, link)
         hit, force = arm["hit"], arm["force"]
         assert isinstance(hit, ReadValue) and isinstance(force, ReadValue)
@@ -73,7 +73,7 @@ def test_events_and_changes_publish(spec: Spec) -> None:
 
 
 def test_a_counting_plant_changes_too(spec: Spec) -> None:
-    with Board(spec, plant=RampPlant()) as board, Link(board.url) as link:
+    with Board(spec, plant=RampPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         arm = load_spec_objects(spec, link)
         force = arm["force"]
         assert isinstance(force, ReadValue)
@@ -85,7 +85,7 @@ def test_a_counting_plant_changes_too(spec: Spec) -> None:
 
 
 def test_words_begin_as_the_spec_says(spec: Spec) -> None:
-    with Board(spec) as board, Link(board.url) as link:
+    with Board(spec) as board, Link(f"{board.url}?timeout=10") as link:
         arm = load_spec_objects(spec, link)
         gain, mode = arm["gain"], arm["mode"]
         assert isinstance(gain, ReadValue) and isinstance(mode, ReadValue)
@@ -99,7 +99,7 @@ def test_the_board_is_what_the_spec_says_of_its_link() -> None:
     assert spec is not None
     configuration = BoardConfiguration.for_spec(spec)
     assert (configuration.data_bits, configuration.address_bits, configuration.base_hz) == (16, 16, 500)
-    with Board(spec, plant=Still()) as board, Link(board.url) as link:
+    with Board(spec, plant=Still()) as board, Link(f"{board.url}?timeout=10") as link:
         board.registers[0x10], board.registers[0x11] = 0x2345, 1
         x = load_spec_objects(spec, link)["x"]
         assert isinstance(x, ReadValue) and x.read() == 0x12345

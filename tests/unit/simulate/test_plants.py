@@ -46,7 +46,7 @@ def soon(condition: Callable[[], Any]) -> None:
 
 
 def test_ramp_is_the_default_and_every_read_moves_within_its_sign(spec: Spec) -> None:
-    with Board(spec) as board, Link(board.url) as link:
+    with Board(spec) as board, Link(f"{board.url}?timeout=10") as link:
         first = link.read_many([0x10, 0x11, 0x12])
         soon(lambda: all(link.read_many([0x10, 0x11, 0x12]) != first))
         assert 0 <= board.registers[0x10] < 2000
@@ -55,7 +55,7 @@ def test_ramp_is_the_default_and_every_read_moves_within_its_sign(spec: Spec) ->
 
 
 def test_loopback_echoes_by_position_and_ramps_the_rest(spec: Spec) -> None:
-    with Board(spec, plant=LoopbackPlant()) as board, Link(board.url) as link:
+    with Board(spec, plant=LoopbackPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         link.write_many([0x00, 0x01], [111, 222])
         soon(lambda: list(link.read_many([0x10, 0x11])) == [111, 222])
         moving = link.read(0x12)
@@ -63,10 +63,10 @@ def test_loopback_echoes_by_position_and_ramps_the_rest(spec: Spec) -> None:
 
 
 def test_ramp_and_loopback_through_tosnet(scara: Spec) -> None:
-    with Board(scara, plant=RampPlant()) as board, Link(board.url) as link:
+    with Board(scara, plant=RampPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         first = link.read(0x88)
         soon(lambda: link.read(0x88) != first)
-    with Board(scara, plant=LoopbackPlant()) as board, Link(board.url) as link:
+    with Board(scara, plant=LoopbackPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         link.write_many([0x8C, 0x94], [5, 6])
         link.write(0x400, 0)  # commit
         soon(lambda: link.read(0x88) == 5)
@@ -137,7 +137,7 @@ def test_a_joint_never_leaves_its_limits(
 
 
 def test_scara_through_the_link_and_its_commits(scara: Spec) -> None:
-    with Board(scara, plant=ScaraPlant()) as board, Link(board.url) as link:
+    with Board(scara, plant=ScaraPlant()) as board, Link(f"{board.url}?timeout=10") as link:
         link.write_many([0x8C, 0x94], [1500, 36_000])
         assert link.read(0x88) == 0
         link.write(0x400, 0)
@@ -168,7 +168,7 @@ def test_a_plant_of_ones_own_from_a_file(tmp_path: Path, spec: Spec) -> None:
     file = tmp_path / "mine.py"
     for text in (GOOD, GOOD + "def make_plant(spec):\n    return Plant()\n"):
         file.write_text(text)
-        with Board(spec, plant=load_plant(str(file), spec)) as board, Link(board.url) as link:
+        with Board(spec, plant=load_plant(str(file), spec)) as board, Link(f"{board.url}?timeout=10") as link:
             soon(lambda link=link: link.read(0x10) == 4711)
 
 
