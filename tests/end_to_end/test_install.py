@@ -96,6 +96,11 @@ class TestWheel:
         typed = [re.findall(r"^\$ (.*)$", p.read_text("utf-8"), re.M) for p in (page, FIRST_HOUR)]
         assert typed[0] == typed[1], "docs/first-hour.md is not what tools/docs/first_hour.py writes"
 
+    def test_its_gateware_is_a_board_too(self, fresh: Path) -> None:
+        (share,) = fresh.glob("venv/lib/*/site-packages/unitylink/share")
+        link = f"rtl:{share}/examples/hello_led/hello_led.ul"
+        assert "uptime_ms" in call("venv/bin/unitylink", "read", link, "*", cwd=fresh)
+
     def test_the_sdist_has_what_the_build_needs(self, wheels: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
         with tarfile.open(sdist) as archive:
