@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import random
 from collections import defaultdict
 from dataclasses import replace
 from typing import Any
@@ -15,7 +16,7 @@ from unitylink.tools.conformance_bench import bench, play_on_twin
 PERIODS = 30
 CONFIGURATION = bench({"FREQ": 50000, "SG": 2, "SW": 3})
 PERIOD = CONFIGURATION.clock_hz // CONFIGURATION.base_hz
-SETTINGS = "#WSA:0003101112\n#WSR:000001\n#WSA:010120\n#WSR:010002\n#WSA:02084041424344454647\n#WSR:020005\n"
+ANSWERED = 1000  # clocks; more than a request takes on the twin
 
 
 def publishes(timed: list[tuple[int, int]]) -> dict[str, list[int]]:
@@ -32,33 +33,58 @@ def publishes(timed: list[tuple[int, int]]) -> dict[str, list[int]]:
     return found
 
 
-@pytest.mark.parametrize("enable", ["#EPS\n", "#EPC\n"], ids=["plain", "checked"])
-def test_ticks_and_contents(rtl: Any, enable: str) -> None:
-    steps = [("send", SETTINGS), ("quiet", 200), ("send", enable), ("wait", PERIODS * PERIOD - PERIOD // 2)]
-    rtl(CONFIGURATION, [steps])
-    core = publishes([(at, byte) for kind, at, byte in rtl.times if kind == "b"])
+Steps = list[tuple[str, Any]]
 
-    device = Device(CONFIGURATION)
+
+def random_steps(seed: int) -> tuple[Steps, list[int]]:
+    """Four groups at random rates, and requests while they publish; and the rates."""
+    r = random.Random(seed)
+    rates = [r.choice((1, 2, 3, 5, 7, 11)) for _ in range(4)]
+    settings = ""
+    for group, rate in enumerate(rates):
+        addresses = r.randbytes(r.randint(1, 8)).hex().replace("e", "4").replace("f", "5")
+        settings += f"#WSA:{group:02x}{len(addresses) // 2:02x}{addresses}\n#WSR:{group:02x}{rate:04x}\n"
+    steps: Steps = [("send", settings), ("quiet", 200), ("send", r.choice(("#EPS\n", "#EPC\n")))]
+    waits = [PERIODS * PERIOD // 9 + r.randint(-200, 200) for _ in range(8)]
+    for wait in waits:
+        steps += [("wait", wait), ("send", f"#R:{r.randrange(0x60):02x}\n")]
+    return [*steps, ("wait", PERIODS * PERIOD - PERIOD // 2 - sum(waits))], rates
+
+
+def ticks_and_replies(timed: list[tuple[int, int]]) -> tuple[dict[str, list[int]], list[str]]:
+    """The base strobes each publish belongs to, by its text; and the replies.
+
+    The first strobe is the first head of all; the others follow their strobes by that much, give or take the
+    messages before them: less than half a period.
+    """
+    heads = publishes(timed)
+    start = min(min(clocks) for clocks in heads.values())
+    text = "".join(chr(byte) for _, byte in timed)
+    replies = [line for line in text.splitlines() if line[0] not in "%&"]
+    return {line: [round((at - start) / PERIOD) for at in clocks] for line, clocks in heads.items()}, replies
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ticks_and_contents(rtl: Any, seed: int) -> None:
+    configuration = replace(CONFIGURATION, publish_mode=1 + seed % 2)
+    steps, rates = random_steps(seed)
+    rtl(configuration, [steps])
+    core = ticks_and_replies([(at, byte) for kind, at, byte in rtl.times if kind == "b"])
+
+    device = Device(configuration)
     play: list[tuple[int, int]] = []
     for kind, argument in steps:
         if kind == "send":
             assert device.receive(argument.encode()) == len(argument)
-            device.run_until(device.clock + 1000)
+            device.run_until(device.clock + ANSWERED)
         elif kind == "wait":
-            device.run_until(device.clock + argument - 1000)
+            device.run_until(device.clock + argument - ANSWERED)
         play += device.take_timed()
-    twin = publishes([(at, byte) for at, byte in play])
+    twin = ticks_and_replies([(at, byte) for at, byte in play])
 
-    assert set(core) == set(twin)
-    assert [len(heads) for heads in core.values()] == [PERIODS, PERIODS // 2, PERIODS // 5]
-    for text in core:
-        # The first tick is the first head of all; the others follow their ticks by that much, give or take
-        # the messages before them: less than half a period.
-        ticks = []
-        for side in (core, twin):
-            start = min(min(heads) for heads in side.values())
-            ticks.append([round((at - start) / PERIOD) for at in side[text]])
-        assert ticks[0] == ticks[1], text
+    assert core == twin
+    counts = {int(text[5:7], 16): len(ticks) for text, ticks in core[0].items()}
+    assert counts == {group: PERIODS // rate for group, rate in enumerate(rates)}
 
 
 def test_events_by_edge_and_level(rtl: Any) -> None:
