@@ -8,15 +8,13 @@ All figures follow from the constants of the protocol and the compiler's table o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .. import protocol
-from .model import Device, SubscriptionGroup
+from .latency import BITS_PER_BYTE, Latency, latencies
+from .model import Device
 
 USUAL_BAUD_HZ = (115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000, 6_000_000, 12_000_000)
-BITS_PER_BYTE = 10  # on the line: start, eight data, stop
-_ROUNDS_MAX = 1_000  # of the latency's fixed point; beyond, the line is as good as full
 
 
 def message_bytes(letters: int, data_bytes: int, checked: bool = False) -> int:
@@ -37,8 +35,9 @@ def publish_bytes(words: int, data_bits: int, checked: bool = False) -> int:
 class GroupBudget:
     """One subscription group. `rate_hz` is None where an event triggers: how often, nobody knows here.
 
-    `latency_s` bounds the time from the tick (or event) to the last byte on the line, None without a baud
-    rate or where the line is overloaded.
+    `sampled_s` bounds the time from the tick (or event) to the moment the first word is read in the gateware,
+    `latency_s` that to the last byte on the line; None without a baud rate, or where the next publish may be
+    due before.
     """
 
     number: int
@@ -47,6 +46,7 @@ class GroupBudget:
     words: int
     message_bytes: int
     paths: tuple[str, ...]
+    sampled_s: float | None
     latency_s: float | None
 
     @property
@@ -103,19 +103,25 @@ class DeviceBudget:
 
 
 def budget(
-    device: Device, *, baud_hz: int | None = None, checked: bool = False, read_many: int | None = None
+    device: Device,
+    *,
+    baud_hz: int | None = None,
+    checked: bool = False,
+    read_many: int | None = None,
+    timed: bool = True,
 ) -> DeviceBudget:
     """Return the budget of a device, at the declared baud rate or another one.
 
-    `checked` counts publishes with a checksum. A reply of `read_many` words may be on the line when a publish
-    is due; no more than one, as publishes go first.
+    `checked` counts publishes with a checksum. Replies of `read_many` words may be in the way when a
+    publish is due. Without `timed`, how late publishes are is left out, which takes most of the time.
     """
     link = device.link
     baud_hz = baud_hz if baud_hz is not None else link.baud_hz
     read_many = read_many if read_many is not None else protocol.READ_MANY_MAX
     costs = [publish_bytes(len(group.addresses), link.data_bits, checked) for group in device.groups]
-    reply = message_bytes(len(protocol.REPLY_READ_MANY), read_many * link.data_bits // 8, checked)
-    latencies = _latencies(device.groups, costs, reply, link.base_hz, baud_hz)
+    late = [Latency(None, None)] * len(costs)
+    if timed and baud_hz:
+        late = latencies(device, costs, baud_hz, read_many)
     groups = tuple(
         GroupBudget(
             number=group.number,
@@ -124,9 +130,10 @@ def budget(
             words=len(group.addresses),
             message_bytes=cost,
             paths=tuple(element.path for element in group.elements),
-            latency_s=latency,
+            sampled_s=one.sampled_s,
+            latency_s=one.sent_s,
         )
-        for group, cost, latency in zip(device.groups, costs, latencies, strict=True)
+        for group, cost, one in zip(device.groups, costs, late, strict=True)
     )
     bytes_per_s = sum(group.bytes_per_s for group in groups)
     together = sum(group.message_bytes for group in groups if group.rate_hz)
@@ -154,40 +161,3 @@ def _highest_hz(bytes_each: int, base_hz: int, baud_hz: int) -> float | None:
     divisor = max(1, math.ceil(bytes_each * BITS_PER_BYTE * base_hz / baud_hz))
     slowest = (1 << 8 * protocol.RATE_BYTES_MAX) - 1
     return base_hz / divisor if divisor <= slowest else None
-
-
-def _latencies(
-    groups: Sequence[SubscriptionGroup],
-    costs: Sequence[int],
-    reply: int,
-    base_hz: int,
-    baud_hz: int | None,
-) -> list[float | None]:
-    """Bound how late each publish can be done, in whatever order the gateware serves what is due.
-
-    When a group is due, one other message may have just begun, and every other group may be due as well, and
-    again and again as long as this one waits. An event is counted once.
-    """
-    if not baud_hz:
-        return [None] * len(groups)
-    byte_s = BITS_PER_BYTE / baud_hz
-    periods_s = [group.divisor / base_hz if group.divisor else math.inf for group in groups]
-    longest = max([reply, *costs]) * byte_s
-    found: list[float | None] = []
-    for mine, cost in enumerate(costs):
-        pairs = zip(periods_s, costs, strict=True)
-        others = [(period_s, c * byte_s) for i, (period_s, c) in enumerate(pairs) if i != mine]
-        found.append(_fixed_point(longest + cost * byte_s, others, periods_s[mine]))
-    return found
-
-
-def _fixed_point(start_s: float, others: list[tuple[float, float]], period_s: float) -> float | None:
-    waited_s = start_s
-    for _ in range(_ROUNDS_MAX):
-        again_s = start_s + sum(max(1, math.ceil(waited_s / period)) * cost for period, cost in others)
-        if again_s > period_s:
-            return None  # the next one would be due before this one is out
-        if again_s <= waited_s:
-            return again_s
-        waited_s = again_s
-    return None

@@ -6,8 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .. import protocol
-from .budget import BITS_PER_BYTE, budget
+from .budget import budget
 from .diagnostics import Reporter
+from .latency import BITS_PER_BYTE
 from .model import Device, Element, Instance, Link, SubscriptionGroup
 from .publishing import devices
 
@@ -47,7 +48,7 @@ def _check_device(device: Device, classic: bool, reporter: Reporter) -> None:
 
 
 def _check_line(device: Device, reporter: Reporter) -> None:
-    one = budget(device)
+    one = budget(device, timed=False)
     if one.load is None or one.load <= 1:
         return
     most = max(one.groups, key=lambda group: group.bytes_per_s)

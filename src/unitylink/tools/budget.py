@@ -10,7 +10,8 @@ import click
 
 from unitylink.protocol import GROUP_SIZE_2012, GROUPS_2012
 from unitylink.spec import load
-from unitylink.spec.budget import BITS_PER_BYTE, DeviceBudget, budget
+from unitylink.spec.budget import DeviceBudget, budget
+from unitylink.spec.latency import BITS_PER_BYTE
 
 from .output import json_option, print_fields, print_json, print_table
 
@@ -86,7 +87,7 @@ def _show(one: DeviceBudget) -> None:
         ),
     ]
     if one.baud_hz:
-        fields.append(("in the way", f"a reply of up to {one.read_many} words (--read-many)"))
+        fields.append(("in the way", f"replies of up to {one.read_many} words (--read-many)"))
     print_fields(fields, title=one.root)
     click.echo()
     rows = [
@@ -97,12 +98,13 @@ def _show(one: DeviceBudget) -> None:
             str(group.words),
             str(group.message_bytes),
             f"{group.bytes_per_s:,.0f}" if group.rate_hz else "each event",
+            _time(group.sampled_s, one),
             _time(group.latency_s, one),
         )
         for group in one.groups
     ]
-    titles = ("group", "when", "values", "words", "bytes", "bytes/s", "latency at most")
-    print_table(titles, rows, right=[0, 2, 3, 4, 5, 6])
+    titles = ("group", "when", "values", "words", "bytes", "bytes/s", "sampled within", "sent within")
+    print_table(titles, rows, right=[0, 2, 3, 4, 5, 6, 7])
     if one.bytes_per_s:
         click.echo()
         lines = [
@@ -118,5 +120,5 @@ def _show(one: DeviceBudget) -> None:
 
 def _time(latency_s: float | None, one: DeviceBudget) -> str:
     if latency_s is None:
-        return "too slow a line" if one.baud_hz else ""
+        return "over a period" if one.baud_hz else ""
     return f"{latency_s * 1e3:.2f} ms" if latency_s >= 1e-3 else f"{latency_s * 1e6:.0f} us"

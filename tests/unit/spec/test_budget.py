@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unitylink.isochrony import isochrony
 from unitylink.layer0_driver import Driver
 from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text, load
-from unitylink.spec.budget import BITS_PER_BYTE, DeviceBudget, budget, publish_bytes
+from unitylink.spec.budget import DeviceBudget, budget, publish_bytes
+from unitylink.spec.latency import BITS_PER_BYTE
 from unitylink.spec.model import Device
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
@@ -119,3 +121,39 @@ def test_a_line_that_is_too_slow_has_no_bound() -> None:
     one = budget(device((40, 1)), baud_hz=115_200)
     assert one.load is not None and one.load > 1 and one.groups[0].latency_s is None
     assert not math.isnan(one.bytes_per_s)
+
+
+def test_sampling_is_bounded_by_the_isochrony_of_the_gateware() -> None:
+    """One group alone waits as long as isochrony() says, and then takes its time on the line."""
+    link = "link l (ADDRESS=8, BAUD=1000000);\n"
+    spec = compile_text(link + "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }", "board.ul").spec
+    assert spec is not None
+    (group,) = budget(spec.devices[0], read_many=8).groups
+    gateware = BoardConfiguration(baud_hz=1_000_000, rate_bytes=4)
+    assert group.sampled_s == pytest.approx(isochrony(gateware, read_many=8).bound_clocks / gateware.clock_hz)
+    assert group.latency_s is not None
+    assert group.latency_s == pytest.approx(group.sampled_s + (18 + 16) * 10e-6 + 8 / gateware.clock_hz)
+    (long,) = budget(spec.devices[0], read_many=100).groups
+    (longest,) = budget(spec.devices[0]).groups
+    assert long.latency_s is not None and longest.latency_s is not None
+    assert longest.latency_s - long.latency_s == pytest.approx((255 - 100) * 8 * 10e-6, rel=1e-3)
+
+
+def test_events_wait_for_each_other_and_requests_have_their_turns() -> None:
+    text = "link l (BAUD=1000000);\npublic board() {\n"
+    text += "".join(f"@v{n} = 0x{n}: READ(PUBLISH(on e{n}));\n" for n in range(8))
+    spec = compile_text(text + "}", "board.ul").spec
+    assert spec is not None
+    groups = budget(spec.devices[0], read_many=100).groups
+    assert len(groups) == 8 and len({group.latency_s for group in groups}) == 1
+    assert groups[0].latency_s is not None
+    replies = 3 * (6 + 800) * 10e-6  # one has begun, two have their turns among eight publishes
+    assert groups[0].latency_s > replies + 8 * 18 * 10e-6
+
+
+@pytest.mark.parametrize("baud_hz", [1, 10, 300, 9_600])
+def test_a_line_that_is_far_too_slow_is_told_and_breaks_nothing(baud_hz: int) -> None:
+    text = f"link l (BAUD={baud_hz});\npublic b() {{\n@a = 0x0: READ(PUBLISH(on e));\n"
+    text += "@b = 0x1: READ(PUBLISH(1 Hz));\n@c = 0x2: READ(PUBLISH(100 Hz));\n}"
+    result = compile_text(text, "b.ul")
+    assert [d.code for d in result.diagnostics] == ["UL104"]

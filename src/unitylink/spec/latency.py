@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How late each publish of a device can be: what the gateware has to do first, and the time on the line."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .. import protocol
+from ..isochrony import isochrony
+from .model import Device
+
+BITS_PER_BYTE = 10  # on the line: start, eight data, stop
+UART_FIFO_BYTES = 16  # of the gateware's transmitter: bytes that are said before and still wait
+_ROUNDS_MAX = 100  # of the fixed point, and
+_MESSAGES_MAX = 1_000  # that it may put before a publish; beyond, the line is as good as full
+
+
+_Kind = tuple[float, int, int]  # period in s, words and bytes of a publish: what is alike is as late
+
+
+@dataclass(frozen=True)
+class Latency:
+    """What can pass from the tick (or event) of a publish, at most: until its first word is sampled, and
+    until its last byte has left; both None where the next may be due before."""
+
+    sampled_s: float | None
+    sent_s: float | None
+
+
+@dataclass(frozen=True)
+class _Gateware:
+    """The gateware of a device as far as its time matters; see isochrony.Gateware."""
+
+    address_bits: int
+    data_bits: int
+    groups: int
+    group_size: int
+    rate_bytes: int
+    byte_clocks: int
+    read_many: int = protocol.READ_MANY_MAX
+    clock_hz: int = protocol.CLOCK_HZ_DEFAULT
+    publish_mode: int = 2
+    datalink: str = "full"
+    checksum: str = "crc8"
+
+
+def latencies(device: Device, message_bytes: Sequence[int], baud_hz: int, read_many: int) -> list[Latency]:
+    """Return the bounds of each group of `device`, whose publishes have so many `message_bytes`.
+
+    They hold for the gateware that is generated, at the usual clock, whatever requests of up to `read_many`
+    words come in. Every other group goes before, as often as it falls due meanwhile; one with an event, once.
+    """
+    groups, base_hz = device.groups, device.link.base_hz
+    never = [Latency(None, None)] * len(groups)
+    rated = [cost / group.divisor for group, cost in zip(groups, message_bytes, strict=True) if group.divisor]
+    if sum(rated) * base_hz * BITS_PER_BYTE > baud_hz:
+        return never
+    gateware = _gateware(device, baud_hz)
+    kinds = [
+        (group.divisor / base_hz if group.divisor else math.inf, len(group.addresses), cost)
+        for group, cost in zip(groups, message_bytes, strict=True)
+    ]
+    there = Counter(kinds)
+    known = {kind: _latency(gateware, kind, there - Counter([kind]), baud_hz, read_many) for kind in there}
+    return [known[kind] for kind in kinds]
+
+
+def _gateware(device: Device, baud_hz: int) -> _Gateware:
+    """Return what the generator would make; an address width that is not said counts as the widest."""
+    link = device.link
+    plain_groups, plain_size = protocol.GROUPS_2012, protocol.GROUP_SIZE_2012
+    return _Gateware(
+        address_bits=link.address_bits or protocol.ADDRESS_BITS_MAX,
+        data_bits=link.data_bits,
+        groups=max(plain_groups, len(device.groups)),
+        group_size=max([plain_size, *(len(group.addresses) for group in device.groups)]),
+        rate_bytes=protocol.RATE_BYTES_MAX,
+        byte_clocks=-(-protocol.CLOCK_HZ_DEFAULT * BITS_PER_BYTE // baud_hz),
+    )
+
+
+def _latency(
+    gateware: _Gateware, kind: _Kind, others: Counter[_Kind], baud_hz: int, read_many: int
+) -> Latency:
+    """Find the time in which all that goes before has gone; None if the next is due before that."""
+    period_s, words, message_bytes = kind
+    own_clocks = words * (protocol.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
+    own_s = (message_bytes + UART_FIFO_BYTES) * BITS_PER_BYTE / baud_hz + own_clocks / gateware.clock_hz
+    sent_s = 0.0
+    for _ in range(_ROUNDS_MAX):
+        due = [(one, count * max(1, math.ceil(sent_s / one[0]))) for one, count in others.items()]
+        if sum(count for _, count in due) > _MESSAGES_MAX:
+            break
+        before = [one[1] for one, count in due for _ in range(count)]
+        found = isochrony(gateware, read_many=read_many, before=before)
+        sampled_s = found.bound_clocks / found.clock_hz
+        if sampled_s + own_s > period_s:
+            break
+        if sampled_s + own_s <= sent_s:
+            return Latency(sampled_s, sent_s)
+        sent_s = sampled_s + own_s
+    return Latency(None, None)
