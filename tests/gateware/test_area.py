@@ -12,7 +12,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 GROWTH_MOST = 1.02
-RECORD = json.loads((ROOT / "gateware" / "area.json").read_text(encoding="utf-8"))["rows"]
+WHOLE_RECORD = json.loads((ROOT / "gateware" / "area.json").read_text(encoding="utf-8"))
+RECORD = WHOLE_RECORD["rows"]
+PAGE = ROOT / "docs" / "gateware" / "area.md"
 
 
 @pytest.fixture
@@ -36,3 +38,11 @@ def test_the_record_keeps_the_limits(flow: Any) -> None:
     assert limited
     for row in limited:
         assert RECORD[row.name]["ice40"]["cells"] <= row.cells_most
+
+
+def test_every_row_is_recorded_and_the_page_is_the_record(flow: Any) -> None:
+    rows = importlib.import_module("table").ROWS
+    assert list(RECORD) == [row.name for row in rows], "`make synth` measures what is new"
+    assert PAGE.read_text(encoding="utf-8") == importlib.import_module("run").page(
+        RECORD, WHOLE_RECORD["tools"]
+    )

@@ -7,6 +7,7 @@ The constants are what the core does, and must not get worse. docs/gateware/core
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,6 +27,24 @@ STACK_READ = 32  # through both FIFOs, first in to last out: goal 36
 STACK_WRITE = 35  # goal 36
 
 CONFIGURATION = bench({"FREQ": 100000})
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "core.md"
+
+
+def test_the_page_has_these_figures() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    table = text[text.index("| | this core | goal |") :].split("\n\n")[0]
+    assert [row.split("|")[2].strip() for row in table.splitlines()[2:]] == [
+        str(READ_LAST_IN_TO_FIRST_OUT),
+        str(READ_LAST_IN_TO_LAST_OUT),
+        str(READ_PERIOD),
+        str(READ_PERIOD_CHECKED),
+        str(WRITE_PERIOD),
+        str(WRITE_PERIOD_CHECKED),
+        f"{READ_MANY_FIXED} + {CLOCKS_A_WORD}n",
+        f"{PUBLISH_FIXED} + {CLOCKS_A_WORD}n",
+        str(STACK_READ),
+        str(STACK_WRITE),
+    ]
 
 
 def clocks(rtl: Any, kind: str, byte: str = "") -> list[int]:
