@@ -47,6 +47,20 @@ def test_scara_moves_on_the_gateware() -> None:
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
 
 
+@pytest.mark.parametrize(
+    ("example", "arguments", "said"),
+    [
+        ("walker18", ["--cycles", "1"], "The walker is there."),
+        ("pa10", ["--pace", "4", "--spec", "pa10.ul"], "Both arms are home again."),
+    ],
+)
+def test_examples_move_on_the_gateware(example: str, arguments: list[str], said: str) -> None:
+    command = [sys.executable, ROOT / "examples" / example / "run.py", "--rtl", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert said in done.stdout
+
+
 def test_simulate_serves_it(run: Run, tmp_path: Path) -> None:
     command = [UNITYLINK, "simulate", SCARA, "--rtl", "--plant", "scara", "--pty", tmp_path / "tty"]
     with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True) as server:
