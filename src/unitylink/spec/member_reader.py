@@ -107,6 +107,12 @@ class MemberReader(PropertyReader):
         name = self.name("the address name")
         count = self._count()
         fixed = self.address() if self.accept("=") else None
+        if self.kinds[self.i] != ":" and self._at_element():
+            last = self.i - 1
+            if self.kinds[last] == "name" and self.texts[last - 1][0].isdigit():
+                last -= 1  # a type, read as the unit of the address
+            end = self.tokens.ends[last]
+            raise self.unexpected("`:`", self.replace("add `:`", end, end, ":"))
         self.expect(":", "`:`" if fixed else "`:`, or `=` and an address,")
         if self._at_element():
             return self._element(name, fixed, count, notes)

@@ -21,6 +21,14 @@ JOINT = "joint(name): @ (pos) {\n   @pos: READ(ID=name);\n}\n"
 # mistake -> text, (code, line, column), a word of the cause, a word of the remedy, can a machine mend it
 CORPUS = {
     "missing semicolon": (public("@x = 0x1: READ()"), ("UL011", 2, 20), "missing", "add `;`", True),
+    "missing colon": (public("@x = 0x1 READ();"), ("UL010", 2, 13), "expected `:`", "add `:`", True),
+    "missing colon before a type": (
+        public("@x = 0x1 i16 READ();"),
+        ("UL010", 2, 17),
+        "expected `:`",
+        "add `:`",
+        True,
+    ),
     "typo in a type": (public("@x = 0x1: boool READ();"), ("UL080", 2, 14), "boool", "`bool`", True),
     "type of another language": (public("@x = 0x1: int16 READ();"), ("UL080", 2, 14), "int16", "`i16`", True),
     "typo in a block": (
