@@ -41,16 +41,16 @@ def command(old: str, new: str, strict: bool, as_json: bool) -> int:
         rows = [
             (
                 change.kind,
+                "" if change.compatible else "breaks",
                 change.path,
                 change.what,
                 " -> ".join(shown for shown in (change.before, change.after) if shown)
                 if change.kind in ("added", "removed")
                 else f"{change.before or 'none'} -> {change.after or 'none'}",
-                "" if change.compatible else "breaks",
             )
             for change in changes
         ]
-        print_table(("change", "item", "what", "old -> new", ""), rows)
+        print_table(("change", "", "item", "what", "old -> new"), rows)
         number = f"{len(changes):,} difference{'' if len(changes) == 1 else 's'}"
         says = f"{breaking:,} of them break" if breaking else "wire-compatible"
         click.echo(f"{number}, {says}; hash {before.hash} -> {after.hash}")

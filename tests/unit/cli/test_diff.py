@@ -135,7 +135,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     new.write_text(SCARA.replace("0x88,", "0x98,").replace('"joint 2"', '"elbow"'), "utf-8")
     assert cli.main(["diff", str(old), str(new)]) == 1
     out = capsys.readouterr().out
-    assert re.search(r"moved +scara\.j1\.cpos +address +0x0088 -> 0x0098 +breaks\n", out)
+    assert re.search(r"moved +breaks +scara\.j1\.cpos +address +0x0088 -> 0x0098\n", out)
     assert "5 differences, 1 of them break" in out
     assert cli.main(["diff", str(old), str(old)]) == 0
     assert "no difference" in capsys.readouterr().out
