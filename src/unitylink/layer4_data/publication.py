@@ -149,7 +149,8 @@ class Publication:
         groups: dict[ValueGroup, None] = {}  # a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
             value.listeners.tell(time_s, number)
-            groups.update(dict.fromkeys(value.groups))
+            if value.groups:
+                groups.update(dict.fromkeys(value.groups))
         for group in groups:
             group.take(time_s, values, numbers)
         for take in self._takers():

@@ -13,6 +13,7 @@ import os
 import re
 import struct
 from collections.abc import Iterator
+from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16  # what is lost when the program is killed
 _ORIGIN = "unitylink"  # the metadata record with the spec
 _NAMES = "names"  # a channel's metadata: the paths, in order
+_encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
 
 
@@ -79,7 +81,7 @@ class McapWriter:
         self.count = 0
         self._file = _Counting(path)
         # by paths: the channel's id, and the message with a %s for each value
-        self._channels: dict[tuple[str, ...], tuple[int, tuple[str, tuple[int, ...]]]] = {}
+        self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
         self._whole = (0, 0)  # samples and bytes that are in the file for sure
         self._failed = False
         self._writer = Library(
@@ -103,9 +105,11 @@ class McapWriter:
             known = self._channels.get(names)
             if known is None:
                 known = self._channels[names] = (self._register(names, sample), _template(names))
-            channel, (template, order) = known
-            texts = [_json(value) for value in sample.values.values()]
-            message = template % tuple(texts[place] for place in order)
+            channel, (template, in_order) = known
+            values: tuple[Any, ...] = tuple(sample.values.values())
+            if set(map(type, values)) != {int}:  # integers are their own JSON
+                values = tuple(map(_json, values))
+            message = template % in_order(values)
             time_ns = round(sample.time_s * 1e9)
             before = self._file.size_bytes
             self._writer.add_message(channel, time_ns, message.encode(), time_ns, self.count & 0xFFFFFFFF)
@@ -188,8 +192,8 @@ def _nested(values: dict[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def _template(names: tuple[str, ...]) -> tuple[str, tuple[int, ...]]:
-    """Return the JSON of a message with `%s` for each value, and which value goes where.
+def _template(names: tuple[str, ...]) -> tuple[str, itemgetter[Any]]:
+    """Return the JSON of a message with `%s` for each value, and what puts values into that order.
 
     Putting values in is then all that is left to do. Paths are made of names and numbers: no % of theirs is
     in the way.
@@ -202,13 +206,14 @@ def _template(names: tuple[str, ...]) -> tuple[str, tuple[int, ...]]:
         order.append(node)
         return "%s"
 
-    return text(_nested({name: place for place, name in enumerate(names)})), tuple(order)
+    template = text(_nested({name: place for place, name in enumerate(names)}))
+    return template, itemgetter(*order)
 
 
 def _json(value: Any) -> str:
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else "null"
-    return json.dumps(value, separators=(",", ":"))
+    return _encode(value)
 
 
 def _schema(values: Any) -> dict[str, Any]:

@@ -43,8 +43,13 @@ class RecordingPlant:
             if element.access in ("READ", "READCLEAR")
         }
         self._start()
-        if self._next is not None and not self._next.values.keys() & self._targets.keys():
-            known = ", ".join(list(self._next.values)[:3])
+        paths: dict[str, None] = {}  # the first samples may be of what the PC wrote alone
+        for sample in self._whole(samples(self.path)):
+            if sample.values.keys() & self._targets.keys():
+                break
+            paths.update(dict.fromkeys(sample.values))
+        else:
+            known = ", ".join(list(paths)[:3])
             raise UnityLinkError(
                 f"{self.path}: holds {known}, and nothing the spec reads; give its own with --spec"
             )

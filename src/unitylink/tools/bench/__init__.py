@@ -27,12 +27,14 @@ FIGURES: dict[str, tuple[str, str]] = {
     "publish": ("publish", "measure_stream"),
     "callbacks": ("publish", "measure_callbacks"),
     "trace": ("trace", "measure"),
+    "record": ("record", "measure"),
     "check": ("start_up", "measure_check"),
     "generate-1k": ("generators", "measure_thousand"),
     "generate-10k": ("generators", "measure_ten_thousand"),
     "generate-memory": ("generators", "measure_memory"),
     "language-server": ("language_server", "measure"),
     "rtl": ("rtl", "measure"),
+    "import": ("start_up", "measure_import"),
     "version": ("start_up", "measure_version"),
 }
 

@@ -49,6 +49,20 @@ def measure_check(run: Run) -> Figure:
     return Figure("check", f"unitylink check, {STATEMENTS:,} flat statements", 1.5, True, taken, "s")
 
 
+def measure_import(run: Run) -> Figure:
+    """Measure a Python that imports the library and ends; beside it one that imports what opens a link."""
+
+    def python(code: str) -> float:
+        def call() -> None:
+            subprocess.run([sys.executable, "-c", code], check=True)
+
+        call()
+        return median(times(call, run.rounds(15, 1))) / 1e6
+
+    details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
+    return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
+
+
 def measure_version(run: Run) -> Figure:
     """Measure `unitylink --version`."""
     bare = times(lambda: subprocess.run([sys.executable, "-c", ""], check=True), run.rounds(15, 1))
