@@ -1,15 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the wheel and the sdist of this checkout into build/wheels, the wheel with the oldest manylinux tag its symbols allow.
+# Builds the wheel and the sdist of this checkout into build/wheels (or the folder named), the wheel with the oldest manylinux tag its symbols allow.
 # A wheel for all machines is built by cibuildwheel in an older Linux: see pyproject.toml.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=$PWD/.venv/bin
-out=build/wheels
+out=${1:-build/wheels}
+mkdir -p build
+exec 9>build/.lock
+flock 9                                   # two at once must not build into each other
 export PATH="$bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
 rm -rf "$out" && mkdir -p "$out/plain"
 "$bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$out/plain" .
 "$bin/auditwheel" repair --wheel-dir "$out" "$out"/plain/*.whl > build/auditwheel.log 2>&1 || { cat build/auditwheel.log >&2; exit 1; }
 rm -r "$out/plain"
-"$bin/python" -c 'import scikit_build_core.build as b; b.build_sdist("build/wheels")' > build/sdist.log
+"$bin/python" -c 'import scikit_build_core.build as b; import sys; b.build_sdist(sys.argv[1])' "$out" > build/sdist.log
 ls -l "$out"

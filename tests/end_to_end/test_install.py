@@ -37,9 +37,10 @@ def call(*command: object, cwd: Path, **environment: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def wheels() -> Path:
-    call(ROOT / "tools" / "wheel.sh", cwd=ROOT)
-    return ROOT / "build" / "wheels"
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheels")
+    call(ROOT / "tools" / "wheel.sh", folder, cwd=ROOT)
+    return folder
 
 
 @pytest.fixture(scope="module")
