@@ -88,6 +88,7 @@ architecture rtl of application is
   signal group_number : unsigned(bits_for(groups) - 1 downto 0) := (others => '0');
 
   signal jump       : std_ulogic;  -- the condition of the instruction holds
+  signal act_now    : std_ulogic;  -- it does what it does
   signal step       : std_ulogic;  -- it is over in this clock
 
   signal begins  : std_ulogic;             -- a message is begun
@@ -148,11 +149,11 @@ begin
     jump <= or (holds and instruction(condition_f));
   end process;
 
-  step <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take)) and
-          (request.valid or subscription_response.publish or not instruction(do_begin)) and
-          (access_done or not instruction(do_await));
-
-  begins <= instruction(do_begin) and step;
+  -- An instruction that begins or awaits does nothing else, so that only going on has to wait for all four.
+  act_now <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take));
+  step    <= act_now and (request.valid or subscription_response.publish or not instruction(do_begin)) and
+             (access_done or not instruction(do_await));
+  begins  <= instruction(do_begin) and word_ready and (request.valid or subscription_response.publish);
 
   choose : process (all)
   begin
@@ -235,7 +236,7 @@ begin
   take         <= (instruction(do_take) and request.ready and (word_ready or not instruction(do_say))) or
                   (instruction(do_begin) and word_ready and request.valid and not publish);
   rewind       <= instruction(do_rewind);
-  request_done <= instruction(do_finish) and step and serving;
+  request_done <= instruction(do_finish) and word_ready and serving;
 
   registers : process (clock)
   begin
@@ -253,7 +254,7 @@ begin
 
       if bii_response.done = '1' then
         data(8 * data_bytes - 1 downto 0) <= bii_response.data(8 * data_bytes - 1 downto 0);
-      elsif instruction(do_shift_data) = '1' and step = '1' then
+      elsif instruction(do_shift_data) = '1' and act_now = '1' then
         data <= data(data'left - 8 downto 0) & request.data;
       end if;
 
@@ -262,21 +263,21 @@ begin
         if address_width < 8 and instruction(do_count) = '1' then  -- it is no number of addresses
           address(7 downto minimum(address_width, 7)) <= (others => '0');
         end if;
-      elsif step = '1' and (instruction(do_shift_address) = '1' or instruction(do_begin) = '1') then
+      elsif instruction(do_begin) = '1' or (instruction(do_shift_address) = '1' and act_now = '1') then
         address <= address(address'left - 8 downto 0) & request.data;
       end if;
 
       if instruction(do_begin) = '1' then
         count <= (others => '0');
-      elsif step = '1' and instruction(do_load_count) = '1' then
+      elsif instruction(do_load_count) = '1' then
         count <= unsigned(lowest);
-      elsif step = '1' and instruction(do_count) = '1' then
+      elsif instruction(do_count) = '1' and act_now = '1' then
         count <= count - 1;
       end if;
 
       if begins = '1' and publish = '1' then
         group_number <= subscription_response.publish_group(group_number'range);
-      elsif step = '1' and instruction(do_load_group) = '1' then
+      elsif instruction(do_load_group) = '1' then
         group_number <= unsigned(lowest(group_number'range));
       end if;
 
@@ -307,7 +308,7 @@ begin
         elsif bii_response.status = error then
           failure <= to_unsigned(position_refused_read, 2);
         end if;
-      elsif step = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and
+      elsif act_now = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and
             not (request.missing = '1' and serving = '1') then  -- not without the bytes it needs
         bus_valid   <= '1';
         bus_write   <= instruction(do_write);

@@ -48,6 +48,7 @@ architecture rtl of subscription_manager is
   constant group_bits : positive := bits_for(groups);
   constant place_bits : positive := bits_for(1 + group_size + 2 * rate_bytes);
   constant word_bits  : positive := maximum(8, address_width);
+  constant mask_bits  : positive := bits_for(maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8));
 
   subtype flags_t is std_ulogic_vector(groups - 1 downto 0);
   subtype group_t is natural range 0 to maximum(groups, 2) - 1;  -- of no bits it would be no address of a memory
@@ -88,14 +89,16 @@ architecture rtl of subscription_manager is
   signal scan         : group_t := 0;
   signal rate_less_one : unsigned(rate_bits - 1 downto 0) := (others => '0'); -- of the group that is looked at
   signal strobes      : unsigned(rate_bits - 1 downto 0) := (others => '0');  -- counted towards it
-  signal strobes_next : unsigned(rate_bits - 1 downto 0);
+  signal strobes_next : unsigned(rate_bits - 1 downto 0) := (others => '0');
   signal new_rate     : unsigned(rate_bits - 1 downto 0);
   signal keep         : std_ulogic;         -- the tally, at a new rate
   signal reached      : std_ulogic;         -- with this strobe
-  signal count_on     : std_ulogic;         -- the tally of the group changes
+  signal count_on     : std_ulogic := '0';  -- strobes_next goes into the tally of count_group, a clock late for speed
+  signal count_group  : group_t := 0;
   signal word_group   : group_t := 0;       -- the group that is looked at
   signal word_scanned : std_ulogic := '0';  -- it was read to be looked at
   signal looked       : std_ulogic := '0';
+  signal settled      : std_ulogic_vector(1 downto 0) := "00";  -- clocks after that; then `strobes` has counted all
   signal done         : std_ulogic := '0';
 
   signal publish     : std_ulogic := '0';
@@ -138,18 +141,25 @@ begin
 
   new_rate <= unsigned(request.rate(rate_bits - 1 downto 0));
   reached  <= '1' when strobes = rate_less_one else '0';
-  count_on <= '1' when word_scanned = '1' or phase = changing else '0';
 
-  tally_next : process (all)
+  tally_next : process (clock)
   begin
-    strobes_next <= strobes + 1;
-    if phase = changing then
-      strobes_next <= (others => '0');
-      if keep = '1' then
-        strobes_next <= strobes;
+    if rising_edge(clock) then
+      count_on     <= word_scanned;
+      count_group  <= word_group;
+      strobes_next <= strobes + 1;
+      if phase = changing then
+        count_on     <= '1';
+        strobes_next <= (others => '0');
+        if keep = '1' then
+          strobes_next <= strobes;
+        end if;
+      elsif reached = '1' then
+        strobes_next <= (others => '0');
       end if;
-    elsif reached = '1' then
-      strobes_next <= (others => '0');
+      if reset = '1' then
+        count_on <= '0';
+      end if;
     end if;
   end process;
 
@@ -164,12 +174,12 @@ begin
         group_word <= words(to_integer(word_address));
       end if;
       if count_on = '1' then
-        tally(word_group) <= strobes_next;
+        tally(count_group) <= strobes_next;
       end if;
       if phase = changing then
         rates(word_group) <= new_rate - 1;
       end if;
-      if count_on = '0' or read_group /= word_group then
+      if phase /= changing and (count_on = '0' or read_group /= count_group) then
         strobes       <= tally(read_group);
         rate_less_one <= rates(read_group);
       end if;
@@ -212,6 +222,7 @@ begin
       done         <= '0';
       word_scanned <= '0';
       looked       <= '0';
+      settled      <= "00";
       word_group   <= read_group;
       keep         <= '0';
       if request.write_rate = '1' and active(word_group) = '1' and strobes < new_rate then
@@ -222,9 +233,10 @@ begin
         when waiting =>
           scan   <= 0;
           looked <= '1';
+          settled <= settled(0) & looked;
           if strobe = '1' and word_scanned = '0' then
             phase <= looking;
-          elsif request.write_rate = '1' and done = '0' and looked = '1' then
+          elsif request.write_rate = '1' and done = '0' and settled(1) = '1' then
             phase <= changing;
           end if;
         when looking =>
@@ -276,7 +288,7 @@ begin
         if enabled(g) = '1' and events(g) = '1' and (past(g) = '0' or edge_events(g) = '0') then
           tripped(g) <= '1';
         end if;
-        if request.write_mask = '1' and request.place(4 downto 0) = g / 8 then
+        if request.write_mask = '1' and request.place(mask_bits - 1 downto 0) = g / 8 then
           enabled(g) <= request.word(g mod 8);
         end if;
       end loop;
@@ -319,7 +331,7 @@ begin
     response.publish       <= publish;
     response.publish_group <= to_unsigned(choice, 8);
     for g in 0 to groups - 1 loop
-      if request.place(4 downto 0) = g / 8 then
+      if request.place(mask_bits - 1 downto 0) = g / 8 then
         response.mask(g mod 8) <= enabled(g);
       end if;
     end loop;

@@ -42,33 +42,36 @@ architecture rtl of fifo is
 
   signal memory : memory_t;
 
-  -- One bit more than an index: equal pointers mean empty, pointers `depth` apart mean full.
-  signal write_pointer : unsigned(index_bits downto 0) := (others => '0');
-  signal read_pointer  : unsigned(index_bits downto 0) := (others => '0');
-  signal loaded        : std_ulogic := '0';
-  signal empty, full   : std_ulogic;
-  signal load          : std_ulogic;
+  -- Equal indices mean full or empty. The flag is a register, since comparing first would make write_ready late.
+  signal write_index, read_index : unsigned(index_bits - 1 downto 0) := (others => '0');
+  signal full         : std_ulogic := '0';
+  signal loaded       : std_ulogic := '0';
+  signal empty        : std_ulogic;
+  signal last_place   : std_ulogic;  -- the memory has room for one word
+  signal store, load  : std_ulogic;
 
 begin
 
   assert depth = 2 ** index_bits
     report "fifo: depth must be a power of two and at least 2" severity failure;
 
-  empty <= '1' when write_pointer = read_pointer else '0';
-  full  <= '1' when write_pointer = (not read_pointer(index_bits) & read_pointer(index_bits - 1 downto 0)) else '0';
+  empty      <= '1' when read_index = write_index and full = '0' else '0';
+  last_place <= '1' when write_index + 1 = read_index else '0';
+
+  store <= write_valid and not full;
   load  <= not empty and (not loaded or read_ready);
 
   write_ready <= not full;
   read_valid  <= loaded;
 
-  store : process (clock)
+  move : process (clock)
   begin
     if rising_edge(clock) then
-      if write_valid = '1' and full = '0' then
-        memory(to_integer(write_pointer(index_bits - 1 downto 0))) <= write_data;
+      if store = '1' then
+        memory(to_integer(write_index)) <= write_data;
       end if;
       if load = '1' then
-        read_data <= memory(to_integer(read_pointer(index_bits - 1 downto 0)));
+        read_data <= memory(to_integer(read_index));
       end if;
     end if;
   end process;
@@ -76,19 +79,15 @@ begin
   count : process (clock)
   begin
     if rising_edge(clock) then
-      if write_valid = '1' and full = '0' then
-        write_pointer <= write_pointer + 1;
-      end if;
-      if load = '1' then
-        read_pointer <= read_pointer + 1;
-        loaded       <= '1';
-      elsif read_ready = '1' then
-        loaded <= '0';
-      end if;
+      write_index <= write_index + unsigned'("" & store);
+      read_index  <= read_index + unsigned'("" & load);  -- a sum is quicker than an enable
+      full        <= (full or (last_place and store)) and not load;
+      loaded      <= load or (loaded and not read_ready);
       if reset = '1' then
-        write_pointer <= (others => '0');
-        read_pointer  <= (others => '0');
-        loaded        <= '0';
+        write_index <= (others => '0');
+        read_index  <= (others => '0');
+        full        <= '0';
+        loaded      <= '0';
       end if;
     end if;
   end process;
