@@ -85,6 +85,7 @@ architecture rtl of application is
   signal data         : std_ulogic_vector(8 * register_bytes - 1 downto 0) := (others => '0');
   signal address      : std_ulogic_vector(8 * address_bytes - 1 downto 0)  := (others => '0');
   signal count        : unsigned(7 downto 0) := (others => '0');
+  signal some_left    : std_ulogic := '0';  -- `count` is not zero
   signal group_number : unsigned(bits_for(groups) - 1 downto 0) := (others => '0');
 
   signal jump       : std_ulogic;  -- the condition of the instruction holds
@@ -103,6 +104,9 @@ architecture rtl of application is
   signal access_done : std_ulogic := '0';
   signal failed      : std_ulogic;
   signal failure     : unsigned(1 downto 0) := "00";  -- where the access that has failed leads, else 0
+
+  -- What a byte of the request that is in `address` now was worth; judged as it came, since jumping has no time for it.
+  signal bad_read_many, bad_size, bad_group : std_ulogic := '0';
 
   alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);
 
@@ -139,10 +143,10 @@ begin
     variable holds : std_ulogic_vector(condition_f);
   begin
     holds(if_missing)        := request.missing;
-    holds(if_some_left)      := or count and not failed;
-    holds(if_bad_read_many)  := nor lowest or above(lowest, most_words);
-    holds(if_bad_size)       := nor lowest or above(lowest, group_size);
-    holds(if_bad_group)      := above(lowest, groups - 1);
+    holds(if_some_left)      := some_left and not failed;
+    holds(if_bad_read_many)  := bad_read_many;
+    holds(if_bad_size)       := bad_size;
+    holds(if_bad_group)      := bad_group;
     holds(if_group_empty)    := subscription_response.empty;
     holds(if_group_inactive) := subscription_response.inactive;
     holds(if_rate_pending)   := not subscription_response.done;
@@ -265,14 +269,20 @@ begin
         end if;
       elsif instruction(do_begin) = '1' or (instruction(do_shift_address) = '1' and act_now = '1') then
         address <= address(address'left - 8 downto 0) & request.data;
+        bad_read_many <= nor request.data or above(request.data, most_words);
+        bad_size      <= nor request.data or above(request.data, group_size);
+        bad_group     <= above(request.data, groups - 1);
       end if;
 
       if instruction(do_begin) = '1' then
-        count <= (others => '0');
+        count     <= (others => '0');
+        some_left <= '0';
       elsif instruction(do_load_count) = '1' then
-        count <= unsigned(lowest);
+        count     <= unsigned(lowest);
+        some_left <= or lowest;
       elsif instruction(do_count) = '1' and act_now = '1' then
-        count <= count - 1;
+        count     <= count - 1;
+        some_left <= to_bit(count /= 1);
       end if;
 
       if begins = '1' and publish = '1' then

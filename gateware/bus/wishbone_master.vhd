@@ -42,13 +42,12 @@ architecture rtl of wishbone_master is
   signal waited  : natural range 0 to timeout_clocks := 0;  -- clocks of this access, or of the rest, so far
   signal resting : std_ulogic := '0';  -- the bus rests after an access that was given up on
   signal strobe  : std_ulogic;
-  signal expired : std_ulogic;
+  signal expired : std_ulogic := '0';  -- so it has waited timeout_clocks
   signal held    : std_ulogic := '0';  -- inside a block, after its first access began
 
 begin
 
   strobe  <= bii_request.valid and not resting;
-  expired <= '1' when waited = timeout_clocks else '0';
 
   drive : process (all)
   begin
@@ -84,13 +83,17 @@ begin
   watch : process (clock)
   begin
     if rising_edge(clock) then
+      expired <= '0';
       held <= (held or strobe) and bii_request.block_hold and not resting;
       if resting = '1' then
-        if waited = timeout_clocks or wishbone_s2m.ack = '1' or wishbone_s2m.err = '1' then
+        if expired = '1' or wishbone_s2m.ack = '1' or wishbone_s2m.err = '1' then
           resting <= '0';
           waited  <= 0;
         else
           waited <= waited + 1;
+          if waited = timeout_clocks - 1 then
+            expired <= '1';
+          end if;
         end if;
       elsif strobe = '1' and expired = '1' then
         resting <= '1';
@@ -98,12 +101,16 @@ begin
         held    <= '0';
       elsif strobe = '1' and wishbone_s2m.ack = '0' and wishbone_s2m.err = '0' then
         waited <= waited + 1;
+        if waited = timeout_clocks - 1 then
+          expired <= '1';
+        end if;
       else
         waited <= 0;
       end if;
       if reset = '1' then
         resting <= '0';
         waited  <= 0;
+        expired <= '0';
         held    <= '0';
       end if;
     end if;

@@ -51,6 +51,7 @@ architecture rtl of receiver is
   signal digit          : std_ulogic_vector(3 downto 0) := (others => '0');
   signal sum            : byte_t := crc8_initial_c;
   signal entries        : natural range 0 to message_entries := 0;
+  signal filled         : std_ulogic := '0';            -- there is room for no more
   signal some, several  : std_ulogic := '0';            -- entries behind the head: any, more than one
   signal checksum_bytes : natural range 0 to 2 := 0;    -- 2: too many
   signal physical       : std_ulogic_vector(2 downto 0) := "000";  -- errors not told yet
@@ -110,7 +111,7 @@ begin
       code  <= datalink_error_format_c(3 downto 0);
     else
       fails <= character_valid and
-               (odd or stray or alien or (c.line_end and unsummed) or (keeps and to_bit(entries = message_entries - 1)));
+               (odd or stray or alien or (c.line_end and unsummed) or (keeps and filled));
       if odd = '1' then
         code <= datalink_error_invalid_character_c(3 downto 0);
         if (c.request or c.publish or c.line_end or c.colon or c.star) = '1' then
@@ -164,6 +165,7 @@ begin
         half           <= '0';
         sum            <= crc8_initial_c;
         entries        <= 1;
+        filled         <= to_bit(message_entries = 2);
         some           <= '0';
         several        <= '0';
         checksum_bytes <= 0;
@@ -176,6 +178,7 @@ begin
         end if;
         if keeps = '1' then
           entries <= entries + 1;
+          filled  <= to_bit(entries = message_entries - 2);
           some    <= '1';
           several <= some;
         end if;

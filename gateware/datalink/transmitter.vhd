@@ -44,14 +44,13 @@ architecture rtl of transmitter is
   end function;
 
   signal place   : unsigned(1 downto 0) := "00";  -- which character of the word is next
-  signal checked : std_ulogic := '0';
+  signal summed  : std_ulogic := '0';  -- the message gets a checksum, and its line end is not next in the tail
   signal sum     : byte_t := crc8_initial_c;
   signal full    : std_ulogic := '0';
 
   signal free    : std_ulogic;  -- the output register takes a character
   signal several : std_ulogic;  -- the word may have several characters: a byte or a tail
   signal closes  : std_ulogic;  -- if so, it is a tail
-  signal summed  : std_ulogic;  -- the message gets its checksum
   signal last    : std_ulogic;  -- the character is the last one of its word
   signal nibble  : std_ulogic_vector(3 downto 0);  -- that it spells, if it is a digit
   signal next_character : byte_t;
@@ -61,7 +60,6 @@ begin
   -- The kinds of two characters or more are those with the highest bit; the lowest one tells them apart.
   several <= word_data(10);
   closes  <= word_data(8);
-  summed  <= checked when checksum /= "none" else '0';
 
   free       <= not full or tx_ready;
   tx_valid   <= full;
@@ -70,9 +68,9 @@ begin
   finish : process (all)
   begin
     last <= '1';
-    if several = '1' and closes = '0' and digits and place = 0 then
+    if several = '1' and closes = '0' and digits and place(0) = '0' then
       last <= '0';
-    elsif several = '1' and closes = '1' and summed = '1' and place /= 3 then
+    elsif several = '1' and closes = '1' and summed = '1' then
       last <= '0';
     end if;
   end process;
@@ -94,7 +92,7 @@ begin
       next_character <= digit(nibble);
     elsif several = '1' and closes = '1' then
       next_character <= digit(nibble);
-      if summed = '0' or place = 3 then
+      if summed = '0' then
         next_character <= byte_line_feed_c;
       elsif place = 0 then
         next_character <= byte_checksum_mark_c;
@@ -115,9 +113,10 @@ begin
           end if;
           case word_data(10 downto 8) is
             when word_head =>
-              checked <= '0';
-              if word_data(7 downto 0) = byte_checked_head_c or word_data(7 downto 0) = byte_checked_publish_c then
-                checked <= '1';
+              summed <= '0';
+              if checksum /= "none" and
+                  (word_data(7 downto 0) = byte_checked_head_c or word_data(7 downto 0) = byte_checked_publish_c) then
+                summed <= '1';
               end if;
               sum <= crc8_initial_c;
             when word_letter =>
@@ -127,7 +126,11 @@ begin
                 sum <= next_checksum(checksum, polynomial, sum, word_data(7 downto 0));
               end if;
             when word_error =>
-              checked <= '0';
+              summed <= '0';
+            when word_tail =>
+              if place = 2 then
+                summed <= '0';
+              end if;
             when others =>
               null;
           end case;
@@ -136,7 +139,7 @@ begin
       if reset = '1' then
         full    <= '0';
         place   <= "00";
-        checked <= '0';
+        summed  <= '0';
       end if;
     end if;
   end process;
