@@ -153,7 +153,7 @@ begin
     jump <= or (holds and instruction(condition_f));
   end process;
 
-  -- An instruction that begins or awaits does nothing else, so that only going on has to wait for all four.
+  -- What an instruction does never has to wait for work or the bus (instruction_pkg); going on does.
   act_now <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take));
   step    <= act_now and (request.valid or subscription_response.publish or not instruction(do_begin)) and
              (access_done or not instruction(do_await));

@@ -5,6 +5,8 @@
 -- An instruction does all that it says in one clock and goes on at `following`. Where its `condition` holds it goes on at
 -- `target` instead. No access begins while a byte of the request is missing. Saying waits for the datalink, taking for the
 -- request, beginning for work, awaiting for the end of the access; if that failed, it goes on at one of the positions below.
+-- Only saying and taking hold back what else an instruction does. So one that begins or awaits does nothing to registers,
+-- one that finishes only says, and one that loads `count` or `group_number` neither says nor takes; program_for checks it.
 -- Bits are not encoded further, so that none has to be decoded.
 
 library ieee;

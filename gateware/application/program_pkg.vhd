@@ -50,6 +50,8 @@ package body program_pkg is
 
     constant never        : natural := 0;
     constant take_address : instruction_t := act(do_take) or act(do_shift_address);
+    constant acts         : instruction_t := take_address or act(do_shift_data) or act(do_count) or act(do_load_address) or
+      act(do_load_count) or act(do_load_group) or act(do_read) or act(do_write) or act(do_finish);
 
     variable code : program_t(0 to 511) := (others => nothing_done);
     variable free : natural := 4;                       -- the first position not used yet
@@ -399,6 +401,16 @@ package body program_pkg is
       end loop;
       go_to(finish);
     end if;
+
+    for place in code'range loop
+      assert not ((code(place)(do_begin) or code(place)(do_await)) = '1' and or (code(place) and acts) = '1')
+        report "program_for: an instruction that begins or awaits does something else" severity failure;
+      assert not (code(place)(do_finish) = '1' and (code(place)(do_take) = '1' or code(place)(do_say) = '0'))
+        report "program_for: an instruction that finishes must say, and take nothing" severity failure;
+      assert not ((code(place)(do_load_count) or code(place)(do_load_group)) = '1' and
+                  (code(place)(do_take) or code(place)(do_say)) = '1')
+        report "program_for: an instruction that loads must not wait" severity failure;
+    end loop;
 
     size := 128;
     while size < free loop

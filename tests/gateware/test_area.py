@@ -46,3 +46,10 @@ def test_every_row_is_recorded_and_the_page_is_the_record(flow: Any) -> None:
     assert PAGE.read_text(encoding="utf-8") == importlib.import_module("run").page(
         RECORD, WHOLE_RECORD["tools"]
     )
+
+
+def test_the_record_keeps_the_clock(flow: Any) -> None:
+    limited = [row for row in importlib.import_module("table").ROWS if row.mhz_least is not None]
+    assert limited
+    for row in limited:
+        assert RECORD[row.name]["ice40"]["mhz"] >= row.mhz_least

@@ -40,6 +40,8 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
     ice40 = now["ice40"]
     if row.cells_most is not None and ice40["cells"] > row.cells_most:
         found.append(f"{row.name}: {ice40['cells']} cells, and at most {row.cells_most} are allowed")
+    if row.mhz_least is not None and ice40["mhz"] < row.mhz_least:
+        found.append(f"{row.name}: {ice40['mhz']} MHz, and at least {row.mhz_least} are asked")
     for chip, figures in now.items():
         before = (recorded or {}).get(chip)
         if before is None:
@@ -54,7 +56,7 @@ def complaints(row: Row, now: Figures, recorded: Figures | None) -> list[str]:
 def limits(row: Row) -> str:
     """Return what the project wants of the row, on iCE40."""
     wanted = [f"at most {row.cells_most} cells"] if row.cells_most else []
-    wanted += [f"{row.mhz_goal:.0f} MHz"] if row.mhz_goal else []
+    wanted += [f"at least {row.mhz_least:.0f} MHz"] if row.mhz_least else []
     return ", ".join(wanted)
 
 
