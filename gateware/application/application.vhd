@@ -267,7 +267,7 @@ begin
         if address_width < 8 and instruction(do_count) = '1' then  -- it is no number of addresses
           address(7 downto minimum(address_width, 7)) <= (others => '0');
         end if;
-      elsif instruction(do_begin) = '1' or (instruction(do_shift_address) = '1' and act_now = '1') then
+      elsif (instruction(do_begin) and request.valid) = '1' or (instruction(do_shift_address) and act_now) = '1' then
         address <= address(address'left - 8 downto 0) & request.data;
         bad_read_many <= nor request.data or above(request.data, most_words);
         bad_size      <= nor request.data or above(request.data, group_size);
