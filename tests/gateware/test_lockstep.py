@@ -170,8 +170,10 @@ class Lockstep:
         stimuli, compiled = play(Model(library), requests, clocks)
         stimulus_file, response_file = self.folder / "stimulus.txt", self.folder / "response.txt"
         stimulus_file.write_text("\n".join(stimuli) + "\n")
+        # A message cut short leaves an address that is not known, and the bus decodes it though none strobes.
+        quiet = "--ieee-asserts=disable"
         self.ghdl.run(
-            "lockstep_tb", stimulus_file=stimulus_file, response_file=response_file, **self.generics
+            "lockstep_tb", quiet, stimulus_file=stimulus_file, response_file=response_file, **self.generics
         )
         return compiled, response_file.read_text().splitlines()
 
