@@ -323,4 +323,5 @@ def test_nothing_is_left_open(fake: ModuleType) -> None:
     for _ in range(5):
         one()
     gc.collect()
-    assert (len(os.listdir("/proc/self/fd")), threading.active_count()) == before
+    after = (len(os.listdir("/proc/self/fd")), threading.active_count())
+    assert after[0] <= before[0] and after[1] <= before[1]  # what earlier tests left may end meanwhile
