@@ -14,7 +14,7 @@ from unitylink.tools.bench.figure import BenchError
 from unitylink.tools.bench.language_client import LanguageClient
 
 SCARA = (Path(__file__).parents[3] / "examples" / "scara" / "scara.ul").read_text("utf-8")
-URI = "file:///work/scara.ul"
+URI = "file:///robots/scara.ul"
 
 
 @pytest.fixture(scope="module")
