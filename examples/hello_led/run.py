@@ -12,8 +12,9 @@ import sys
 import threading
 from pathlib import Path
 
-from unitylink import UnityLinkError, connect
+from unitylink import connect
 from unitylink.layer4_data import ReadValue, WriteValue, load_spec_objects
+from unitylink.program import run_program
 from unitylink.spec import load
 
 SPEC = Path(__file__).resolve().with_name("hello_led.ul")
@@ -23,31 +24,27 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--link", default=f"sim:{SPEC}", metavar="URL", help="board to use")
     options = parser.parse_args()
-    try:
-        with connect(options.link) as link:
-            board = load_spec_objects(load(SPEC), link)
-            led, buttons, uptime_ms = board["led"], board["buttons"], board["uptime_ms"]
-            assert isinstance(led, WriteValue)
-            assert isinstance(buttons, ReadValue) and isinstance(uptime_ms, ReadValue)
-            for pattern in (0b0001, 0b0010, 0b0100):
-                led.write(pattern)
-                print(f"LEDs {pattern:04b}, up for {uptime_ms.read()} ms")
-            pressed = threading.Event()
+    with connect(options.link) as link:
+        board = load_spec_objects(load(SPEC), link)
+        led, buttons, uptime_ms = board["led"], board["buttons"], board["uptime_ms"]
+        assert isinstance(led, WriteValue)
+        assert isinstance(buttons, ReadValue) and isinstance(uptime_ms, ReadValue)
+        for pattern in (0b0001, 0b0010, 0b0100):
+            led.write(pattern)
+            print(f"LEDs {pattern:04b}, up for {uptime_ms.read()} ms")
+        pressed = threading.Event()
 
-            def tell(value: int) -> None:
-                print(f"buttons {value:04b}")
-                pressed.set()
+        def tell(value: int) -> None:
+            print(f"buttons {value:04b}")
+            pressed.set()
 
-            buttons.on_change(tell)  # starts what the spec publishes
-            if not pressed.wait(2.0):
-                print("the buttons were not published within 2 s", file=sys.stderr)
-                return 1
-            board.stop_publishing()
-    except UnityLinkError as error:
-        print(f"hello_led: {error}", file=sys.stderr)
-        return 1
+        buttons.on_change(tell)  # starts what the spec publishes
+        if not pressed.wait(2.0):
+            print("the buttons were not published within 2 s", file=sys.stderr)
+            return 1
+        board.stop_publishing()
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main, name="hello_led")

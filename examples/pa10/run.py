@@ -12,7 +12,6 @@ Ends with 1 where an arm did not get home or the hands did not stay together.
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +19,9 @@ from pathlib import Path
 import numpy as np
 from arm import HANDS_APART, REST, Array, demonstration, hands_apart
 
-from unitylink import Link, LinkTimeout, UnityLinkError, connect
+from unitylink import Link, LinkTimeout, connect
 from unitylink.layer4_data import Node, Snapshot, Value, ValueGroup, load_spec_objects
+from unitylink.program import run_program
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 
@@ -153,19 +153,15 @@ def main() -> int:
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the motion there")
     options = parser.parse_args()
     file = options.spec if options.spec.exists() else HERE / options.spec
-    try:
-        spec = load(file)
-        urls = {}
-        for side in SIDES:
-            one = f"&root={side}_arm" if len(spec.roots) == 2 else ""
-            virtual = f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}{one}&timeout=1"
-            urls[side] = getattr(options, side) or virtual
-        with connect(urls["left"]) as left, connect(urls["right"]) as right:
-            print(f"{file.name}: {sum(1 for _ in spec.walk())} words; moving:")
-            run = drive(Pair(spec, {"left": left, "right": right}), options.pace)
-    except (UnityLinkError, OSError) as error:
-        print(f"pa10: {error}", file=sys.stderr)
-        return 1
+    spec = load(file)
+    urls = {}
+    for side in SIDES:
+        one = f"&root={side}_arm" if len(spec.roots) == 2 else ""
+        virtual = f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}{one}&timeout=1"
+        urls[side] = getattr(options, side) or virtual
+    with connect(urls["left"]) as left, connect(urls["right"]) as right:
+        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; moving:")
+        run = drive(Pair(spec, {"left": left, "right": right}), options.pace)
     there = tell(run)
     if options.picture:
         from picture import save  # only here: matplotlib is not needed to move
@@ -177,4 +173,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main, name="pa10")

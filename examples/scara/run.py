@@ -23,10 +23,11 @@ import numpy as np
 from kinematics import JOINTS, Array, Joint
 from path import demonstration
 
-from unitylink import Link, LinkTimeout, UnityLinkError, connect
+from unitylink import Link, LinkTimeout, connect
 from unitylink.generate import write
 from unitylink.layer3_hardware import TosNetProxy
 from unitylink.layer4_data import Snapshot, ValueGroup
+from unitylink.program import run_program
 from unitylink.spec import load
 
 if TYPE_CHECKING:
@@ -197,21 +198,17 @@ def main() -> int:
         help="where the proxies are generated (%(default)s)",
     )
     options = parser.parse_args()
-    try:
-        with connect(options.link) as link:
-            started = time.monotonic()
-            robot = make_robot(link, options.build)
-            network = robot.j1.pos_sp.hardware
-            assert isinstance(network, TosNetProxy)  # the spec says TOSNET
-            nodes = ", ".join(str(node.node_id) for node in network.nodes())
-            print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
-            print("moving:")
-            run = drive(robot)
-            if link.board is not None:
-                tell_times(link.board, time.monotonic() - started)
-    except UnityLinkError as error:
-        print(f"scara: {error}", file=sys.stderr)
-        return 1
+    with connect(options.link) as link:
+        started = time.monotonic()
+        robot = make_robot(link, options.build)
+        network = robot.j1.pos_sp.hardware
+        assert isinstance(network, TosNetProxy)  # the spec says TOSNET
+        nodes = ", ".join(str(node.node_id) for node in network.nodes())
+        print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
+        print("moving:")
+        run = drive(robot)
+        if link.board is not None:
+            tell_times(link.board, time.monotonic() - started)
     there = tell(run)
     if options.picture:
         from picture import save  # only here: matplotlib is not needed to move a robot
@@ -223,4 +220,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main, name="scara")

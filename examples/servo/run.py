@@ -13,8 +13,9 @@ import threading
 import time
 from pathlib import Path
 
-from unitylink import UnityLinkError, connect
+from unitylink import connect
 from unitylink.layer4_data import Node, ReadValue, WriteValue, load_spec_objects
+from unitylink.program import run_program
 from unitylink.spec import load
 
 HERE = Path(__file__).resolve().parent
@@ -54,16 +55,12 @@ def main() -> int:
     board = f"sim:{SPEC}?plant={HERE / 'plant.py'}"
     parser.add_argument("--link", default=board, metavar="URL", help="board to use")
     options = parser.parse_args()
-    try:
-        with connect(options.link) as link:
-            if not sweep(load_spec_objects(load(SPEC), link)):
-                print("servo: the limit switch did not tell that it closed", file=sys.stderr)
-                return 1
-    except UnityLinkError as error:
-        print(f"servo: {error}", file=sys.stderr)
-        return 1
+    with connect(options.link) as link:
+        if not sweep(load_spec_objects(load(SPEC), link)):
+            print("servo: the limit switch did not tell that it closed", file=sys.stderr)
+            return 1
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main, name="servo")

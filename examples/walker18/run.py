@@ -11,7 +11,6 @@ Ends with 1 where the walker did not get as far as its steps should have brought
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,8 +18,9 @@ from pathlib import Path
 import numpy as np
 from gait import LIFT, STRIDE, Array, angles, feet_at, foot_of, grounded, travelled
 
-from unitylink import LinkTimeout, UnityLinkError, connect
+from unitylink import LinkTimeout, connect
 from unitylink.layer4_data import Node, Snapshot, ValueGroup, load_spec_objects
+from unitylink.program import run_program
 from unitylink.spec import load
 
 HERE = Path(__file__).resolve().parent
@@ -152,14 +152,10 @@ def main() -> int:
     options = parser.parse_args()
     file = options.spec if options.spec.exists() else HERE / options.spec
     url = options.link or f"{'rtl' if options.rtl else 'sim'}:{file}?plant={HERE / 'plant.py'}&timeout=1"
-    try:
-        spec = load(file)
-        with connect(url) as link:
-            print(f"{file.name}: {sum(1 for _ in spec.walk())} words; walking:")
-            run = walk(load_spec_objects(spec, link), options.cycles)
-    except (UnityLinkError, OSError) as error:
-        print(f"walker18: {error}", file=sys.stderr)
-        return 1
+    spec = load(file)
+    with connect(url) as link:
+        print(f"{file.name}: {sum(1 for _ in spec.walk())} words; walking:")
+        run = walk(load_spec_objects(spec, link), options.cycles)
     there = tell(run)
     if options.picture:
         from picture import save  # only here: matplotlib is not needed to walk
@@ -171,4 +167,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main, name="walker18")

@@ -17,6 +17,7 @@ from io import TextIOWrapper
 import click
 
 from unitylink.errors import UnityLinkError, UrlError
+from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
 
 # name -> (module of tools/, one line for `unitylink --help`), in the order a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -174,13 +175,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UnityLinkError as error:
         complain(str(error))
     except (KeyboardInterrupt, click.Abort):
-        return 130
+        return INTERRUPTED
     except (BrokenPipeError, SystemExit):  # SystemExit is click's own answer to a broken pipe
-        _silence_stdout()
-        return 141
+        silence_stdout()
+        return PIPE_CLOSED
     except OSError as error:
         if error.filename is None:  # a write to stdout failed: the disk is full
-            _silence_stdout()
+            silence_stdout()
         complain(
             f"{error.filename}: {error.strerror}" if error.filename else f"output: {error.strerror or error}"
         )
@@ -197,8 +198,3 @@ def complain(message: str, help_line: str = "") -> None:
     click.echo(text.rstrip("\n"), err=True)
     if help_line:
         click.echo(f"{bold}help{off}: {help_line}", err=True)
-
-
-def _silence_stdout() -> None:
-    """Keep the interpreter's own flush at exit from failing on the same pipe again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -14,7 +14,7 @@ _WIDTHS = range(1, 65)
 _FLOATS = (32, 64)
 _LETTERS = {"u": "uint", "i": "int", "f": "float"}
 _BUILT_IN = re.compile(r"bool|signed|u?fixed|[uif]([0-9]{1,3})?")
-_SUGGESTED = (
+BUILT_IN_TYPES = (  # those people write; widths between them are rare
     "bool",
     "u8",
     "u16",
@@ -153,7 +153,7 @@ class TypeNames:
                 advice = self.reporter.did_you_mean("", (), f"write `{foreign}`")
                 advice = advice._replace(fixes=((*at, foreign),))
             else:
-                candidates = (*_SUGGESTED, *self.enums, *self.bits)
+                candidates = (*BUILT_IN_TYPES, *self.enums, *self.bits)
                 hint = (
                     "types are bool, u1 to u64, i1 to i64, f32, f64, fixed(i,f), ufixed(i,f), enums and bits"
                 )

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -16,9 +16,7 @@ from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
 from .output import terminal
-
-if TYPE_CHECKING:
-    from .names import Item
+from .sampled import duration_option, rate_option, sampled_items
 
 Series = dict[str, tuple[list[float], list[float]]]  # path -> times in s, values
 _PICTURES = (".png", ".svg", ".pdf")
@@ -36,21 +34,8 @@ _LINES_MOST = 8  # in one panel; more would hide each other
     metavar="FILE",
     help=f"A picture ({', '.join(_PICTURES)}); without it a terminal shows the plot live.",
 )
-@click.option(
-    "--rate",
-    "rate_hz",
-    type=click.FloatRange(0, min_open=True),
-    default=10.0,
-    metavar="HZ",
-    help="As for watch.",
-)
-@click.option(
-    "--duration",
-    "duration_s",
-    type=click.FloatRange(0, min_open=True),
-    metavar="S",
-    help="How long to look at a LINK.",
-)
+@rate_option
+@duration_option
 def command(
     source: str,
     *,
@@ -79,9 +64,7 @@ def command(
         _draw(series, {}, Path(source).name, out)
         return
     with ended_by_signals(), open_target(source, spec_file) as target:
-        found = target.names.find_readable(names) if names else [i for i in target.names.all() if _is_read(i)]
-        if not found:
-            raise Failure(f"there is nothing to plot on {source}", "name items of a spec, or an address")
+        found = sampled_items(target, names, "plot")
         from .sampler import Sampler
 
         series = {item.name: ([], []) for item in found}
@@ -98,10 +81,6 @@ def command(
                     _draw_terminal(series, source, clear=True)
         if out is not None:
             _draw(series, units, source, out)
-
-
-def _is_read(item: Item) -> bool:
-    return item.element is not None and item.pollable
 
 
 def _take(series: Series, time_s: float, values: Mapping[str, Any]) -> None:

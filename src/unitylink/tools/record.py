@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 import click
 
 from .ended_by_signals import ended_by_signals
-from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
-from .names import Item
 from .output import json_option, print_json
+from .sampled import count_option, duration_option, rate_option, sampled_items
 from .typed import plain
 
 if TYPE_CHECKING:
@@ -34,23 +33,9 @@ _SHOW_S = 0.5  # between two progress lines
 @click.option(
     "--out", metavar="FILE", help="FILE.mcap or FILE.csv; the spec's name and the time, if not given."
 )
-@click.option(
-    "--rate",
-    "rate_hz",
-    type=click.FloatRange(0, min_open=True),
-    default=10.0,
-    show_default=True,
-    metavar="HZ",
-    help="How often to read what the spec does not publish.",
-)
-@click.option("--count", type=click.IntRange(1), metavar="N", help="End after N samples.")
-@click.option(
-    "--duration",
-    "duration_s",
-    type=click.FloatRange(0, min_open=True),
-    metavar="S",
-    help="End after S seconds.",
-)
+@rate_option
+@count_option
+@duration_option
 @json_option("how it went, at the end")
 def command(
     link: str,
@@ -76,9 +61,7 @@ def command(
     """
     with ended_by_signals(), open_target(link, spec_file) as target:
         known = target.names
-        items = known.find_readable(names) if names else [i for i in known.all() if _is_read(i)]
-        if not items:
-            raise Failure(f"there is nothing to record on {link}", "name items of a spec, or an address")
+        items = sampled_items(target, names, "record")
         from unitylink.recording import Sample, create
 
         from .sampler import Sampler
@@ -137,10 +120,6 @@ class _Progress:
             rate_hz = count / elapsed_s
             line = f"{self.path}: {elapsed_s:.0f} s, {count:,} samples, {rate_hz:.0f}/s, {size_kb:,.0f} kB"
             click.echo(f"\r{line}  (Ctrl-C ends it)\x1b[K", nl=False, err=True)
-
-
-def _is_read(item: Item) -> bool:
-    return item.element is not None and item.pollable
 
 
 def _origin(names: Names) -> Origin:

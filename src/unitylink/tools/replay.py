@@ -3,30 +3,25 @@
 
 from __future__ import annotations
 
-import signal
-import sys
-import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
 from .failure import Failure
 from .output import json_option, print_json
-from .simulate import endpoint_of
+from .serving import endpoint_of, serve, serving_options
 
 if TYPE_CHECKING:
+    from unitylink.simulate import Board
+    from unitylink.simulate.plants.recording import RecordingPlant
     from unitylink.spec.model import Spec
-
-_TICK_S = 0.2
 
 
 @click.command()
 @click.argument("recording", metavar="FILE")
 @click.option("--spec", "spec_file", metavar="FILE", help="The spec; an MCAP recording brings its own.")
-@click.option("--tcp", metavar="[HOST:]PORT", help="Serve on TCP; port 0 takes a free one (the default).")
-@click.option("--udp", metavar="[HOST:]PORT", help="Serve on UDP.")
-@click.option("--pty", metavar="PATH", help="Serve on a pseudo-terminal at PATH.")
-@click.option("--bind", metavar="ADDRESS", help="Serve others than this machine too.")
+@serving_options
 @click.option(
     "--speed", type=click.FloatRange(0, min_open=True), default=1.0, metavar="X", help="Play X times as fast."
 )
@@ -61,21 +56,27 @@ def command(
     spec = _spec(recording, spec_file)
     plant = RecordingPlant(recording, speed=speed, loop=loop)
     with Board(spec, plant=plant, endpoint=endpoint, bind=address) as board:
-        stop = threading.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: stop.set())
-        if as_json:
-            print_json({"url": board.url, "recording": recording, "spec": spec.source}, indent=None)
-        else:
-            click.echo(f"serving {recording} at {board.url}\nCtrl-C ends it")
-        sys.stdout.flush()
-        told = False
-        while not stop.wait(_TICK_S):
-            if board.error is not None:
-                raise board.error
-            if plant.ended and not told:
-                told = True
-                click.echo(f"{plant.notice or 'the recording is over'}; its last values stay", err=True)
+        serve(board, lambda: _announce(board, recording, spec, as_json), _teller(plant))
+
+
+def _announce(board: Board, recording: str, spec: Spec, as_json: bool) -> None:
+    if as_json:
+        print_json({"url": board.url, "recording": recording, "spec": spec.source}, indent=None)
+    else:
+        click.echo(f"serving {recording} at {board.url}\nCtrl-C ends it")
+
+
+def _teller(plant: RecordingPlant) -> Callable[[], None]:
+    """Return what says, once, that the recording has come to its end."""
+    told = False
+
+    def look() -> None:
+        nonlocal told
+        if plant.ended and not told:
+            told = True
+            click.echo(f"{plant.notice or 'the recording is over'}; its last values stay", err=True)
+
+    return look
 
 
 def _spec(recording: str, spec_file: str | None) -> Spec:

@@ -16,6 +16,7 @@ import click
 from unitylink import protocol
 from unitylink.capture import CaptureMessage, MessageReader
 from unitylink.errors import LinkError
+from unitylink.layer1_stream import ClassicEncoder
 
 from .failure import Failure
 from .link_option import link_argument, load_names, spec_option
@@ -127,10 +128,10 @@ def prepare(line: str, names: Names, address_bytes: int) -> str:
     text = head + letters + (f":{data}" if data is not None else "")
     if head == "$" and checksum is None:
         try:
-            covered = letters.encode("ascii") + bytes.fromhex(data or "")
-        except ValueError:
+            sent = ClassicEncoder(checked=True).encode(letters, bytes.fromhex(data or ""))
+        except ValueError:  # no whole bytes: the device says what it thinks of them
             return text
-        checksum = f"{crc8(covered):02X}"
+        checksum = sent.decode("ascii").strip()[-2:]  # of the letters as they were typed
     return text + (f"*{checksum}" if checksum else "")
 
 
@@ -144,16 +145,6 @@ def _digits(word: str, names: Names, address_bytes: int) -> str:
 
     meant = nearest(word, names.elements)
     raise ValueError(f"no name {word!r}" + (f"; did you mean {meant}?" if meant else ""))
-
-
-def crc8(data: bytes) -> int:
-    """Return the checksum of command letters and binary data."""
-    remainder = protocol.CRC8_INITIAL
-    for byte in data:
-        remainder ^= byte
-        for _ in range(8):
-            remainder = (remainder << 1 ^ (protocol.CRC8_POLYNOMIAL if remainder & 0x80 else 0)) & 0xFF
-    return remainder
 
 
 def complete(text: str, names: Names) -> list[str]:

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .ended_by_signals import ended_by_signals
-from .failure import Failure
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import terminal
+from .sampled import count_option, duration_option, rate_option, sampled_items
 from .typed import plain, shown
 
 if TYPE_CHECKING:
@@ -26,23 +26,9 @@ if TYPE_CHECKING:
 @link_argument
 @click.argument("names", metavar="[NAME...]", nargs=-1)
 @spec_option
-@click.option(
-    "--rate",
-    "rate_hz",
-    type=click.FloatRange(0, min_open=True),
-    default=10.0,
-    show_default=True,
-    metavar="HZ",
-    help="How often to read what the spec does not publish.",
-)
-@click.option("--count", type=click.IntRange(1), metavar="N", help="End after N samples.")
-@click.option(
-    "--duration",
-    "duration_s",
-    type=click.FloatRange(0, min_open=True),
-    metavar="S",
-    help="End after S seconds.",
-)
+@rate_option
+@count_option
+@duration_option
 @click.option(
     "--changes", is_flag=True, help="Print only samples in which a value differs from the one before."
 )
@@ -71,11 +57,7 @@ def command(
       unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
     """
     with ended_by_signals(), open_target(link, spec_file) as target:
-        items = target.names.find_readable(names) if names else [i for i in target.names.all() if _is_read(i)]
-        if not items:
-            raise Failure(
-                f"there is nothing to watch on {link}", "name items of a spec (--spec FILE.ul), or an address"
-            )
+        items = sampled_items(target, names, "watch")
         from .sampler import Sampler
 
         with Sampler(target.link, items, rate_hz) as sampler, suppress(KeyboardInterrupt):  # the usual end
@@ -91,10 +73,6 @@ def command(
                 f"{sampler.lost:,} samples were lost: overwritten before they were taken, or read too late",
                 err=True,
             )
-
-
-def _is_read(item: Item) -> bool:
-    return item.element is not None and item.element.pollable
 
 
 def _print_lines(

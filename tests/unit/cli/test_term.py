@@ -27,6 +27,7 @@ NAMES = Names(SPEC.spec)
         ("$R:12", "$R:12*58"),
         ("$R:12*00", "$R:12*00"),  # a checksum that was typed stays: it may be wrong on purpose
         ("#W:j.target 0000000A", "#W:008C0000000A"),
+        ("$r:1e", "$r:1e*D2"),  # small letters are other bytes, and are sent as they are
         ("nonsense", "nonsense"),
         ("$R:1", "$R:1"),
     ],
@@ -35,7 +36,7 @@ def test_names_and_checksums_are_filled_in(typed: str, sent: str) -> None:
     assert prepare(typed, NAMES, 2) == sent
 
 
-@given(letters=st.sampled_from(["R", "RLC", "WSA"]), data=st.binary(max_size=20))
+@given(letters=st.sampled_from(["R", "RLC", "WSA", "wsa", ""]), data=st.binary(max_size=20))
 def test_checksums_are_those_of_the_link(letters: str, data: bytes) -> None:
     typed = f"${letters}" + (f":{data.hex().upper()}" if data else "")
     assert prepare(typed, NAMES, 1).encode() + b"\n" == ClassicEncoder(checked=True).encode(letters, data)

@@ -17,6 +17,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "protocol": set(),
     "_native": set(),
+    "program": {"errors"},
     "isochrony": SHARED,
     # How late a publish can be counts in the budget.
     "spec": {"isochrony", *SHARED},

@@ -9,13 +9,15 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+import traceback
 from pathlib import Path
 
 SLOWEST_S = 1.0  # of one spec, in processor time
+PROGRESS = 50_000  # specs between two lines that say how far it is
 
 
 def main() -> int:
-    """Run until the count or the time is used up; print the seed of what fails."""
+    """Run until the count or the time is used up; print the text and the seed of each that fails."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seconds", type=float, default=float("inf"))
@@ -26,26 +28,32 @@ def main() -> int:
 
     texts = corpus()
     end = time.monotonic() + arguments.seconds
-    slowest = 0.0
-    count = 0
+    slowest_s, slowest_seed = 0.0, 0
+    count = failures = 0
     for seed in range(arguments.seed, arguments.seed + arguments.count):
         text = mutated(seed, texts)
         started = time.process_time()
         try:
             check(text)
-        except BaseException:
-            print(f"seed {seed}:\n{text}")
-            raise
-        took = time.process_time() - started
-        slowest = max(slowest, took)
-        if took > SLOWEST_S * 5:  # it is compiled and formatted several times
-            print(f"seed {seed} takes {took:.2f} s:\n{text}")
-            return 1
+        except Exception:
+            failures += 1
+            print(f"seed {seed}:\n{text}\n{traceback.format_exc()}", flush=True)
+        took_s = time.process_time() - started
+        if took_s > slowest_s:
+            slowest_s, slowest_seed = took_s, seed
+        if took_s > SLOWEST_S * 5:  # it is compiled and formatted several times
+            failures += 1
+            print(f"seed {seed} takes {took_s:.2f} s:\n{text}", flush=True)
         count += 1
+        if count % PROGRESS == 0:
+            print(f"{count:,} specs, {failures} failed", flush=True)
         if time.monotonic() > end:
             break
-    print(f"fuzz_specs: {count:,} specs, the slowest {slowest * 1e3:.0f} ms")
-    return 0
+    print(
+        f"fuzz_specs: {count:,} specs, {failures} failed; "
+        f"the slowest {slowest_s * 1e3:.0f} ms (seed {slowest_seed})"
+    )
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":

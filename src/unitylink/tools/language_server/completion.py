@@ -15,6 +15,7 @@ from unitylink.spec.symbols import Scope, Symbol, Symbols
 from .document import Document
 from .words import (
     ACCESS_WORDS,
+    BUILT_IN_TYPES,
     ELEMENT_PROPERTIES,
     FIELD_PROPERTIES,
     LINK_KIND_PROPERTIES,
@@ -22,7 +23,6 @@ from .words import (
     LINK_PROPERTIES,
     OVERFLOW,
     TOP,
-    TYPES,
 )
 
 _Kind = types.CompletionItemKind
@@ -91,7 +91,7 @@ class _Place:
         if last == ":":
             found = _symbols(self.symbols.constructors.values())
             if words[0] == "@":
-                found += _symbols(self.symbols.types.values()) + _keywords((*TYPES, *ACCESS_WORDS))
+                found += _symbols(self.symbols.types.values()) + _keywords((*BUILT_IN_TYPES, *ACCESS_WORDS))
             return found
         if last == ".":
             return self._below(scope)
@@ -106,7 +106,7 @@ class _Place:
         if not self.words:
             return _keywords(TOP) if not self.in_type else []
         if last == ":":
-            return _keywords(TYPES) + _symbols(self.symbols.types.values())
+            return _keywords(BUILT_IN_TYPES) + _symbols(self.symbols.types.values())
         return _symbols(self.symbols.constants.values()) if last in ("=", "+", "-", "*") else []
 
     def _inside(self, opener: str, property_: str, last: str) -> list[types.CompletionItem]:

@@ -10,28 +10,14 @@ from unitylink.spec.properties import (
     LINK_KIND_PROPERTIES,
     LINK_PROPERTIES,
 )
+from unitylink.spec.type_names import BUILT_IN_TYPES
 
 TOP = ("public", "link", "import", "const", "enum", "open enum", "bits")
-TYPES = (
-    "bool",
-    "u8",
-    "u16",
-    "u32",
-    "u64",
-    "i8",
-    "i16",
-    "i32",
-    "i64",
-    "f32",
-    "f64",
-    "fixed",
-    "ufixed",
-    "signed",
-)
 OVERFLOW = ("error", "saturate")
 
 __all__ = [
     "ACCESS_WORDS",
+    "BUILT_IN_TYPES",
     "ELEMENT_PROPERTIES",
     "FIELD_PROPERTIES",
     "LINK_KINDS",
@@ -39,5 +25,4 @@ __all__ = [
     "LINK_PROPERTIES",
     "OVERFLOW",
     "TOP",
-    "TYPES",
 ]

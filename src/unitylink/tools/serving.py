@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What `simulate` and `replay` have in common: where a board is served, and serving it until Ctrl-C."""
+
+from __future__ import annotations
+
+import ipaddress
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from unitylink.simulate import Board
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_LOOPBACK = "127.0.0.1"
+_TICK_S = 0.2  # between two looks at whether the board still runs
+_OPTIONS = (
+    click.option(
+        "--tcp", metavar="[HOST:]PORT", help="Serve on TCP; port 0 takes a free one (the default is --tcp 0)."
+    ),
+    click.option("--udp", metavar="[HOST:]PORT", help="Serve on UDP."),
+    click.option(
+        "--pty", metavar="PATH", help="Serve on a pseudo-terminal, a serial port in software, at PATH."
+    ),
+    click.option(
+        "--bind", metavar="ADDRESS", help="Serve others than this machine too: the address to listen on."
+    ),
+)
+
+
+def serving_options(command: F) -> F:
+    """Give a command `--tcp --udp --pty --bind`: the arguments of `endpoint_of`."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] = lambda: None) -> None:
+    """Announce `board` and wait for Ctrl-C or SIGTERM; `look` is called five times a second meanwhile.
+
+    What `announce` prints is flushed, for whoever waits for it. Raises the error that ended the board.
+    """
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):  # before the announcement: who reads it may send one
+        signal.signal(number, lambda *_: stop.set())
+    announce()
+    sys.stdout.flush()
+    while not stop.wait(_TICK_S):
+        if board.error is not None:
+            raise board.error
+        look()
+
+
+def endpoint_of(tcp: str | None, udp: str | None, pty: str | None, bind: str | None) -> tuple[str, str]:
+    """Return (endpoint, address to bind) of a Board; one others can reach has to come from `--bind`."""
+    given = [kind for kind, value in (("tcp", tcp), ("udp", udp), ("pty", pty)) if value is not None]
+    if len(given) > 1:
+        raise click.UsageError(f"--{' and --'.join(given)} exclude each other; one board serves one endpoint")
+    if pty is not None:
+        if bind is not None:
+            raise click.UsageError("--bind goes with --tcp or --udp")
+        return f"pty:{pty}", _LOOPBACK
+    kind = given[0] if given else "tcp"
+    host, port = _place(kind, tcp if tcp is not None else udp if udp is not None else "0")
+    if host is not None and bind is not None and host != bind:
+        raise click.UsageError(f"--{kind} says {host} and --bind says {bind}; leave the host out of --{kind}")
+    if host is not None and bind is None and not _is_loopback(host):
+        raise click.UsageError(
+            f"{host} is not a loopback address: other machines could reach the board; if that is meant: "
+            f"--{kind} {port} --bind {host}"
+        )
+    return f"{kind}:{port}", bind or host or _LOOPBACK
+
+
+def _place(kind: str, text: str) -> tuple[str | None, int]:
+    """Take `[HOST:]PORT` apart."""
+    host, colon, port = text.rpartition(":")
+    if not port.isdecimal() or int(port) > 65535:
+        raise click.UsageError(
+            f"--{kind} {text}: expected [HOST:]PORT with a port from 0 to 65535, like 5555"
+        )
+    return (host.strip("[]") or None) if colon else None, int(port)
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

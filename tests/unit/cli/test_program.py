@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A program ends with a line and a code, whatever ends it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from unitylink.errors import UrlError
+from unitylink.program import run_program
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (UrlError("no such scheme"), 1, "arm: no such scheme\n"),
+        (FileNotFoundError(2, "No such file", "arm.ul"), 1, "arm: arm.ul: No such file\n"),
+        (OSError("out of luck"), 1, "arm: out of luck\n"),
+        (KeyboardInterrupt(), 130, ""),
+    ],
+)
+def test_errors_are_lines_and_codes(
+    error: BaseException, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def main() -> int:
+        raise error
+
+    with pytest.raises(SystemExit) as ended:
+        run_program(main, name="arm")
+    assert (ended.value.code, capsys.readouterr().err) == (code, said)
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_the_code_is_that_of_main(code: int) -> None:
+    with pytest.raises(SystemExit) as ended:
+        run_program(lambda: code, name="arm")
+    assert ended.value.code == code
+
+
+@pytest.mark.parametrize("options", [[], ["-u"]])  # without -u the pipe is first written to at the end
+def test_a_reader_that_goes_away_is_no_error(options: list[str]) -> None:
+    command = [sys.executable, *options, EXAMPLES / "servo" / "run.py"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 141
