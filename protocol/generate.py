@@ -24,6 +24,17 @@ NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit ther
 
 Table = dict[str, Any]
 
+HEXADECIMAL = (
+    "crc8",
+    "datalink_error",
+    "tosnet",
+    "request_kind",
+    "device_kind",
+    "list_operation",
+    "control",
+    "control_value",
+)
+
 
 def read_table() -> Table:
     return tomllib.loads(SOURCE.read_text(encoding="utf-8"))
@@ -46,14 +57,12 @@ def python_text(table: Table) -> str:
 
     for key, value in table["protocol"].items():
         constant(key.upper(), value)
-    for section in ("bytes", "crc8", "command", "reply", "limits", "latency", "tosnet"):
+    for section, values in table.items():
+        if section == "protocol" or isinstance(next(iter(values.values())), dict):
+            continue
         lines.append("")
-        prefix = (
-            ""
-            if section == "limits"
-            else f"{section.upper().rstrip('S') if section == 'bytes' else section.upper()}_"
-        )
-        for key, value in table[section].items():
+        prefix = "" if section == "limits" else f"{'byte' if section == 'bytes' else section}_".upper()
+        for key, value in values.items():
             constant(prefix + key.upper(), value)
     for section, title in (
         ("application_error", "APPLICATION_ERRORS"),
@@ -132,6 +141,8 @@ def vhdl_text(table: Table) -> str:
                 kind, text = "string", f'"{value}"'
             elif section in ("bytes", "crc8", "datalink_error"):
                 kind, text = "byte_t", f'x"{value:02X}"'
+            elif value >= 2**31:  # more than a natural holds
+                kind, text = "std_logic_vector(31 downto 0)", f'x"{value:08X}"'
             else:
                 kind, text = "natural", str(value)
             lines.append(f"  constant {name} : {kind} := {text};")
@@ -163,7 +174,7 @@ def markdown_value(value: object, section: str) -> str:
     if section == "bytes":
         shown = chr(value) if 0x21 <= value < 0x7F else {0x0A: "LF", 0x0D: "CR"}.get(value, "")
         return f"`{shown}` ({value:02X} hex)"
-    if section in ("crc8", "datalink_error", "tosnet"):
+    if section in HEXADECIMAL:
         return f"{value} ({value:02X} hex)"
     return str(value)
 

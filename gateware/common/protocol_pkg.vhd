@@ -139,4 +139,121 @@ package protocol_pkg is
   constant tosnet_status_read_frozen_bit_c : natural := 1;
   constant tosnet_status_commit_pending_bit_c : natural := 0;
 
+  -- frame
+  constant frame_version_c : natural := 1;
+  constant frame_delimiter_c : natural := 0;
+  constant frame_device_bit_c : natural := 64;
+  constant frame_chained_bit_c : natural := 16;
+  constant frame_barrier_bit_c : natural := 32;
+  constant frame_operation_mask_c : natural := 15;
+  constant frame_crc16_polynomial_c : natural := 33800;
+  constant frame_crc16_check_c : natural := 28561;
+  constant frame_crc16_bytes_c : natural := 3;
+  constant frame_crc32_polynomial_c : std_logic_vector(31 downto 0) := x"82F63B78";
+  constant frame_crc32_check_c : natural := 486108540;
+  constant frame_crc32_bytes_c : natural := 5;
+  constant frame_short_max_c : natural := 256;
+  constant frame_open_epoch_c : natural := 65535;
+  constant frame_checked_long_flag_c : natural := 1;
+  constant frame_atomic_flag_c : natural := 1;
+  constant frame_event_flag_c : natural := 1;
+  constant frame_window_default_c : natural := 32;
+  constant frame_cache_bytes_default_c : natural := 16;
+  constant frame_posts_max_c : natural := 32767;
+
+  -- request_kind
+  constant request_kind_hello_c : natural := 128;
+  constant request_kind_open_c : natural := 129;
+  constant request_kind_read_c : natural := 130;
+  constant request_kind_write_c : natural := 131;
+  constant request_kind_post_c : natural := 132;
+  constant request_kind_list_c : natural := 133;
+  constant request_kind_post_list_c : natural := 134;
+  constant request_kind_exchange_c : natural := 135;
+  constant request_kind_read_control_c : natural := 136;
+  constant request_kind_write_control_c : natural := 137;
+  constant request_kind_define_group_c : natural := 138;
+  constant request_kind_define_exchange_c : natural := 139;
+  constant request_kind_sync_c : natural := 140;
+  constant request_kind_close_c : natural := 141;
+
+  -- device_kind
+  constant device_kind_reply_c : natural := 192;
+  constant device_kind_hello_c : natural := 208;
+  constant device_kind_open_c : natural := 209;
+  constant device_kind_publish_c : natural := 210;
+  constant device_kind_closed_c : natural := 211;
+
+  -- list_operation
+  constant list_operation_read_c : natural := 1;
+  constant list_operation_read_up_c : natural := 2;
+  constant list_operation_read_fifo_c : natural := 3;
+  constant list_operation_write_c : natural := 17;
+  constant list_operation_write_up_c : natural := 18;
+  constant list_operation_write_fifo_c : natural := 19;
+  constant list_operation_write_masked_c : natural := 20;
+  constant list_operation_add_c : natural := 21;
+
+  -- reply_status
+  constant reply_status_ok_c : natural := 0;
+  constant reply_status_bus_error_c : natural := 1;
+  constant reply_status_bus_timeout_c : natural := 2;
+  constant reply_status_bad_address_c : natural := 3;
+  constant reply_status_denied_c : natural := 4;
+  constant reply_status_busy_c : natural := 5;
+  constant reply_status_invalid_c : natural := 6;
+  constant reply_status_too_long_c : natural := 7;
+  constant reply_status_order_c : natural := 8;
+  constant reply_status_behind_c : natural := 9;
+  constant reply_status_no_group_c : natural := 10;
+
+  -- control
+  constant control_magic_c : natural := 0;
+  constant control_version_c : natural := 1;
+  constant control_gateware_version_c : natural := 2;
+  constant control_build_c : natural := 3;
+  constant control_widths_c : natural := 4;
+  constant control_clock_hz_c : natural := 5;
+  constant control_base_hz_c : natural := 6;
+  constant control_features_c : natural := 7;
+  constant control_request_credit_c : natural := 8;
+  constant control_frame_limits_c : natural := 9;
+  constant control_window_c : natural := 10;
+  constant control_groups_c : natural := 11;
+  constant control_exchanges_c : natural := 12;
+  constant control_spec_hash_high_c : natural := 13;
+  constant control_spec_hash_low_c : natural := 14;
+  constant control_frames_c : natural := 32;
+  constant control_discarded_check_c : natural := 33;
+  constant control_discarded_kind_c : natural := 34;
+  constant control_discarded_session_c : natural := 35;
+  constant control_discarded_stale_c : natural := 36;
+  constant control_discarded_long_c : natural := 37;
+  constant control_duplicates_c : natural := 38;
+  constant control_posts_c : natural := 39;
+  constant control_posts_ahead_c : natural := 40;
+  constant control_posts_old_c : natural := 41;
+  constant control_post_errors_c : natural := 42;
+  constant control_bus_errors_c : natural := 43;
+  constant control_bus_timeouts_c : natural := 44;
+  constant control_publishes_c : natural := 45;
+  constant control_publish_overruns_c : natural := 46;
+  constant control_receive_overruns_c : natural := 47;
+  constant control_refused_c : natural := 48;
+  constant control_deadman_trips_c : natural := 49;
+  constant control_time_low_c : natural := 64;
+  constant control_time_high_c : natural := 65;
+  constant control_deadman_ticks_c : natural := 66;
+  constant control_arm_c : natural := 67;
+  constant control_publish_c : natural := 68;
+
+  -- control_value
+  constant control_value_magic_c : natural := 1431062098;
+  constant control_value_feature_classic_c : natural := 1;
+  constant control_value_feature_publishing_c : natural := 2;
+  constant control_value_feature_lists_c : natural := 4;
+  constant control_value_feature_exchanges_c : natural := 8;
+  constant control_value_feature_deadman_c : natural := 16;
+  constant control_value_feature_long_frames_c : natural := 32;
+
 end package protocol_pkg;

@@ -149,4 +149,128 @@ inline constexpr std::uint32_t status_read_frozen_bit = 1;
 inline constexpr std::uint32_t status_commit_pending_bit = 0;
 }  // namespace tosnet
 
+namespace frame {
+inline constexpr std::uint32_t version = 1;
+inline constexpr std::uint32_t delimiter = 0;
+inline constexpr std::uint32_t device_bit = 64;
+inline constexpr std::uint32_t chained_bit = 16;
+inline constexpr std::uint32_t barrier_bit = 32;
+inline constexpr std::uint32_t operation_mask = 15;
+inline constexpr std::uint32_t crc16_polynomial = 33800;
+inline constexpr std::uint32_t crc16_check = 28561;
+inline constexpr std::uint32_t crc16_bytes = 3;
+inline constexpr std::uint32_t crc32_polynomial = 2197175160;
+inline constexpr std::uint32_t crc32_check = 486108540;
+inline constexpr std::uint32_t crc32_bytes = 5;
+inline constexpr std::uint32_t short_max = 256;
+inline constexpr std::uint32_t open_epoch = 65535;
+inline constexpr std::uint32_t checked_long_flag = 1;
+inline constexpr std::uint32_t atomic_flag = 1;
+inline constexpr std::uint32_t event_flag = 1;
+inline constexpr std::uint32_t window_default = 32;
+inline constexpr std::uint32_t cache_bytes_default = 16;
+inline constexpr std::uint32_t posts_max = 32767;
+}  // namespace frame
+
+namespace request_kind {
+inline constexpr std::uint32_t hello = 128;
+inline constexpr std::uint32_t open = 129;
+inline constexpr std::uint32_t read = 130;
+inline constexpr std::uint32_t write = 131;
+inline constexpr std::uint32_t post = 132;
+inline constexpr std::uint32_t list = 133;
+inline constexpr std::uint32_t post_list = 134;
+inline constexpr std::uint32_t exchange = 135;
+inline constexpr std::uint32_t read_control = 136;
+inline constexpr std::uint32_t write_control = 137;
+inline constexpr std::uint32_t define_group = 138;
+inline constexpr std::uint32_t define_exchange = 139;
+inline constexpr std::uint32_t sync = 140;
+inline constexpr std::uint32_t close = 141;
+}  // namespace request_kind
+
+namespace device_kind {
+inline constexpr std::uint32_t reply = 192;
+inline constexpr std::uint32_t hello = 208;
+inline constexpr std::uint32_t open = 209;
+inline constexpr std::uint32_t publish = 210;
+inline constexpr std::uint32_t closed = 211;
+}  // namespace device_kind
+
+namespace list_operation {
+inline constexpr std::uint32_t read = 1;
+inline constexpr std::uint32_t read_up = 2;
+inline constexpr std::uint32_t read_fifo = 3;
+inline constexpr std::uint32_t write = 17;
+inline constexpr std::uint32_t write_up = 18;
+inline constexpr std::uint32_t write_fifo = 19;
+inline constexpr std::uint32_t write_masked = 20;
+inline constexpr std::uint32_t add = 21;
+}  // namespace list_operation
+
+namespace reply_status {
+inline constexpr std::uint32_t ok = 0;
+inline constexpr std::uint32_t bus_error = 1;
+inline constexpr std::uint32_t bus_timeout = 2;
+inline constexpr std::uint32_t bad_address = 3;
+inline constexpr std::uint32_t denied = 4;
+inline constexpr std::uint32_t busy = 5;
+inline constexpr std::uint32_t invalid = 6;
+inline constexpr std::uint32_t too_long = 7;
+inline constexpr std::uint32_t order = 8;
+inline constexpr std::uint32_t behind = 9;
+inline constexpr std::uint32_t no_group = 10;
+}  // namespace reply_status
+
+namespace control {
+inline constexpr std::uint32_t magic = 0;
+inline constexpr std::uint32_t version = 1;
+inline constexpr std::uint32_t gateware_version = 2;
+inline constexpr std::uint32_t build = 3;
+inline constexpr std::uint32_t widths = 4;
+inline constexpr std::uint32_t clock_hz = 5;
+inline constexpr std::uint32_t base_hz = 6;
+inline constexpr std::uint32_t features = 7;
+inline constexpr std::uint32_t request_credit = 8;
+inline constexpr std::uint32_t frame_limits = 9;
+inline constexpr std::uint32_t window = 10;
+inline constexpr std::uint32_t groups = 11;
+inline constexpr std::uint32_t exchanges = 12;
+inline constexpr std::uint32_t spec_hash_high = 13;
+inline constexpr std::uint32_t spec_hash_low = 14;
+inline constexpr std::uint32_t frames = 32;
+inline constexpr std::uint32_t discarded_check = 33;
+inline constexpr std::uint32_t discarded_kind = 34;
+inline constexpr std::uint32_t discarded_session = 35;
+inline constexpr std::uint32_t discarded_stale = 36;
+inline constexpr std::uint32_t discarded_long = 37;
+inline constexpr std::uint32_t duplicates = 38;
+inline constexpr std::uint32_t posts = 39;
+inline constexpr std::uint32_t posts_ahead = 40;
+inline constexpr std::uint32_t posts_old = 41;
+inline constexpr std::uint32_t post_errors = 42;
+inline constexpr std::uint32_t bus_errors = 43;
+inline constexpr std::uint32_t bus_timeouts = 44;
+inline constexpr std::uint32_t publishes = 45;
+inline constexpr std::uint32_t publish_overruns = 46;
+inline constexpr std::uint32_t receive_overruns = 47;
+inline constexpr std::uint32_t refused = 48;
+inline constexpr std::uint32_t deadman_trips = 49;
+inline constexpr std::uint32_t time_low = 64;
+inline constexpr std::uint32_t time_high = 65;
+inline constexpr std::uint32_t deadman_ticks = 66;
+inline constexpr std::uint32_t arm = 67;
+inline constexpr std::uint32_t publish = 68;
+}  // namespace control
+
+namespace control_value {
+inline constexpr std::uint32_t magic = 1431062098;
+inline constexpr std::uint32_t feature_classic = 1;
+inline constexpr std::uint32_t feature_publishing = 2;
+inline constexpr std::uint32_t feature_lists = 4;
+inline constexpr std::uint32_t feature_exchanges = 8;
+inline constexpr std::uint32_t feature_deadman = 16;
+inline constexpr std::uint32_t feature_long_frames = 32;
+}  // namespace control_value
+
 }  // namespace unitylink::protocol
