@@ -42,6 +42,8 @@ entity core_axi_lite is
     tx_valid     : out std_ulogic;
     tx_ready     : in  std_ulogic;
     tx_data      : out std_ulogic_vector(7 downto 0);
+    tx_last      : out std_ulogic;
+    tx_publish   : out std_ulogic;
     events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
     axi_lite_m2s : out axi_lite_m2s_t;
     axi_lite_s2m : in  axi_lite_s2m_t;
@@ -65,7 +67,8 @@ begin
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => events,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
+      events => events,
       bii_request => bii_request, bii_response => bii_response);
 
   axi_lite_master : entity work.axi_lite_master

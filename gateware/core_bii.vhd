@@ -7,8 +7,9 @@
 --   tx <--    "     <-- fifo <-----------------+   ^
 --                                subscription_manager <-- events
 --
--- Ports     rx, tx: byte streams, valid/ready/data. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1
---           framing, 2 overrun). events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
+-- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message, tx_publish: with all bytes of a
+--           publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
+--           events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
 -- Latency   From the last byte of a request to the first of its reply: 6 clocks. Then a byte a clock, as far as the bus and
 --           the reply go: the figures are in docs/gateware/core.md and asserted in tests/gateware/test_cycles.py.
 -- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
@@ -54,6 +55,8 @@ entity core_bii is
     tx_valid     : out std_ulogic;
     tx_ready     : in  std_ulogic;
     tx_data      : out std_ulogic_vector(7 downto 0);
+    tx_last      : out std_ulogic;
+    tx_publish   : out std_ulogic;
     events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
     bii_request  : out bii_request_t;
     bii_response : in  bii_response_t
@@ -95,7 +98,7 @@ begin
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
       receive => receive, room => room, message_end => message_end,
       word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
   requests : if datalink = "full" generate
     request_buffer : entity work.request_buffer

@@ -41,7 +41,9 @@ entity datalink is
     word_data   : in  word_t;
     tx_valid    : out std_ulogic;
     tx_ready    : in  std_ulogic;
-    tx_data     : out byte_t
+    tx_data     : out byte_t;
+    tx_last     : out std_ulogic;  -- see transmitter
+    tx_publish  : out std_ulogic
   );
 end entity;
 
@@ -83,6 +85,6 @@ begin
     port map (
       clock => clock, reset => reset,
       word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
 end architecture;

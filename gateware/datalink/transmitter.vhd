@@ -3,6 +3,8 @@
 -- Words to characters: digits, checksums and line ends of the classic protocol.
 --
 -- Ports     word: valid/ready, in the order head, letters and marks and data, tail. tx: valid/ready/data, one byte a clock.
+--           With it tx_last marks the last byte of a message, and tx_publish the bytes of a publish: what a physical layer
+--           needs that can send at once what it would collect (docs/gateware/ft245_async.md).
 -- Latency   The first character of a word stands one clock after the word was valid (an output register).
 -- Characters of a word: head, letter, mark, error 1; data 2, without digits 1; tail 1, with a checksum 4.
 -- Checksum  Letters as sent, then data bytes. A message that ends in an error mark has none.
@@ -29,7 +31,9 @@ entity transmitter is
     word_data  : in  word_t;
     tx_valid   : out std_ulogic;
     tx_ready   : in  std_ulogic;
-    tx_data    : out byte_t
+    tx_data    : out byte_t;
+    tx_last    : out std_ulogic;  -- with tx_data
+    tx_publish : out std_ulogic   -- with tx_data
   );
 end entity;
 
@@ -107,13 +111,18 @@ begin
         full <= word_valid;
         if word_valid = '1' then
           tx_data <= next_character;
+          tx_last <= several and closes and last;
           place   <= place + 1;
           if last = '1' then
             place <= "00";
           end if;
           case word_data(10 downto 8) is
             when word_head =>
-              summed <= '0';
+              summed     <= '0';
+              tx_publish <= '0';
+              if word_data(7 downto 0) = byte_plain_publish_c or word_data(7 downto 0) = byte_checked_publish_c then
+                tx_publish <= '1';
+              end if;
               if checksum /= "none" and
                   (word_data(7 downto 0) = byte_checked_head_c or word_data(7 downto 0) = byte_checked_publish_c) then
                 summed <= '1';

@@ -28,6 +28,9 @@ architecture bench of transmitter_tb is
   signal tx_valid    : std_ulogic;
   signal tx_ready    : std_ulogic := '1';
   signal tx_data     : std_ulogic_vector(7 downto 0);
+  signal tx_last     : std_ulogic;
+  signal tx_publish  : std_ulogic;
+  signal head_heard  : character := ' ';
 
   signal heard  : string(1 to 200);
   signal length : natural := 0;
@@ -44,18 +47,24 @@ begin
     port map (
       clock => clock, reset => reset,
       word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
   listen : process (clock)
-    variable random : random_t;
+    variable random   : random_t;
+    variable heard_of : character;
   begin
     if rising_edge(clock) then
       if clear then
         length <= 0;
       elsif tx_valid = '1' and tx_ready = '1' then
+        heard_of := head_heard;
         if length = 0 then
-          first <= now_clock;
+          first      <= now_clock;
+          heard_of   := character'val(to_integer(unsigned(tx_data)));
+          head_heard <= heard_of;
         end if;
+        check((tx_last = '1') = (tx_data = x"0A"), "tx_last with " & to_hstring(tx_data));
+        check((tx_publish = '1') = (heard_of = '%' or heard_of = '&'), "tx_publish of " & heard_of);
         last <= now_clock;
         heard(length + 1) <= character'val(to_integer(unsigned(tx_data)));
         length <= length + 1;

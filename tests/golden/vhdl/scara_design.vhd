@@ -8,6 +8,7 @@
 --   tx <-- core                        slaves --> write_words   what the PC wrote
 --
 -- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer (physical_pkg).
+--           tx_last: with the last byte of a message; tx_publish: with the bytes of a publish.
 --           events: a line a publish group. All synchronous to the clock, reset too.
 --           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in write_words
 --           of those it writes. written(i) is high in the first clock of a new word i.
@@ -38,6 +39,8 @@ entity scara_design is
     tx_valid    : out std_ulogic;
     tx_ready    : in  std_ulogic;
     tx_data     : out std_ulogic_vector(7 downto 0);
+    tx_last     : out std_ulogic;
+    tx_publish  : out std_ulogic;
     read_words  : in  std_ulogic_vector(255 downto 0);
     write_words : out std_ulogic_vector(255 downto 0);
     written     : out std_ulogic_vector(7 downto 0);
@@ -80,7 +83,8 @@ begin
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, events => lines,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
+      events => lines,
       wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
 
   lines(15 downto 0) <= events(15 downto 0);

@@ -28,7 +28,8 @@ _BAUD_HZ = 3_000_000
 _FIFO_BYTES = 16
 # Ports that every design or top level may have.
 _PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo_bytes", "rx_line", "tx_line"]
-_PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error", "tx_valid", "tx_ready", "tx_data"]
+_PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
+_PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc"]
 _STROBE = FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
