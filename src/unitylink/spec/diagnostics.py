@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import NamedTuple
 from unicodedata import combining, east_asian_width
@@ -99,6 +100,7 @@ class Reporter:
     def __init__(self, source: Source) -> None:
         self.sources = Sources(source)
         self.failed = False  # an error was reported
+        self.placed_at: tuple[int, int] | None = None  # the component under way, in the user's text
         self._found: dict[tuple[str, int], Diagnostic] = {}
         self._suggestions = _SUGGESTIONS
 
@@ -114,8 +116,10 @@ class Reporter:
     ) -> None:
         """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place.
 
-        `labels` are (start, end, text) of further places it speaks about.
+        `labels` are (start, end, text) of further places it speaks about. What is found in the component
+        library is told of the place where the component is used: nobody may mend the library.
         """
+        start, end = self.place(start, end)
         severity = CODES[code].severity
         self.failed = self.failed or severity == "error"
         if (code, start) in self._found:
@@ -134,6 +138,19 @@ class Reporter:
             tuple(Label(source.span(a, b), text, *source.excerpt(a, b)) for a, b, text in labels),
             tuple(Fix(source.span(a, b), replacement) for a, b, replacement in advice.fixes),
         )
+
+    def place(self, start: int, end: int) -> tuple[int, int]:
+        """Return where to speak of these characters: where the component is used, if they are in its file."""
+        return self.placed_at if self.placed_at and self.sources.in_library(start) else (start, end)
+
+    @contextmanager
+    def using(self, start: int, end: int) -> Iterator[None]:
+        """Say that what follows expands a component which is used at these characters."""
+        before, self.placed_at = self.placed_at, self.placed_at or (start, end)
+        try:
+            yield
+        finally:
+            self.placed_at = before
 
     @property
     def full(self) -> bool:

@@ -144,5 +144,5 @@ class Importer:
         for name in sorted(wanted - have):
             path = LIBRARY / f"{name}.ul"
             if _PART.fullmatch(name) and path.is_file():
-                source = self.reporter.sources.add(str(path), path.read_text("utf-8"))
+                source = self.reporter.sources.add(str(path), path.read_text("utf-8"), library=True)
                 self._merge(parse(self.reporter, source)[0])

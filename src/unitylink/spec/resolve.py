@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 from .allocate import TOSNET_WORDS, Block, allocate
@@ -171,7 +172,8 @@ class Resolver:
             if isinstance(node, ElementNode):
                 found[node.name.text] = self._element_or_array(frame, node)
             elif isinstance(node, ExpansionNode):
-                found[node.name.text] = self._instance_or_array(frame, node)
+                with self._component_use(node):
+                    found[node.name.text] = self._instance_or_array(frame, node)
             else:
                 groups.append(node)
         self._groups.members[frame.path] = found
@@ -216,6 +218,13 @@ class Resolver:
             self.reporter.report("UL058", block.start, block.end, message, hint)
         elif block is not None and block.first is not None:
             frame.component = replace(made, base=block.first, words=block.words)
+
+    def _component_use(self, node: ExpansionNode) -> AbstractContextManager[None]:
+        """Let diagnostics within a component of the library speak of the place where it is used."""
+        callee = self.scopes.first[node.callee.text].node
+        if self.reporter.sources.in_library(callee.name.start):
+            return self.reporter.using(node.callee.start, node.callee.end)
+        return nullcontext()
 
     def _instance_or_array(self, frame: _Frame, node: ExpansionNode) -> list[Member]:
         if node.count is None:
@@ -400,6 +409,9 @@ class Resolver:
             "" if index is None else node.name.text,
             index,
         )
+        start, end = self.reporter.place(number.start, number.end)
+        if start != number.start:  # an element of a component: whoever uses it gave the address
+            number = replace(number, start=start, end=end)
         self.placed.append(Placed(self._root, element, number, statement))
         return element
 

@@ -70,6 +70,7 @@ class Sources:
     def __init__(self, first: Source) -> None:
         self._all = [first]
         self._bases = [first.base]
+        self._library: int | None = None  # where the files of the component library begin
 
     @property
     def first(self) -> Source:
@@ -78,10 +79,12 @@ class Sources:
     def __len__(self) -> int:
         return len(self._all)
 
-    def add(self, file: str, text: str) -> Source:
-        """Add a file behind the last one."""
+    def add(self, file: str, text: str, *, library: bool = False) -> Source:
+        """Add a file behind the last one; those of the library come last."""
         last = self._all[-1]
         source = Source(file, text, last.base + len(last.text) + 1)
+        if library and self._library is None:
+            self._library = source.base
         self._all.append(source)
         self._bases.append(source.base)
         return source
@@ -89,6 +92,10 @@ class Sources:
     def at(self, offset: int) -> Source:
         """Return the file an offset lies in."""
         return self._all[bisect_right(self._bases, offset) - 1]
+
+    def in_library(self, offset: int) -> bool:
+        """Does an offset lie in a file of the component library?"""
+        return self._library is not None and offset >= self._library
 
     def offset(self, span: Span) -> int:
         """Return where a span starts, among all files."""

@@ -66,6 +66,24 @@ def test_room_is_found_beside_tosnet_and_below_the_base() -> None:
     assert part.base == 0x800
 
 
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("public a() { b: gpio(-4); }", ["UL049"]),
+        ("public a() { b: pwm(channels=-2); }", ["UL049"]),
+        ("public a() { d[2]: d(); } d() { b: gpio(pins=99); }", ["UL049"]),
+        ("link l(ADDRESS=2); public a() { b: gpio() @ 0x60; }", ["UL059"]),
+        ("public a() { @x = 0x61: READ(); b: gpio() @ 0x60; }", ["UL057", "UL051"]),
+    ],
+)
+def test_a_mistake_with_a_component_is_told_where_it_is_used(text: str, codes: list[str]) -> None:
+    diagnostics = compile_text(text, "robot.ul").diagnostics
+    assert [d.code for d in diagnostics] == codes  # once, not for each of its words
+    places = [place for d in diagnostics for place in (d.span, *(label.span for label in d.labels))]
+    assert {place.file for place in places} == {"robot.ul"}
+    assert text[diagnostics[-1].span.start :].startswith(("gpio", "pwm"))
+
+
 def test_a_constructor_of_ones_own_comes_before_the_library() -> None:
     spec = clean("public a() { p: pwm() @ (0x1); } pwm(): @ (v) { @v: READ(); }")
     assert spec.root().instances[0].component is None
