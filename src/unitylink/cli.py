@@ -18,6 +18,7 @@ import click
 
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
+from unitylink.schemes import forms
 
 # name -> (module of tools/, one line for `unitylink --help`), in the order a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -50,15 +51,14 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bench": ("bench_command", "Measure this machine against the figures asked for."),
 }
 
-_EXAMPLES = """
+_EXAMPLES = f"""
 \b
 Examples, none of which needs a board:
   unitylink new arm && cd arm && python run.py
   unitylink read sim:arm.ul '*.position'
   unitylink simulate arm.ul --tcp 5555
 
-LINK is where the device is: serial:/dev/ttyUSB0?baud=3000000, tcp://HOST:PORT, udp://HOST:PORT, or
-sim:SPEC.ul for a virtual board inside the command (rtl:SPEC.ul for the VHDL itself, compiled).
+LINK is where the device is: {forms()}.
 `unitylink COMMAND --help` shows examples of each.
 """
 

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""connect(url): a Link to a board over a port, or to a virtual board made on the spot."""
+"""connect(url): a Link to whatever a URL names; open_driver(url): the bytes alone."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from unitylink.errors import UrlError
+from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
+from unitylink.schemes import scheme_of
 
 
 def connect(url: str) -> Link:
@@ -23,20 +28,35 @@ def connect(url: str) -> Link:
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
-    if url.startswith(("sim:", "rtl:")):
-        from unitylink.simulate import simulated_board
+    scheme = scheme_of(url)
+    if scheme.make is None:
+        return Link(url)
+    device, driver_url = scheme.make(url)
+    try:
+        link = Link(driver_url)
+    except UrlError as error:
+        device.close()
+        raise UrlError(str(error).replace(driver_url, url)) from None
+    except BaseException:
+        device.close()
+        raise
+    link.url = url
+    link.board = device if scheme.virtual else None
+    link.call_on_close(device.close)
+    return link
 
-        board, link_url = simulated_board(url)
-        try:
-            link = Link(link_url)
-        except UrlError as error:
-            board.close()
-            raise UrlError(str(error).replace(link_url, url)) from None
-        except BaseException:
-            board.close()
-            raise
-        link.url = url
-        link.board = board
-        link.call_on_close(board.close)
-        return link
-    return Link(url)
+
+@contextmanager
+def open_driver(url: str) -> Iterator[Driver]:
+    """Open what `url` names for those who speak the protocol themselves; closed at the end of the `with`.
+
+    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout.
+    """
+    scheme = scheme_of(url)
+    device, driver_url = (None, url) if scheme.make is None else scheme.make(url)
+    try:
+        with Driver(driver_url) as driver:
+            yield driver
+    finally:
+        if device is not None:
+            device.close()

@@ -8,6 +8,8 @@ from dataclasses import asdict
 
 import click
 
+from unitylink.schemes import scheme_of
+
 from .failure import Failure
 from .link_option import link_argument, load_names, spec_option
 from .output import colours, json_option, print_json
@@ -45,7 +47,7 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
         device = link.removeprefix("serial:").partition("?")[0]
         click.echo(f"wrote {install(machine, machine.serial_port(device))}\nnow: {RELOAD}")
         return
-    if link.startswith(("sim:", "rtl:")):
+    if scheme_of(link).virtual:
         raise Failure(
             f"{link} is a virtual board",
             "the doctor is for real ports; `unitylink info` asks a virtual board",

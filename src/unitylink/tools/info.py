@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from unitylink.schemes import SCHEMES
+
 from .link_option import Target, link_argument, open_target, spec_option
 from .output import json_option, print_fields, print_json
 
@@ -16,26 +18,30 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Spec
 
 _UNVERIFIED = "classic gateware cannot say which spec it was built from; check that the two belong together"
+_WIDTH = max(len(scheme.form) for scheme in SCHEMES.values())
+_HELP = """Show the configuration of a device, what its network does, and the statistics of the link.
+
+\b
+LINK is one of
+{forms}
+Options follow a `?`, divided by `&`: timeout= (s) attempts= fifo= (bytes) crc=0|1 window=
+gateware=auto|2012|corrected.
+
+\b
+Examples:
+  unitylink info "serial:/dev/ttyUSB0?baud=3000000"
+  unitylink info tcp://127.0.0.1:5555 --spec scara.ul
+  unitylink info sim:scara.ul --json
+""".format(forms="\n".join(f"  {scheme.form:{_WIDTH}}  {scheme.what}" for scheme in SCHEMES.values()))
 _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 
 
-@click.command()
+@click.command(help=_HELP)
 @link_argument
 @spec_option
 @json_option("all of it")
 def command(link: str, spec_file: str | None, as_json: bool) -> None:
-    """Show the configuration of a device, what its network does, and the statistics of the link.
-
-    LINK is one of serial:PORT?baud=N, tcp://HOST:PORT, udp://HOST:PORT, fd:N, sim:SPEC.ul and rtl:SPEC.ul
-    (the twin; the VHDL itself). Options follow a `?`, divided by `&`: timeout= (s) attempts= fifo= (bytes)
-    crc=0|1 window= gateware=auto|2012|corrected.
-
-    \b
-    Examples:
-      unitylink info "serial:/dev/ttyUSB0?baud=3000000"
-      unitylink info tcp://127.0.0.1:5555 --spec scara.ul
-      unitylink info sim:scara.ul --json
-    """
+    """See `help` above."""
     with open_target(link, spec_file) as target:
         configuration = target.link.configuration
         networks = {f"0x{base:04X}": _network(target, base) for base in _tosnet_bases(target.spec)}

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from unitylink.schemes import SCHEMES, forms
+
 from .failure import Failure
 from .names import Names
 
@@ -37,8 +39,7 @@ def _checked(ctx: click.Context, parameter: click.Parameter, value: str) -> str:
     if value.startswith("/dev/"):
         raise click.UsageError(f"'{value}' is no LINK; did you mean serial:{value}?", ctx)
     raise click.UsageError(
-        f"LINK comes first and '{value}' is none; "
-        "a LINK is like serial:/dev/ttyUSB0, tcp://HOST:PORT or sim:SPEC.ul",
+        f"LINK comes first and '{value}' is none; a LINK is like {forms()}",
         ctx,
     )
 
@@ -71,7 +72,7 @@ def simulated_spec(link: str) -> str | None:
     'arms/scara.ul'
     """
     kind, _, rest = link.partition(":")
-    return rest.partition("?")[0] if kind in ("sim", "rtl") else None
+    return rest.partition("?")[0] if kind in SCHEMES and SCHEMES[kind].virtual else None
 
 
 def load_names(link: str | None, spec_file: str | None) -> Names:

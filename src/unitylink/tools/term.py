@@ -8,7 +8,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -63,7 +62,9 @@ def command(link: str, spec_file: str | None) -> None:
       printf '#RLC\\n#R:j1.cpos\\n' | unitylink term sim:scara.ul
     """
     names = load_names(link, spec_file)
-    with _opened(link) as driver:
+    from unitylink.connection import open_driver
+
+    with open_driver(link) as driver:
         session = Session(driver, names)
         for said in session.begin():
             click.echo(said)
@@ -233,18 +234,3 @@ def _talk(session: Session, link: str) -> None:
             listener.join()
     if failures:
         raise failures[0]
-
-
-@contextmanager
-def _opened(link: str) -> Iterator[Driver]:
-    from unitylink.layer0_driver import Driver
-
-    if not link.startswith("sim:"):
-        with Driver(link) as driver:
-            yield driver
-        return
-    from unitylink.simulate import simulated_board
-
-    board, url = simulated_board(link)
-    with board, Driver(url) as driver:
-        yield driver

@@ -50,7 +50,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     "gateware": {"resources", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
     "capture": {"layer1_stream", *SHARED},
-    "connection": {"layer2_message", "simulate", "spec", *SHARED},
+    # The table of link URLs; what makes a virtual board is imported when one is asked for.
+    "schemes": {"simulate", *SHARED},
+    "connection": {"schemes", "layer0_driver", "layer2_message", *SHARED},
 }
 UNRESTRICTED = {"tools", "cli", "testing", "__main__", "__init__"}
 

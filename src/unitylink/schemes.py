@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The schemes of link URLs: one table that `connect`, the command line and their help texts read.
+
+A new way to a device is a row here, and either a driver of the native core or a function that makes what the
+URL names and says which driver URL reaches it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from unitylink.errors import UrlError
+
+
+class Device(Protocol):
+    """What a scheme makes; it is closed after the link."""
+
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """One way to a device. `form` is an example of its URLs, `what` says in a few words where it leads.
+
+    `make` returns what the URL names and the URL under which the native core reaches it; None: the core opens
+    the URL itself. `virtual`: there is no port and no hardware behind it, and the URL names a spec.
+    """
+
+    name: str
+    form: str
+    what: str
+    make: Callable[[str], tuple[Device, str]] | None = None
+    virtual: bool = False
+
+
+def _simulated(url: str) -> tuple[Device, str]:
+    from unitylink.simulate import simulated_board  # the twin and the plants: only for those who want them
+
+    return simulated_board(url)
+
+
+SCHEMES = {
+    scheme.name: scheme
+    for scheme in (
+        Scheme("serial", "serial:/dev/ttyUSB0?baud=3000000", "a serial port"),
+        Scheme("tcp", "tcp://HOST:PORT", "a board on the network, or `unitylink simulate`"),
+        Scheme("udp", "udp://HOST:PORT", "the same over UDP"),
+        Scheme("fd", "fd:NUMBER", "an open descriptor, which the link takes over"),
+        Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
+        Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
+    )
+}
+
+
+def scheme_of(url: str) -> Scheme:
+    """Return the scheme of a link URL; UrlError, which lists all forms, where it has none of them.
+
+    >>> scheme_of("tcp://192.168.1.10:5555?crc=1").what
+    'a board on the network, or `unitylink simulate`'
+    """
+    name, colon, _ = url.partition(":")
+    if colon and name in SCHEMES:
+        return SCHEMES[name]
+    wrong = f"no scheme {name!r}" if colon else "no scheme and colon at its beginning"
+    raise UrlError(f"link URL {url!r}: {wrong}; a link is like {forms()}")
+
+
+def forms() -> str:
+    """Return an example of each scheme's URLs, for a sentence."""
+    *most, last = (scheme.form for scheme in SCHEMES.values())
+    return f"{', '.join(most)} or {last}"
