@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bytes to frames and back (docs/protocol.md, section 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from unitylink import protocol as p
+
+
+class NotCobs(ValueError):
+    """Bytes that no COBS encoder could have made."""
+
+
+def crc(polynomial: int, start: int, data: bytes) -> int:
+    """A reflected CRC without final XOR, bit by bit.
+
+    >>> hex(crc(p.FRAME_CRC16_POLYNOMIAL, 0xFFFF, b"123456789"))
+    '0x6f91'
+    """
+    for byte in data:
+        start ^= byte
+        for _ in range(8):
+            start = start >> 1 ^ (polynomial if start & 1 else 0)
+    return start
+
+
+def cobs_encode(payload: bytes) -> bytes:
+    """Take the zero bytes out.
+
+    >>> cobs_encode(b"\\x11\\x00\\x22").hex()
+    '02110222'
+    """
+    encoded = bytearray()
+    for piece in payload.split(b"\0"):
+        whole, left = divmod(len(piece), 254)
+        for index in range(whole):
+            encoded += b"\xff" + piece[254 * index :][:254]
+        encoded += bytes([left + 1]) + piece[254 * whole :]
+    # Behind a last block of 254 bytes nothing stands, not even an empty block.
+    full = payload[-254:]
+    return bytes(encoded[:-1] if len(full) == 254 and 0 not in full and encoded[-1] == 1 else encoded)
+
+
+def cobs_decode(encoded: bytes) -> bytes:
+    """Put the zero bytes back; `NotCobs` where a block is cut short or holds a zero.
+
+    >>> cobs_decode(bytes.fromhex("02110222")).hex()
+    '110022'
+    """
+    if not encoded:
+        raise NotCobs("no block")
+    payload = bytearray()
+    while encoded:
+        code = encoded[0]
+        block, encoded = encoded[1:code], encoded[code:]
+        if code == 0 or len(block) != code - 1 or 0 in block:
+            raise NotCobs(f"code {code}")
+        payload += block
+        if encoded and code < 255:
+            payload += b"\0"
+    return bytes(payload)
+
+
+def check_bytes(body: bytes, epoch: int, long: bool) -> bytes:
+    """The check behind kind and COBS bytes: seven bits a byte, the low ones first."""
+    if long:
+        value, count = crc(p.FRAME_CRC32_POLYNOMIAL, epoch << 16 | epoch, body), p.FRAME_CRC32_BYTES
+    else:
+        value, count = crc(p.FRAME_CRC16_POLYNOMIAL, epoch, body), p.FRAME_CRC16_BYTES
+    return bytes(0x80 | value >> 7 * index & 0x7F for index in range(count))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame: its kind and its payload."""
+
+    kind: int
+    payload: bytes = b""
+
+    def encode(self, epoch: int = p.FRAME_OPEN_EPOCH, *, always_long: bool = False) -> bytes:
+        """As it goes over the wire, with the closing border.
+
+        >>> Frame(p.REQUEST_KIND_HELLO, bytes([1, 1])).encode().hex()
+        '80030101fa928300'
+        """
+        body = bytes([self.kind]) + cobs_encode(self.payload)
+        return body + check_bytes(body, epoch, always_long or len(body) > p.FRAME_SHORT_MAX) + b"\0"
+
+    @staticmethod
+    def decode(between: bytes, epoch: int, *, always_long: bool = False) -> Frame | None:
+        """What stood between two borders; None if its check, its kind byte or its COBS blocks are wrong."""
+        long = always_long or len(between) > p.FRAME_SHORT_MAX + p.FRAME_CRC16_BYTES
+        size = len(between) - (p.FRAME_CRC32_BYTES if long else p.FRAME_CRC16_BYTES)
+        body = between[: max(size, 0)]
+        if size < 2 or (long and not always_long and size <= p.FRAME_SHORT_MAX) or not body[0] & 0x80:
+            return None
+        if between[size:] != check_bytes(body, epoch, long):
+            return None
+        try:
+            return Frame(body[0], cobs_decode(body[1:]))
+        except NotCobs:
+            return None
+
+
+class Borders:
+    """What stands between the 00s of a stream, whatever chunks it comes in; empty pieces are nobody's."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    def feed(self, data: bytes) -> Iterator[bytes]:
+        *whole, self._begun = (self._begun + data).split(b"\0")
+        return (piece for piece in whole if piece)
