@@ -5,10 +5,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from reference.bus import Bus, BusError
 from reference.framing import Borders, Frame
 from reference.requests import Invalid, Request, Word, parse, parse_post
+from reference.settings import Settings
 from unitylink import protocol as p
 
 MOST = 0xFFFFFFFF
@@ -16,64 +18,6 @@ POSTS = (p.REQUEST_KIND_POST, p.REQUEST_KIND_POST_LIST)
 OUTSIDE = (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
 COUNTERS = range(p.CONTROL_FRAMES, p.CONTROL_DEADMAN_TRIPS + 1)
 STATE = range(p.CONTROL_TIME_LOW, p.CONTROL_PUBLISH + 1)
-
-
-@dataclass(frozen=True)
-class Settings:
-    """The generics of the device."""
-
-    a: int = 2
-    d: int = 4
-    credit: int = 512
-    request_max: int = 250
-    reply_max: int = 250
-    window: int = 8
-    cache: int = 16
-    features: int = 0x1F
-    spec_hash: int = 0x0123456789ABCDEF
-    groups: int = 4
-    group_size: int = 16
-    exchanges: int = 2
-    exchange_size: int = 16
-    clock_hz: int = 50_000_000
-    base_hz: int = 1000
-    gateware_version: int = 0x00010000
-    build: int = 0
-    safe: tuple[tuple[int, int], ...] = ()
-
-
-class BusError(Exception):
-    """What the bus answered: a reply status."""
-
-    def __init__(self, status: int) -> None:
-        super().__init__(status)
-        self.status = status
-
-
-@dataclass
-class Bus:
-    """Words at all addresses; some answer with an error. Keeps a log of every access."""
-
-    bad: dict[int, int] = field(default_factory=dict)  # address -> bus_error or bus_timeout
-    words: dict[int, int] = field(default_factory=dict)
-    fifos: dict[int, list[int]] = field(default_factory=dict)
-    log: list[tuple[str, int, int]] = field(default_factory=list)
-
-    def read(self, address: int) -> int:
-        if address in self.bad:
-            raise BusError(self.bad[address])
-        fifo = self.fifos.get(address)
-        if fifo is not None and not fifo:
-            raise BusError(p.REPLY_STATUS_BUS_ERROR)
-        value = fifo.pop(0) if fifo is not None else self.words.get(address, 0)
-        self.log.append(("read", address, value))
-        return value
-
-    def write(self, address: int, value: int) -> None:
-        if address in self.bad:
-            raise BusError(self.bad[address])
-        self.words[address] = value
-        self.log.append(("write", address, value))
 
 
 @dataclass

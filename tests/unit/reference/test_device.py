@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import pytest
-from reference.device import Bus, ReferenceDevice, Settings
+from reference.bus import Bus
+from reference.device import ReferenceDevice
 from reference.framing import Borders, Frame
+from reference.settings import Settings
 
 from unitylink import protocol as p
 
