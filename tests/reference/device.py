@@ -46,8 +46,8 @@ class Exchange:
 class ReferenceDevice:
     """One device. `clock` is set by who uses it; `tick()` is one tick of base_hz."""
 
-    def __init__(self, settings: Settings = Settings(), bus: Bus | None = None) -> None:
-        self.settings = settings
+    def __init__(self, settings: Settings | None = None, bus: Bus | None = None) -> None:
+        self.settings = settings or Settings()
         self.bus = bus or Bus()
         self.clock = 0
         self.counters: Counter[int] = Counter()
