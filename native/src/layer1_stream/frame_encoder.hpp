@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One frame of the framed protocol: kind, COBS of the payload, check, 00.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "layer1_stream/frame_check.hpp"
+
+namespace unitylink {
+
+// Writes one frame into `room`:  FrameEncoder(room, request_kind::read, key).word(id, 2).word(address, 2).finish() gives its bytes.
+// A frame that does not fit into `room`, or whose payload is longer than any frame's, gives finish() == 0 and nothing valid in `room`.
+class FrameEncoder {
+ public:
+  FrameEncoder(std::span<std::uint8_t> room, std::uint8_t kind, const FrameKey& key) noexcept : room_(room), key_(key) {
+    put(kind);
+    put(1);
+  }
+
+  FrameEncoder& byte(std::uint8_t value) noexcept {
+    if (run_ == full) {  // a full block has taken no zero with it
+      open_block();
+    }
+    payload_ += 1;
+    if (value == 0) {
+      open_block();
+    } else {
+      put(value);
+      ++run_;
+      if (block_ < room_.size()) {
+        room_[block_] = static_cast<std::uint8_t>(1 + run_);
+      }
+    }
+    return *this;
+  }
+
+  // The low `bytes` bytes of `value`, most significant first.
+  FrameEncoder& word(std::uint32_t value, unsigned bytes) noexcept {
+    for (unsigned left = bytes; left > 0; --left) {
+      byte(static_cast<std::uint8_t>(value >> (8 * (left - 1))));
+    }
+    return *this;
+  }
+
+  FrameEncoder& bytes(std::span<const std::uint8_t> values) noexcept {
+    for (const std::uint8_t value : values) {
+      byte(value);
+    }
+    return *this;
+  }
+
+  [[nodiscard]] std::size_t payload_bytes() const noexcept { return payload_; }
+
+  [[nodiscard]] std::size_t finish() noexcept {
+    if (used_ > room_.size() || payload_ > frame_payload_max) {
+      return 0;
+    }
+    const FrameCheck check = FrameCheck::of(room_.first(used_), key_);
+    for (std::size_t index = 0; index < check.size; ++index) {
+      put(check.bytes[index]);
+    }
+    put(protocol::frame::delimiter);
+    return used_ <= room_.size() ? used_ : 0;
+  }
+
+ private:
+  static constexpr std::size_t full = 254;
+
+  void put(std::uint8_t byte) noexcept {
+    if (used_ < room_.size()) {
+      room_[used_] = byte;
+    }
+    ++used_;
+  }
+  void open_block() noexcept {
+    block_ = used_;
+    run_ = 0;
+    put(1);
+  }
+
+  std::span<std::uint8_t> room_;
+  const FrameKey key_;
+  std::size_t used_ = 0;
+  std::size_t block_ = 1;    // where the code byte of the block is
+  std::size_t run_ = 0;      // bytes in the block
+  std::size_t payload_ = 0;
+};
+
+}  // namespace unitylink
