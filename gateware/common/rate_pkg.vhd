@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Any rate from any clock: the constants of a phase accumulator.
+-- Any rate from any clock: the constants of a phase accumulator; and clocks for a time.
 --
 -- A register of phase_bits + 1 bits adds phase_increment every clock to its low phase_bits bits. Its top bit is then
 -- high for one clock at `rate_hz` on average, never more than one clock early or late, and at most 0.05 % wrong:
@@ -21,6 +21,9 @@ package rate_pkg is
 
   -- What is added every clock: rate_hz / clock_hz of a turn, rounded.
   function phase_increment (clock_hz : positive; rate_hz : positive) return positive;
+
+  -- Clocks that last `time_ns` or longer, at least one; the time up to 2 us.
+  function clocks_lasting (time_ns : natural; clock_hz : positive) return positive;
 
 end package;
 
@@ -63,6 +66,15 @@ package body rate_pkg is
       quotient := quotient + 1;
     end if;
     return quotient;
+  end function;
+
+  function clocks_lasting (time_ns : natural; clock_hz : positive) return positive is
+    constant clock_khz : positive := (clock_hz + 999) / 1000; -- in Hz the product would not fit an integer
+  begin
+    assert time_ns <= 2000
+      report "rate_pkg: a time of " & integer'image(time_ns) & " ns is above 2000 ns"
+      severity failure;
+    return maximum(1, (time_ns * clock_khz + 999_999) / 1_000_000);
   end function;
 
 end package body;

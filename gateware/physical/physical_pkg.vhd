@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What every physical layer tells the layer above, and what two UARTs agree on.
+-- What every physical layer tells the layer above, what two UARTs agree on, and when a chip with a USB side sends at once.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,4 +21,23 @@ package physical_pkg is
     odd   -- … an odd number
   );
 
+  -- Behind the end of which messages a chip is told to send what it has collected.
+  type send_immediate_t is (never, publishes, replies, both);
+
+  function sends_at_once (mode : send_immediate_t; last : std_ulogic; publish : std_ulogic) return std_ulogic;
+
 end package;
+
+package body physical_pkg is
+
+  function sends_at_once (mode : send_immediate_t; last : std_ulogic; publish : std_ulogic) return std_ulogic is
+  begin
+    case mode is
+      when never     => return '0';
+      when publishes => return last and publish;
+      when replies   => return last and not publish;
+      when both      => return last;
+    end case;
+  end function;
+
+end package body;

@@ -38,6 +38,17 @@ begin
             integer'image(rate_hz) & " Hz of " & integer'image(clock_hz) & " became " & real'image(rate));
     end loop;
 
+    for index in 1 to 500 loop
+      clock_hz := random.integer_between(1, 1_000_000_000);
+      bits     := random.integer_between(0, 2000); -- nanoseconds
+      rate     := real(bits) * 1.0e-9 * real(clock_hz);
+      ticks    := clocks_lasting(bits, clock_hz);
+      check(real(ticks) >= rate and real(ticks) <= rate * 1.001 + 1.01,
+            integer'image(bits) & " ns at " & integer'image(clock_hz) & " Hz became " & integer'image(ticks) & " clocks");
+    end loop;
+    check_equal(clocks_lasting(30, 50_000_000), 2, "clocks of 30 ns at 50 MHz");
+    check_equal(clocks_lasting(40, 50_000_000), 2, "clocks of 40 ns at 50 MHz");
+
     bits  := phase_bits(50_000_000, 3_000_000);
     phase := (others => '0');
     ticks := 0;

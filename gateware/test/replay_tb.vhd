@@ -42,6 +42,7 @@ entity replay_tb is
     edge_events   : natural  := 0;
     recorded      : natural  := 1;       -- memory as in the recordings
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
+    physical      : string   := "none";  -- or behind this physical layer and a model of its chip: "ft245_async"
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
     bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
     byte_clocks   : positive := 1;       -- clocks a byte that leaves takes on its line
@@ -53,6 +54,15 @@ end entity;
 architecture bench of replay_tb is
 
   constant step_clocks_most : natural := 4_000_000;  -- watchdog of one step
+
+  -- Chips have times, and then the clock must be of 50 MHz.
+  function half_period return time is
+  begin
+    if physical = "none" then
+      return 1 ns;
+    end if;
+    return 10 ns;
+  end function;
 
   signal clock    : std_ulogic := '0';
   signal reset    : std_ulogic := '1';
@@ -69,6 +79,7 @@ architecture bench of replay_tb is
   signal core_tx_valid : std_ulogic;
   signal core_tx_ready : std_ulogic;
   signal core_tx_data  : std_ulogic_vector(7 downto 0);
+  signal core_tx_last, core_tx_publish : std_ulogic;
   signal rx_error : std_ulogic_vector(2 downto 0) := "000";
   signal tx_valid : std_ulogic;
   signal tx_ready : std_ulogic := '1';
@@ -81,7 +92,7 @@ architecture bench of replay_tb is
 
 begin
 
-  clock     <= not clock after 1 ns when not ended;
+  clock     <= not clock after half_period when not ended;
   now_clock <= now_clock + 1 when rising_edge(clock);
 
   core : entity work.core
@@ -93,7 +104,8 @@ begin
     port map (
       clock => clock, reset => reset,
       rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => rx_error,
-      tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data, events => events,
+      tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
+      tx_last => core_tx_last, tx_publish => core_tx_publish, events => events,
       wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
 
   line_sides : if fifo_words > 0 generate
@@ -109,6 +121,29 @@ begin
         clock => clock, reset => reset,
         write_valid => core_tx_valid, write_ready => core_tx_ready, write_data => core_tx_data,
         read_valid => tx_valid, read_ready => tx_ready, read_data => tx_data);
+  elsif physical = "ft245_async" generate
+    chip : block is
+      signal rxf_n, txe_n, rd_n, wr_n, siwu_n, data_drive : std_ulogic;
+      signal data_to_fpga, data_to_chip                   : std_ulogic_vector(7 downto 0);
+    begin
+      ft245 : entity work.ft245_async
+        generic map (clock_hz => 50_000_000)
+        port map (
+          clock => clock, reset => reset,
+          rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+          data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+          rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data,
+          tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
+          tx_last => core_tx_last, tx_publish => core_tx_publish);
+      model : entity work.ft245_async_model
+        generic map (seed => seed, room_bytes => 4)
+        port map (
+          clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+          data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
+          to_fpga_valid => rx_valid, to_fpga_ready => rx_ready, to_fpga_data => rx_data,
+          from_fpga_valid => tx_valid, from_fpga_ready => tx_ready, from_fpga_data => tx_data,
+          written => open, si_pulses => open);
+    end block;
   else generate
     core_rx_valid <= rx_valid;
     rx_ready      <= core_rx_ready;

@@ -68,10 +68,11 @@ def parted(answer: bytes) -> tuple[list[bytes], list[bytes], list[bytes]]:
         ({"stall_percent": 50, "bus_stall_percent": 50}, 3, "full"),
         ({"stall_percent": 30, "bus_stall_percent": 80}, 4, "lite"),
         ({"stall_percent": 80, "bus_stall_percent": 30}, 5, "lite"),
+        ({"physical": "ft245_async", "stall_percent": 30}, 6, "full"),
     ],
-    ids=["streams", "bus", "both", "lite bus", "lite streams"],
+    ids=["streams", "bus", "both", "lite bus", "lite streams", "ft245_async"],
 )
-def test_replies_and_publishes(rtl: Any, stalls: dict[str, int], seed: int, datalink: str) -> None:
+def test_replies_and_publishes(rtl: Any, stalls: dict[str, int | str], seed: int, datalink: str) -> None:
     steps, configuration = exchanges(seed), replace(CONFIGURATION, datalink=datalink)
     expected = [parted(answer) for answer in play_on_twin(configuration, steps)]
     unstalled = rtl(configuration, steps)

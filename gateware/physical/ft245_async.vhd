@@ -1,0 +1,255 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- FT245 asynchronous FIFO physical layer: an FTDI chip (FT232H, FT2232H) on one side, byte streams with buffers on the other.
+--
+--   rxf_n --> |        | --> fifo --> rx_valid/ready/data        rd_n  ‾‾\____/‾‾    wr_n    ‾‾‾‾\____/‾‾‾‾
+--   rd_n  <-- |        |                                         data  ---<chip>-    data    --<===FPGA===>--
+--   data  <-> |  bus   |                                         rxf_n __/‾‾‾‾‾\_    txe_n   ____/‾‾‾‾‾‾‾\_
+--   wr_n  <-- |        |
+--   txe_n --> |        | <-- fifo <-- tx_valid/ready/data/last/publish
+--   siwu_n <-- after the last byte of a message
+--
+-- Generics  Times of table 4.2 of DS_FT232H 2.1, the same in DS_FT2232H; where the two differ, the longer one. pad_ns is what
+--           the FPGA's pads and the board add, there and back. si_ns: the datasheets give no figure; not checked on silicon.
+-- Ports     No tri-state inside: data_in, data_out, data_drive belong on a pad that drives while data_drive is high.
+--           rxf_n, txe_n: asynchronous, taken at falling edges, so that they settle for half a clock (above 60 MHz: one and
+--           a half). tx_last, tx_publish: with tx_data; which messages raise siwu_n, send_immediate says.
+-- Rate      At 50 MHz a byte read takes 6 clocks and one written 5, with the slowest chip: 8.3 and 10 MB/s. The chip does 8.
+-- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks behind wr_n of the
+--           last byte (3 at 50 MHz), stays low for si_ns; messages that end meanwhile share the next pulse.
+-- Errors    None: the chip and the buffers lose nothing.
+-- Pressure  Where rx_ready stays low the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
+--           full. If both ways have work, bytes go by turns.
+-- Reset     Cuts a strobe short; the byte it was for is lost or not.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use work.physical_pkg.all;
+  use work.rate_pkg.all;
+
+entity ft245_async is
+  generic (
+    clock_hz       : positive         := 50_000_000;
+    send_immediate : send_immediate_t := both;
+    rx_depth       : positive         := 16; -- bytes, a power of two
+    tx_depth       : positive         := 16; -- bytes, a power of two
+    strobe_ns      : positive         := 30; -- T4, T10: rd_n, wr_n low
+    flag_ns        : positive         := 14; -- T1, T6: rxf_n, txe_n know of it
+    data_ns        : positive         := 14; -- T3: data behind rd_n; assumed as long until the chip lets go
+    setup_ns       : positive         := 5;  -- T8: data before wr_n
+    hold_ns        : positive         := 5;  -- T9: data behind wr_n, counted from its end
+    si_ns          : positive         := 250;
+    pad_ns         : natural          := 6
+  );
+  port (
+    clock : in std_ulogic;
+    reset : in std_ulogic; -- synchronous
+
+    rxf_n      : in  std_ulogic; -- the chip has a byte
+    txe_n      : in  std_ulogic; -- the chip has room
+    rd_n       : out std_ulogic := '1';
+    wr_n       : out std_ulogic := '1';
+    siwu_n     : out std_ulogic := '1';
+    data_in    : in  std_ulogic_vector(7 downto 0);
+    data_out   : out std_ulogic_vector(7 downto 0);
+    data_drive : out std_ulogic := '0';
+
+    rx_valid : out std_ulogic;
+    rx_ready : in  std_ulogic;
+    rx_data  : out std_ulogic_vector(7 downto 0);
+
+    tx_valid   : in  std_ulogic;
+    tx_ready   : out std_ulogic;
+    tx_data    : in  std_ulogic_vector(7 downto 0);
+    tx_last    : in  std_ulogic := '0';
+    tx_publish : in  std_ulogic := '0'
+  );
+end entity;
+
+architecture rtl of ft245_async is
+
+  constant settles_longer : boolean := clock_hz > 60_000_000;
+
+  -- Clocks behind an edge of a strobe until the flag, as it is seen here, is the chip's answer to it.
+  function answer_clocks return positive is
+    constant half_clock_ns : natural  := (500_000_000 + clock_hz - 1) / clock_hz;
+    constant clocks        : positive := clocks_lasting(flag_ns + pad_ns + half_clock_ns, clock_hz);
+  begin
+    if settles_longer then
+      return clocks + 1;
+    end if;
+    return clocks;
+  end function;
+
+  constant read_clocks   : positive := clocks_lasting(maximum(strobe_ns, data_ns + pad_ns), clock_hz);
+  constant write_clocks  : positive := clocks_lasting(strobe_ns, clock_hz);
+  constant setup_clocks  : positive := clocks_lasting(setup_ns, clock_hz);
+  -- Until the data may go, and txe_n tells of the byte.
+  constant hold_clocks   : positive := maximum(clocks_lasting(hold_ns, clock_hz), answer_clocks - write_clocks);
+  constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip has let go
+  constant si_clocks     : positive := clocks_lasting(si_ns, clock_hz);
+  constant clocks_most   : positive := maximum(maximum(read_clocks, write_clocks), maximum(setup_clocks, hold_clocks));
+
+  type state_t is (idle, reading, setting_up, writing, holding);
+
+  signal early_rxf_n, early_txe_n : std_ulogic := '1'; -- taken half a clock before
+  signal seen_rxf_n, seen_txe_n   : std_ulogic := '1';
+
+  signal state       : state_t := idle;
+  signal count       : natural range 0 to clocks_most - 1 := 0;       -- clocks left of the state
+  signal read_wait   : natural range 0 to answer_clocks - 1 := 0;     -- … until rxf_n can be believed
+  signal turn_wait   : natural range 0 to turn_clocks - 1 := 0;       -- … until the bus is free
+  signal flush       : std_ulogic := '0';                             -- behind the byte in hand
+  signal si_due      : std_ulogic := '0';
+  signal si_count    : natural range 0 to si_clocks + 1 := 0;         -- the last two are the gap to the next pulse
+
+  signal can_read, can_write : std_ulogic;
+  signal got_valid, got_room : std_ulogic := '0';
+  signal got_data            : std_ulogic_vector(7 downto 0);
+  signal send_valid          : std_ulogic;
+  signal send_ready          : std_ulogic;
+  signal send_item           : std_ulogic_vector(8 downto 0);         -- the byte; above it: flush
+  signal said_item           : std_ulogic_vector(8 downto 0);
+
+begin
+
+  sample_early : process (clock) is
+  begin
+    if falling_edge(clock) then
+      early_rxf_n <= rxf_n;
+      early_txe_n <= txe_n;
+    end if;
+  end process;
+
+  sample : if settles_longer generate
+    process (clock) is
+    begin
+      if rising_edge(clock) then
+        seen_rxf_n <= early_rxf_n;
+        seen_txe_n <= early_txe_n;
+      end if;
+    end process;
+  else generate
+    seen_rxf_n <= early_rxf_n;
+    seen_txe_n <= early_txe_n;
+  end generate;
+
+  -- A byte in got_data has yet to count in the buffer. So behind a read comes a write that waits; else reads go first.
+  can_read   <= '1' when seen_rxf_n = '0' and read_wait = 0 and got_room = '1' and got_valid = '0' else '0';
+  can_write  <= '1' when seen_txe_n = '0' and turn_wait = 0 and send_valid = '1' else '0';
+  send_ready <= '1' when state = idle and can_write = '1' and can_read = '0' else '0';
+
+  bus_cycle : process (clock) is
+  begin
+    if rising_edge(clock) then
+      got_valid <= '0';
+      if count > 0 then
+        count <= count - 1;
+      end if;
+      if read_wait > 0 then
+        read_wait <= read_wait - 1;
+      end if;
+      if turn_wait > 0 then
+        turn_wait <= turn_wait - 1;
+      end if;
+
+      case state is
+        when idle =>
+          if send_ready = '1' then
+            data_out   <= send_item(7 downto 0);
+            data_drive <= '1';
+            flush      <= send_item(8);
+            count      <= setup_clocks - 1;
+            state      <= setting_up;
+          elsif can_read = '1' then
+            rd_n  <= '0';
+            count <= read_clocks - 1;
+            state <= reading;
+          end if;
+
+        when reading =>
+          if count = 0 then
+            rd_n      <= '1';
+            got_valid <= '1';
+            got_data  <= data_in;
+            read_wait <= answer_clocks - 1;
+            turn_wait <= turn_clocks - 1;
+            state     <= idle;
+          end if;
+
+        when setting_up =>
+          if count = 0 then
+            wr_n  <= '0';
+            count <= write_clocks - 1;
+            state <= writing;
+          end if;
+
+        when writing =>
+          if count = 0 then
+            wr_n  <= '1';
+            count <= hold_clocks - 1;
+            state <= holding;
+          end if;
+
+        when holding =>
+          if count = 0 then
+            data_drive <= '0';
+            state      <= idle;
+          end if;
+      end case;
+
+      if reset = '1' then
+        rd_n       <= '1';
+        wr_n       <= '1';
+        data_drive <= '0';
+        got_valid  <= '0';
+        count      <= 0;
+        read_wait  <= answer_clocks - 1;
+        turn_wait  <= turn_clocks - 1;
+        state      <= idle;
+      end if;
+    end if;
+  end process;
+
+  send_at_once : process (clock) is
+  begin
+    if rising_edge(clock) then
+      if si_count > 0 then
+        si_count <= si_count - 1;
+      end if;
+      if si_count = 2 then
+        siwu_n <= '1';
+      end if;
+      if si_due = '1' and si_count = 0 then
+        si_due   <= '0';
+        siwu_n   <= '0';
+        si_count <= si_clocks + 1;
+      end if;
+      if state = writing and count = 0 and flush = '1' then
+        si_due <= '1';
+      end if;
+      if reset = '1' then
+        si_due   <= '0';
+        siwu_n   <= '1';
+        si_count <= 0;
+      end if;
+    end if;
+  end process;
+
+  receive_buffer : entity work.fifo
+    generic map (width => 8, depth => rx_depth)
+    port map (
+      clock => clock, reset => reset,
+      write_valid => got_valid, write_ready => got_room, write_data => got_data,
+      read_valid => rx_valid, read_ready => rx_ready, read_data => rx_data);
+
+  said_item <= sends_at_once(send_immediate, tx_last, tx_publish) & tx_data;
+
+  transmit_buffer : entity work.fifo
+    generic map (width => 9, depth => tx_depth)
+    port map (
+      clock => clock, reset => reset,
+      write_valid => tx_valid, write_ready => tx_ready, write_data => said_item,
+      read_valid => send_valid, read_ready => send_ready, read_data => send_item);
+
+end architecture;

@@ -1,0 +1,270 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- ft245_async against a model of the chip that checks its timing: how fast each way is alone, then both ways at random with
+-- stalls on both sides, every byte once and in order; and siwu_n behind the last byte of each message that is meant, at once
+-- and never before.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.bench_pkg.all;
+  use work.physical_pkg.all;
+
+entity ft245_async_tb is
+  generic (
+    clock_hz       : positive         := 50_000_000;
+    send_immediate : send_immediate_t := both;
+    bytes          : positive         := 1500;
+    slowest        : boolean          := true;
+    busy_percent   : natural          := 0;  -- of the chip
+    stall_percent  : natural          := 30; -- of the streams
+    rate_hz_least  : natural          := 0;  -- bytes a second, one way
+    seed           : positive         := 1
+  );
+end entity;
+
+architecture test of ft245_async_tb is
+
+  constant clock_period : time     := 1 sec / clock_hz;
+  constant rate_bytes   : positive := 300;
+  constant total        : positive := bytes + 3 * rate_bytes;
+  constant pause        : time     := 20 us;                  -- long enough to fill every buffer
+
+  type marks_t is array (0 to total + 60) of boolean;
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal done  : boolean    := false;
+
+  signal rxf_n, txe_n, rd_n, wr_n, siwu_n     : std_ulogic;
+  signal data_to_fpga, data_to_chip           : std_ulogic_vector(7 downto 0);
+  signal data_drive                           : std_ulogic;
+  signal rx_valid, rx_ready                   : std_ulogic := '0';
+  signal tx_valid, tx_ready                   : std_ulogic := '0';
+  signal tx_last, tx_publish                  : std_ulogic := '0';
+  signal rx_data, tx_data                     : std_ulogic_vector(7 downto 0) := x"00";
+  signal to_fpga_valid, to_fpga_ready         : std_ulogic := '0';
+  signal from_fpga_valid, from_fpga_ready     : std_ulogic := '0';
+  signal to_fpga_data, from_fpga_data         : std_ulogic_vector(7 downto 0) := x"00";
+  signal written, si_pulses                   : natural;
+
+  signal stalls                : natural := 0; -- percent, of everybody
+  signal deaf                  : boolean := false; -- the FPGA takes nothing
+  signal allowed_in            : natural := 0; -- bytes that may go to the PC
+  signal allowed_out           : natural := 0; -- bytes that may go to the FPGA
+  signal received, heard       : natural := 0; -- by the FPGA; by the PC
+  signal marks                 : marks_t := (others => false); -- siwu_n is due behind this byte
+  signal due                   : natural := 0;
+  signal since_write           : natural := 0; -- clocks behind the last fall of wr_n
+  signal wr_n_before           : std_ulogic := '1';
+
+begin
+
+  clock <= not clock after clock_period / 2 when not done;
+
+  dut : entity work.ft245_async
+    generic map (clock_hz => clock_hz, send_immediate => send_immediate)
+    port map (
+      clock => clock, reset => reset,
+      rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+      data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+
+  chip : entity work.ft245_async_model
+    generic map (busy_percent => busy_percent, slowest => slowest, seed => seed)
+    port map (
+      clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+      data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
+      to_fpga_valid => to_fpga_valid, to_fpga_ready => to_fpga_ready, to_fpga_data => to_fpga_data,
+      from_fpga_valid => from_fpga_valid, from_fpga_ready => from_fpga_ready, from_fpga_data => from_fpga_data,
+      written => written, si_pulses => si_pulses);
+
+  -- Messages of the FPGA, of 6 to 40 bytes.
+  speak : process is
+    variable data, moments : random_t;
+    variable size, place   : natural := 0;
+    variable publish       : std_ulogic := '0';
+    variable sends         : std_ulogic;
+  begin
+    data.seed(seed + 1);
+    moments.seed(seed + 2);
+    for index in 0 to total - 1 loop
+      while index >= allowed_in or moments.chance(stalls) loop
+        wait until rising_edge(clock);
+      end loop;
+      if place = size then
+        size    := moments.integer_between(6, 40);
+        place   := 0;
+        publish := '1' when moments.chance(50) else '0';
+      end if;
+      place      := place + 1;
+      tx_valid   <= '1';
+      tx_data    <= data.vector(8);
+      tx_publish <= publish;
+      tx_last    <= '1' when place = size else '0';
+      sends      := '0';
+      if place = size then
+        case send_immediate is
+          when never     => null;
+          when both      => sends := '1';
+          when replies   => sends := not publish;
+          when publishes => sends := publish;
+        end case;
+      end if;
+      if sends = '1' then
+        marks(index) <= true;
+        due          <= due + 1;
+      end if;
+      wait until rising_edge(clock) and tx_ready = '1';
+      tx_valid <= '0';
+    end loop;
+    wait;
+  end process;
+
+  pc_hears : process is
+    variable data, moments : random_t;
+  begin
+    data.seed(seed + 1);
+    moments.seed(seed + 3);
+    loop
+      wait until rising_edge(clock);
+      if from_fpga_valid = '1' and from_fpga_ready = '1' then
+        check_equal(from_fpga_data, data.vector(8), "byte " & integer'image(heard) & " of the FPGA");
+        heard <= heard + 1;
+      end if;
+      from_fpga_ready <= '0' when moments.chance(stalls) else '1';
+      if stalls > 0 and moments.integer_between(1, 2000) = 1 then
+        from_fpga_ready <= '0';
+        wait for pause;
+      end if;
+    end loop;
+  end process;
+
+  pc_speaks : process is
+    variable data, moments : random_t;
+  begin
+    data.seed(seed + 4);
+    moments.seed(seed + 5);
+    for index in 0 to total - 1 loop
+      while index >= allowed_out or moments.chance(stalls) loop
+        wait until rising_edge(clock);
+      end loop;
+      to_fpga_valid <= '1';
+      to_fpga_data  <= data.vector(8);
+      wait until rising_edge(clock) and to_fpga_ready = '1';
+      to_fpga_valid <= '0';
+    end loop;
+    wait;
+  end process;
+
+  hear : process is
+    variable data, moments : random_t;
+  begin
+    data.seed(seed + 4);
+    moments.seed(seed + 6);
+    loop
+      wait until rising_edge(clock);
+      if rx_valid = '1' and rx_ready = '1' then
+        check_equal(rx_data, data.vector(8), "byte " & integer'image(received) & " of the PC");
+        received <= received + 1;
+      end if;
+      rx_ready <= '0' when deaf or moments.chance(stalls) else '1';
+      if stalls > 0 and moments.integer_between(1, 2000) = 1 then
+        rx_ready <= '0';
+        wait for pause;
+      end if;
+    end loop;
+  end process;
+
+  watch : process (clock, siwu_n) is
+  begin
+    if rising_edge(clock) then
+      since_write <= since_write + 1;
+      wr_n_before <= wr_n;
+      if wr_n = '0' and wr_n_before = '1' then
+        since_write <= 1;
+      end if;
+    end if;
+    if falling_edge(siwu_n) then
+      check_equal(wr_n, '1', "wr_n when siwu_n falls");
+      check(written > 0 and marks(maximum(written, 1) - 1), "siwu_n behind a byte that ends no message");
+      check(since_write <= 4, "siwu_n " & integer'image(since_write) & " clocks behind the last byte");
+    end if;
+  end process;
+
+  play : process is
+    variable start : time;
+
+    procedure check_rate (start : time; way : string) is
+      variable rate_hz : real;
+    begin
+      rate_hz := real(rate_bytes) * 1.0e12 / real((now - start) / 1 ps);
+      report way & ": " & integer'image(integer(rate_hz)) & " bytes a second, "
+             & real'image(real((now - start) / 1 ps) / real(clock_period / 1 ps) / real(rate_bytes)) & " clocks a byte";
+      check(integer(rate_hz) >= rate_hz_least, way & " at " & integer'image(integer(rate_hz)) & " bytes a second");
+    end procedure;
+  begin
+    wait for 10 * clock_period;
+    check_equal(rd_n & wr_n & siwu_n & data_drive, std_ulogic_vector'("1110"), "pins in reset");
+    reset <= '0';
+
+    allowed_in <= rate_bytes;
+    wait until written = 1;
+    start := now;
+    wait until written = rate_bytes;
+    check_rate(start, "to the PC");
+
+    allowed_out <= rate_bytes;
+    wait until received = 1;
+    start := now;
+    wait until received = rate_bytes;
+    check_rate(start, "to the FPGA");
+
+    -- A buffer that fills while bytes follow as fast as they can.
+    deaf        <= true;
+    allowed_out <= 2 * rate_bytes;
+    wait for pause;
+    deaf <= false;
+    wait until received = 2 * rate_bytes;
+
+    -- Both ways at once: by turns, so that neither starves.
+    allowed_in  <= 2 * rate_bytes;
+    allowed_out <= 3 * rate_bytes;
+    wait until written = 2 * rate_bytes - 20 or received = 3 * rate_bytes - 20;
+    check(busy_percent > 0 or abs (written + rate_bytes - received) < rate_bytes / 5,
+          integer'image(written - rate_bytes) & " bytes to the PC beside "
+          & integer'image(received - 2 * rate_bytes) & " to the FPGA");
+
+    stalls      <= stall_percent;
+    allowed_in  <= total;
+    allowed_out <= total;
+    while heard < total or received < total loop
+      wait until rising_edge(clock);
+    end loop;
+    wait for 2 us;
+    check_equal(si_pulses, due, "pulses of siwu_n");
+    check((due > 0) = (send_immediate /= never), "messages that raise siwu_n");
+    check_equal(written, total, "bytes written");
+
+    -- A reset lets go of the bus, whatever was under way.
+    reset <= '1';
+    wait until rising_edge(clock);
+    wait until rising_edge(clock);
+    check_equal(rd_n & wr_n & siwu_n & data_drive, std_ulogic_vector'("1110"), "pins in reset");
+
+    report_passed("ft245_async_tb");
+    done <= true;
+    wait;
+  end process;
+
+  watchdog : process is
+  begin
+    wait until done for total * 6 us + total * 100 * clock_period;
+    assert done
+      report "ft245_async_tb: not done in time"
+      severity failure;
+    wait;
+  end process;
+
+end architecture;
