@@ -8,6 +8,7 @@
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
+#   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -21,9 +22,9 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage synth docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage synth formal docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,16s/^# //p' Makefile
+	@sed -n '2,17s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -69,6 +70,10 @@ synth: $(VENV)/.built
 	@tools/setup.sh group synth
 	@tools/setup.sh synth
 	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(ROWS),--rows $(ROWS))
+
+formal: $(VENV)/.built
+	@tools/setup.sh formal
+	$(BIN)/python tools/formal/prove.py $(if $(BLOCKS),--blocks $(BLOCKS))
 
 docs: $(VENV)/.built
 	@tools/setup.sh group test

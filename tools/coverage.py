@@ -64,7 +64,9 @@ def main(arguments: list[str]) -> int:
     if not arguments:
         run_benches()
     total = executed()
-    absent = {path for path in GATEWARE.rglob("*.vhd") if "test" not in path.parts} - set(total)
+    absent = {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")} - set(
+        total
+    )
     lines = reached = 0
     print(f"{'file':44} {'lines':>5} {'run':>5}     %  not executed")
     for path, counts in sorted(total.items()):

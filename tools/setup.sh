@@ -6,6 +6,7 @@
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh system         Debian packages that only the tests need, and those
 #   setup.sh synth          Debian packages that measure the gateware's area
+#   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh native         the native tests, fuzzers and benches
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -50,6 +51,12 @@ need_rtl() {
   need verilator verilator command -v verilator                        # compiles what GHDL synthesised
 }
 
+need_formal() {
+  need ghdl ghdl command -v ghdl                                       # makes a netlist of design and properties
+  need yosys yosys command -v yosys                                    # makes a model of that; brings ABC and yosys-smtbmc
+  need z3 z3 command -v z3                                             # searches the model
+}
+
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     echo "installing ${packages[*]}"
@@ -60,7 +67,7 @@ install_missing() {
   fi
 }
 
-case "${1:?usage: setup.sh build|group|rtl|system|native}" in
+case "${1:?usage: setup.sh build|group|rtl|formal|synth|system|native}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -92,6 +99,7 @@ build)
   ;;
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
+formal) need_formal; install_missing ;;
 synth)
   need_rtl
   need yosys yosys command -v yosys
@@ -101,8 +109,8 @@ synth)
 system)
   cxx=${CXX:-c++}
   need_rtl
+  need_formal
   need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
-  need yosys yosys command -v yosys                                    # maps netlists on chips
   need verilator verilator command -v verilator                        # compiles the gateware for live simulation
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FILES = [file for file in sorted((ROOT / "gateware").rglob("*.vhd")) if "test" not in file.parts]
+FILES = [
+    file for file in sorted((ROOT / "gateware").rglob("*.vhd")) if file.parent.name not in ("test", "formal")
+]
 ENTITIES = {
     match.group(1): file
     for file in FILES

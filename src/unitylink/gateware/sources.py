@@ -14,8 +14,10 @@ def gateware_folder() -> Path:
 
 
 def gateware_sources() -> tuple[Path, ...]:
-    """Return every VHDL file of the gateware but its benches, by name; GHDL finds the order itself."""
+    """Return every VHDL file of the gateware but benches and proofs, by name; GHDL finds the order itself."""
     folder = gateware_folder()
     return tuple(
-        path for path in sorted(folder.rglob("*.vhd")) if path.relative_to(folder).parts[0] != "test"
+        path
+        for path in sorted(folder.rglob("*.vhd"))
+        if path.relative_to(folder).parts[0] not in ("test", "formal")
     )

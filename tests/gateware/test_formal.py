@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The short form of `make formal`: quick blocks hold and notice a fault; rows, record and page agree."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink.errors import ToolError
+
+ROOT = Path(__file__).resolve().parents[2]
+GATEWARE = ROOT / "gateware"
+RECORD = json.loads((GATEWARE / "formal.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def tools(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Import by name from tools/formal, which is no package."""
+    monkeypatch.syspath_prepend(str(ROOT / "tools" / "formal"))
+    yield importlib.import_module
+
+
+def block_of(tools: Any, name: str) -> Any:
+    return next(block for block in tools("blocks").BLOCKS if block.name == name)
+
+
+QUICK = ["fifo"]
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_block_is_proven(tools: Any, name: str) -> None:
+    block = block_of(tools, name)
+    found = tools("prove").prove(block)
+    assert found["properties"] == RECORD[name]["properties"], "`make formal` records what is new"
+    assert found["covers"] == RECORD[name]["covers"]
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_block_notices_a_fault(tools: Any, name: str) -> None:
+    block = block_of(tools, name)
+    assert tools("prove").catch(block, block.mutants[0])
+
+
+def test_a_fault_that_is_none_is_not_noticed(tools: Any) -> None:
+    mutant = tools("blocks").Mutant("fifo.vhd", "loaded <= load or", "loaded <= load  or")
+    with pytest.raises(ToolError, match="0 times instead of once"):
+        tools("prove").catch(block_of(tools, "fifo"), mutant)
+    mutant = tools("blocks").Mutant(
+        "fifo.vhd", "store <= write_valid and not full", "store <= not full and write_valid"
+    )
+    with pytest.raises(ToolError, match="fifo: nothing notices"):
+        tools("prove").catch(block_of(tools, "fifo"), mutant)
+
+
+def test_a_property_that_is_printed_in_an_unknown_way_is_refused(tools: Any) -> None:
+    with pytest.raises(ToolError, match="not known here"):
+        tools("model").with_properties("  hold: assert n1_o = '1' severity surprise; --  restrict")
+
+
+def test_quick_rows_are_those_of_the_test(tools: Any) -> None:
+    assert [block.name for block in tools("blocks").BLOCKS if block.quick] == QUICK
+
+
+def test_rows_and_property_files_belong_together(tools: Any) -> None:
+    files = {path.stem for path in (GATEWARE / "formal").glob("*_formal.vhd")}
+    assert files == {block.top for block in tools("blocks").BLOCKS}
+
+
+def test_every_property_has_a_sentence_and_every_block_a_mutant(tools: Any) -> None:
+    for block in tools("blocks").BLOCKS:
+        assert block.mutants, block.name
+        assert all(sentence.endswith(".") for _, _, sentence in tools("page").sentences(block.name)), (
+            block.name
+        )
+
+
+def test_the_text_of_every_mutant_occurs_once(tools: Any) -> None:
+    sources = {path.name: path.read_text(encoding="utf-8") for path in GATEWARE.rglob("*.vhd")}
+    wrong = [
+        (block.name, mutant.old)
+        for block in tools("blocks").BLOCKS
+        for mutant in block.mutants
+        if sources[mutant.file].count(mutant.old) != 1
+    ]
+    assert not wrong
+
+
+def test_the_record_is_complete_and_the_page_is_the_record(tools: Any) -> None:
+    blocks = tools("blocks").BLOCKS
+    assert list(RECORD) == [block.name for block in blocks], "`make formal` proves what is new"
+    for block in blocks:
+        found = RECORD[block.name]
+        written = {label for label, kind, _ in tools("page").sentences(block.name) if kind == "assert"}
+        proven = {re.sub(r".*\.", "", name) for name in found["properties"]}
+        assert written <= proven, block.name
+        assert (found["depth"], found["induction"], found["pdr"]) == (
+            block.searched,
+            block.induction,
+            block.pdr,
+        )
+        assert len(found["mutants"]) == len(block.mutants) and all(found["mutants"]), block.name
+    assert (ROOT / "docs" / "gateware" / "formal.md").read_text(encoding="utf-8") == tools("page").page(
+        RECORD
+    )

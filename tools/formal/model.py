@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a property file to models for the solvers: GHDL, mended, through yosys."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from blocks import Block, Mutant
+
+from unitylink.errors import ToolError
+from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
+from unitylink.gateware.repairs import repaired
+
+SECONDS_MOST = 600.0  # of one call of a program
+
+# GHDL prints PSL in Verilog as what no reader of Verilog takes for a property.
+_FATAL = r'always @\*\s*if \(!(\S+)\)\s*\$fatal\(1, "'
+_PSL = tuple(
+    (re.compile(pattern, re.MULTILINE), replacement)
+    for pattern, replacement in (
+        (r"^\s*(\S+): assert (\S+) = '1' severity warning; --  assume$", r"  always @* \1: assume(\2);"),
+        (r"^\s*(\S+): assert (\S+) = '1' severity note; --  cover$", r"  always @* \1: cover(\2);"),
+        (_FATAL + r'assertion\(cover\) failure (\S+)"\);', r"always @* \2: cover(\1);"),
+        (_FATAL + r'assertion failure (\S+)"\);', r"always @* \2: assert(\1);"),
+    )
+)
+
+# `setundef` before anything is optimised: what the VHDL leaves open stays open, and is not what suits yosys.
+_PREPARE = """
+read_verilog -formal {verilog}
+hierarchy -check -top {top}
+proc
+setundef -undriven -anyseq
+flatten
+opt_clean
+memory -nordff -nomap
+memory_map
+opt -full
+async2sync
+opt_clean
+check -assert
+"""
+_SMT2 = "dffunmap; write_smt2 {smt2}"
+_AIGER = "chformal -cover -remove; techmap; opt_clean; aigmap; opt_clean; write_aiger -zinit {aiger}"
+
+
+@dataclass(frozen=True)
+class Model:
+    """What the solvers are given, and the names of the properties in it."""
+
+    top: str
+    smt2: Path
+    aiger: Path
+    asserted: tuple[str, ...]
+    covered: tuple[str, ...]
+
+
+def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
+    """Make the model of `block` in `folder`, with one text of the design replaced if there is a `mutant`."""
+    sources = [*gateware_sources(), *sorted((gateware_folder() / "formal").glob("*.vhd"))]
+    if mutant is not None:
+        sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
+    ghdl = Ghdl(folder, sources)
+    verilog, vhdl = (ghdl.synthesise(block.top, language, block.generics) for language in ("verilog", "vhdl"))
+    (folder / "model.v").write_text(with_properties(repaired(verilog, vhdl)), encoding="utf-8")
+    smt2, aiger = folder / "model.smt2", folder / "model.aig"
+    script = _PREPARE.format(verilog=folder / "model.v", top=block.top)
+    steps = [*script.split("\n"), _SMT2.format(smt2=smt2), _AIGER.format(aiger=aiger)]
+    code, said = run(["yosys", "-q", "-p", "; ".join(step for step in steps if step)])
+    if code != 0:
+        raise ToolError(f"yosys refuses the model of {block.name}:\n{said[-3000:]}")
+    text = smt2.read_text(encoding="utf-8")
+    asserted = re.findall(r"^; yosys-smt2-assert \d+ (\S+)", text, re.MULTILINE)
+    covered = re.findall(r"^; yosys-smt2-cover \d+ (\S+)", text, re.MULTILINE)
+    return Model(
+        block.top, smt2, aiger, tuple(filter(_is_named, asserted)), tuple(filter(_is_named, covered))
+    )
+
+
+def with_properties(verilog: str) -> str:
+    """Return the netlist with GHDL's properties as Verilog has them; raise ToolError if one is left."""
+    for pattern, replacement in _PSL:
+        verilog = pattern.sub(replacement, verilog)
+    if left := re.search(r"^.*(\$fatal|severity).*$", verilog, re.MULTILINE):
+        raise ToolError(f"GHDL prints a property in a way that is not known here: {left.group().strip()}")
+    return verilog
+
+
+def run(command: Sequence[str], seconds_most: float = SECONDS_MOST) -> tuple[int, str]:
+    """Run a program to its end: its exit code and all it said. Raises ToolError: missing, or no end."""
+    try:
+        done = subprocess.run(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=seconds_most,
+            check=False,
+        )
+    except FileNotFoundError as error:
+        raise ToolError(f"{command[0]} is missing; `tools/setup.sh formal` installs it") from error
+    except subprocess.TimeoutExpired as error:
+        raise ToolError(f"{command[0]}: no end after {seconds_most:.0f} s") from error
+    return done.returncode, done.stdout
+
+
+def _mutated(path: Path, mutant: Mutant, folder: Path) -> Path:
+    text = path.read_text(encoding="utf-8")
+    if (found := text.count(mutant.old)) != 1:
+        raise ToolError(f"{path.name} has the text of a mutant {found} times instead of once: {mutant.old!r}")
+    copy = folder / path.name
+    copy.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
+    return copy
+
+
+def _is_named(name: str) -> bool:
+    """Tell labels from the numbers GHDL gives to asserts without one, as those about generics."""
+    return re.fullmatch(r"n\d+", name.rpartition(".")[2]) is None
