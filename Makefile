@@ -9,6 +9,7 @@
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
+#   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -22,9 +23,9 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo demo-walker demo-pa10 test check bench coverage synth formal docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 test check bench boards coverage synth formal docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,17s/^# //p' Makefile
+	@sed -n '2,18s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -67,13 +68,17 @@ coverage: $(VENV)/.built
 	$(BIN)/python tools/coverage.py
 
 synth: $(VENV)/.built
-	@tools/setup.sh group synth
-	@tools/setup.sh synth
+	@tools/setup.sh group boards
+	@tools/setup.sh boards
 	$(BIN)/python tools/synth/run.py $(if $(ACCEPT),--accept) $(if $(ROWS),--rows $(ROWS))
 
 formal: $(VENV)/.built
 	@tools/setup.sh formal
 	$(BIN)/python tools/formal/prove.py $(if $(BLOCKS),--blocks $(BLOCKS))
+
+boards: $(VENV)/.built
+	@tools/setup.sh group boards
+	@tools/setup.sh boards
 
 docs: $(VENV)/.built
 	@tools/setup.sh group test

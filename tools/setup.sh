@@ -5,7 +5,7 @@
 #   setup.sh group NAME     the packages of a dependency group of pyproject.toml
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh system         Debian packages that only the tests need, and those
-#   setup.sh synth          Debian packages that measure the gateware's area
+#   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh native         the native tests, fuzzers and benches
 set -euo pipefail
@@ -46,6 +46,12 @@ PY
   touch "$stamp"
 }
 
+need_boards() {
+  need yosys yosys command -v yosys                                    # maps netlists on chips
+  need nextpnr-ice40 nextpnr-ice40 command -v nextpnr-ice40            # places and routes
+  need icepack fpga-icestorm command -v icepack                        # packs what nextpnr routed
+}
+
 need_rtl() {
   need ghdl ghdl command -v ghdl                                       # runs and synthesises VHDL
   need verilator verilator command -v verilator                        # compiles what GHDL synthesised
@@ -67,7 +73,7 @@ install_missing() {
   fi
 }
 
-case "${1:?usage: setup.sh build|group|rtl|formal|synth|system|native}" in
+case "${1:?usage: setup.sh build|group|rtl|boards|formal|system|native}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -100,10 +106,9 @@ build)
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
 formal) need_formal; install_missing ;;
-synth)
+boards)
   need_rtl
-  need yosys yosys command -v yosys
-  need nextpnr-ice40 nextpnr-ice40 command -v nextpnr-ice40             # places and routes
+  need_boards
   install_missing
   ;;
 system)
@@ -111,7 +116,7 @@ system)
   need_rtl
   need_formal
   need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
-  need verilator verilator command -v verilator                        # compiles the gateware for live simulation
+  need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework

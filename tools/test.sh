@@ -25,6 +25,7 @@ say "recorded exchanges of the 2012 gateware"
 say "tests"
 tools/setup.sh group wheel
 tools/setup.sh group docs
+tools/setup.sh group boards
 rm -rf build/coverage
 UNITYLINK_COVERAGE="$PWD/build/coverage" "$bin/python" -m pytest tests -q -n 2 --dist loadgroup
 say "line coverage of the gateware"

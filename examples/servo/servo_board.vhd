@@ -3,7 +3,7 @@
 -- A board around the generated servo_top: pins, and logic of one's own. This is all the VHDL that is written by hand.
 --
 -- Generics  clock_hz: the crystal. baud_hz: as in the spec.
--- Ports     limit_switch: low when closed; asynchronous, as the encoder's lines are.
+-- Ports     reset: high starts anew; `unitylink build` holds it until the clock is steady. limit_switch: low when closed; asynchronous, as the encoder's lines are.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -18,6 +18,7 @@ entity servo_board is
   );
   port (
     clock        : in  std_ulogic;
+    reset        : in  std_ulogic := '0';
     usb_rx       : in  std_ulogic;
     usb_tx       : out std_ulogic;
     servos       : out std_ulogic_vector(1 downto 0);
@@ -32,7 +33,7 @@ architecture rtl of servo_board is
 
   constant clocks_a_ms : positive := clock_hz / 1000;
 
-  signal reset          : std_ulogic;
+  signal user_reset     : std_ulogic;
   signal to_pc          : servo_to_pc_t;
   signal from_pc        : servo_from_pc_t;
   signal events         : std_ulogic_vector(servo_config_pkg.groups - 1 downto 0);
@@ -45,7 +46,7 @@ begin
   link : entity work.servo_top
     generic map (clock_hz => clock_hz, baud_hz => baud_hz)
     port map (
-      clock => clock, rx_line => usb_rx, tx_line => usb_tx, user_reset => reset,
+      clock => clock, reset => reset, rx_line => usb_rx, tx_line => usb_tx, user_reset => user_reset,
       to_pc => to_pc, from_pc => from_pc, events => events,
       drive_pins => servos, wheel_a => encoder_a, wheel_b => encoder_b, wheel_index => '0');
 
@@ -55,7 +56,7 @@ begin
 
   debounced : entity work.input_filter
     generic map (stable_clocks => clocks_a_ms)
-    port map (clock => clock, reset => reset, pins(0) => pressed, levels(0) => closed);
+    port map (clock => clock, reset => user_reset, pins(0) => pressed, levels(0) => closed);
 
   events <= (servo_config_pkg.limit_event => before, others => '0'); -- rises when trips has its new value
 
@@ -72,7 +73,7 @@ begin
       else
         clocks <= clocks + 1;
       end if;
-      if reset = '1' then
+      if user_reset = '1' then
         before          <= closed;
         clocks          <= 0;
         to_pc.trips     <= (others => '0');

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from unitylink.connection import connect
     from unitylink.errors import (
         BindingError,
+        BoardError,
         BusError,
         DeviceMismatch,
         LinkBusy,
@@ -40,6 +41,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "BindingError",
+    "BoardError",
     "BusError",
     "Configuration",
     "DeviceMismatch",

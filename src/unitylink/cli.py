@@ -29,6 +29,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "lsp": ("lsp", "Serve editors (the language server)."),
     "fmt": ("fmt", "Lay specs out in the canonical way."),
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
+    "build": ("build", "Build a bitstream from a spec for an FPGA board."),
+    "flash": ("flash", "Write a bitstream to its board."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
     "budget": ("budget", "Show what the publishes of a spec cost on the line."),
     "import": ("import_command", "Make a spec from SystemRDL."),

@@ -17,6 +17,7 @@
     ├── UrlError                   a link URL that cannot be understood (ValueError)
     ├── SpecError                  a UL-spec with errors; carries .diagnostics
     ├── ToolError                  a program that compiles gateware is missing or refuses its input
+    ├── BoardError                 a board that is not known, or a design that does not go on it
     └── BindingError               a generated file that does not belong to this library, spec or link
 
 Whose fault it is can be read from the branch: `LinkError` is the world outside, the others are the caller's.
@@ -133,6 +134,10 @@ class SpecError(UnityLinkError):
 
 class ToolError(UnityLinkError):
     """A program that compiles gateware (ghdl, verilator …) is missing, or refused its input."""
+
+
+class BoardError(UnityLinkError):
+    """A board is not known, its manifest is wrong, or a design does not go on it (pins, area, clock)."""
 
 
 class BindingError(UnityLinkError):

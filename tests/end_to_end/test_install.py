@@ -71,6 +71,7 @@ class TestWheel:
         listed = call(sys.executable, "-m", "zipfile", "--list", wheel, cwd=ROOT)
         for part in (
             "share/gateware/core.vhd",
+            "share/boards/icebreaker/board.toml",
             "share/examples/scara/scara.ul",
             "proxies.py.jinja",
             "py.typed",

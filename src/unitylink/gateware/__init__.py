@@ -5,6 +5,18 @@ from __future__ import annotations
 
 from .ghdl import Ghdl
 from .netlist import netlist
+from .ports import Port, ports_of
+from .programs import find_program, map_cells, run_program
 from .sources import gateware_folder, gateware_sources
 
-__all__ = ["Ghdl", "gateware_folder", "gateware_sources", "netlist"]
+__all__ = [
+    "Ghdl",
+    "Port",
+    "find_program",
+    "gateware_folder",
+    "gateware_sources",
+    "map_cells",
+    "netlist",
+    "ports_of",
+    "run_program",
+]

@@ -7,8 +7,6 @@ python -m unitylink.gateware.build ice40 servo_top build vhdl/servo_*.vhd
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -18,9 +16,9 @@ from unitylink.errors import ToolError
 
 from .ghdl import Ghdl
 from .netlist import netlist
+from .programs import map_cells
 from .sources import gateware_sources
 
-_SECONDS_MOST = 1800.0
 # What a simulator checks while it runs; a chip does not, and yosys does not read it.
 _ASSERTION = re.compile(r"^  always @\*\n    if \(!\w+\)\n      \$fatal\(1, \"[^\"]*\"\);\n", re.MULTILINE)
 _USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOLDER FILE.vhd ..."
@@ -45,24 +43,8 @@ def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[
 
 
 def _mapped(family: str, top: str, verilog: Path) -> Path:
-    yosys = shutil.which("yosys")
-    if yosys is None:
-        raise ToolError("yosys is missing; on Debian or Ubuntu: sudo apt-get install yosys")
     made = verilog.with_suffix(".json")
-    script = f"read_verilog {verilog.name}; synth_{family} -top {top}; stat; write_json {made.name}"
-    done = subprocess.run(
-        [yosys, "-p", script],
-        cwd=verilog.parent,
-        capture_output=True,
-        text=True,
-        timeout=_SECONDS_MOST,
-        check=False,
-    )
-    if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise ToolError(f"yosys synth_{family} of {top} failed: " + "\n".join(said[-5:]))
-    _, _, statistics = done.stdout.rpartition("Printing statistics.")
-    print(re.split(r"\n\d+\. ", statistics)[0].strip())
+    print(map_cells(family, top, [verilog.name], made.name, verilog.parent))
     return made
 
 

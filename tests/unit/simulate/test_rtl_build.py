@@ -10,7 +10,7 @@ import pytest
 from unitylink import connect
 from unitylink.errors import ToolError, UrlError
 from unitylink.simulate.rtl import RtlDesign, build_model
-from unitylink.simulate.rtl.verilog import Port, model_of, ports_of, with_named_assertions
+from unitylink.simulate.rtl.verilog import Port, model_of, stream_ports_of, with_named_assertions
 
 HEAD = """module part
   (input  clock);
@@ -39,7 +39,7 @@ ASSERTION = """  /* /some/where/fifo.vhd:73:5  */
 
 
 def test_ports() -> None:
-    ports = {port.name: port for port in ports_of(HEAD, "Top")}
+    ports = {port.name: port for port in stream_ports_of(HEAD, "Top")}
     assert ports["rx_data"] == Port("rx_data", True, 8)
     assert ports["write_words"] == Port("write_words", False, 32)
     assert ports["clock"].bits == 1
@@ -64,9 +64,9 @@ def test_design_without_streams() -> None:
     with pytest.raises(
         ToolError, match=r"part cannot be simulated live: it has no port reset \(1 bits\), rx_valid"
     ):
-        ports_of(HEAD, "part")
+        stream_ports_of(HEAD, "part")
     with pytest.raises(ToolError, match="no module nothing"):
-        ports_of(HEAD, "nothing")
+        stream_ports_of(HEAD, "nothing")
 
 
 def test_missing_tools_are_named_all_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -12,10 +12,12 @@ from unitylink.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
 from .names import identifier
+from .plan import Plan
 from .planner import plan
+from .records import Leaf
 from .words import WordMap, word_map
 
-__all__ = ["WordMap", "design_name", "generate_vhdl", "word_map"]
+__all__ = ["Leaf", "Plan", "WordMap", "component_ports", "design_name", "generate_vhdl", "plan", "word_map"]
 
 FOLDER = "vhdl"
 _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
@@ -37,6 +39,11 @@ def generate_vhdl(spec: Spec, configuration: BoardConfiguration | None = None) -
 def design_name(spec: Spec) -> str:
     """Return what the names of the generated entities begin with: `scara` of `scara_design`, `scara_top`."""
     return identifier(spec.name)
+
+
+def component_ports(spec: Spec) -> dict[str, str]:
+    """Return the ports of `NAME_top` that are pins of components: {port: entity of the component}."""
+    return {port: part.entity for part in plan(spec).components for _, port in part.pins}
 
 
 @cache

@@ -20,7 +20,7 @@ from unitylink.resources import resource_folder
 
 from .cache import cached
 from .design import RtlDesign, RtlModel
-from .verilog import model_of, ports_of
+from .verilog import model_of, stream_ports_of
 
 Progress = Callable[[str], None]
 
@@ -151,7 +151,7 @@ def compile_netlist(
 
 
 def _sizes(verilog: str, top: str) -> list[str]:
-    bits = {port.name: port.bits for port in ports_of(verilog, top)}
+    bits = {port.name: port.bits for port in stream_ports_of(verilog, top)}
     return [
         f"-DREAD_WORDS={bits.get('read_words', 0) // 32}",
         f"-DWRITE_WORDS={bits.get('write_words', 0) // 32}",

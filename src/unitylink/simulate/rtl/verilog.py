@@ -4,12 +4,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from unitylink.errors import ToolError
+from unitylink.gateware import Port, ports_of
 
-_HEAD = re.compile(r"^module {top}\s*\n\s*\((.*?)\);", re.DOTALL | re.MULTILINE)
-_PORT = re.compile(r"(input|output)\s+(?:\[(\d+):0\]\s*)?(\w+)")
 _ASSERTION = re.compile(
     r"/\* (?P<file>\S+):(?P<line>\d+):\d+  \*/\n(?P<before>\s*always @\*\n\s*if \(!\w+\)\n\s*)"
     r'\$fatal\(1, "[^"]*"\);'
@@ -29,27 +27,9 @@ _STREAMS = {
 }
 
 
-@dataclass(frozen=True)
-class Port:
-    """A port of a module; `bits` is its width."""
-
-    name: str
-    is_input: bool
-    bits: int
-
-    @property
-    def range(self) -> str:
-        return f"[{self.bits - 1}:0] " if self.bits > 1 else ""
-
-
-def ports_of(netlist: str, top: str) -> tuple[Port, ...]:
+def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
     """Return the ports of the module `top`; raise ToolError if it is not there or has no byte streams."""
-    head = re.search(_HEAD.pattern.replace("{top}", re.escape(top.lower())), netlist, _HEAD.flags)
-    if head is None:
-        raise ToolError(f"the netlist has no module {top}")
-    ports = tuple(
-        Port(name, way == "input", int(high or 0) + 1) for way, high, name in _PORT.findall(head.group(1))
-    )
+    ports = ports_of(netlist, top)
     found = {port.name: port.bits for port in ports}
     if missing := [f"{name} ({bits} bits)" for name, bits in _STREAMS.items() if found.get(name) != bits]:
         raise ToolError(f"{top} cannot be simulated live: it has no port {', '.join(missing)}")
@@ -63,7 +43,7 @@ def model_of(netlist: str, top: str) -> str:
     and Verilator works a clock out once instead of three times. An assertion of the VHDL calls
     unitylink_failed().
     """
-    ports = ports_of(netlist, top)
+    ports = stream_ports_of(netlist, top)
     registers = [port for port in ports if port.is_input and port.name not in _STRAIGHT]
     outer = [
         f"  {'input' if port.is_input else 'output'} {port.range}{port.name}"

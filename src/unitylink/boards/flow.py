@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a spec to a bitstream: generate, GHDL, yosys, nextpnr, pack, in that order, each step told."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from unitylink.errors import BoardError, ToolError
+from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
+from unitylink.generate import write
+from unitylink.spec import load
+from unitylink.spec.budget import budget
+from unitylink.spec.model import Spec
+
+from .families import FAMILIES, Family, overflow
+from .line import check_line, told_baud_hz
+from .logic import Wanted, design_sources, logic_of
+from .manifest import Board
+from .pins import Pinout, assign_pins, lines_of
+from .pll import pll_of
+from .report import Area, Report, budget_of, forget
+from .wrapper import NAME, constraints, has_reset, wrapper
+
+Tell = Callable[[str], None]
+_LINES_SHOWN = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Order(Wanted):
+    """What to build for which board. None leaves the choice to spec and board."""
+
+    board: Board
+    clock_hz: int | None = None
+    baud_hz: int | None = None
+    seeds: int = 3
+
+
+def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
+    """Build a bitstream and its report in `order.folder`; `tell` hears of each step as it begins.
+
+        board = load_board("icebreaker")
+        report = build_bitstream(Order(spec_file="servo.ul", board=board, folder=Path("build/servo")))
+
+    Raises SpecError, BindingError, ToolError (a program is missing or refuses its input) and BoardError: pins
+    that are not there, a design that does not fit, or one that is too slow for the clock.
+    """
+    started = time.monotonic()
+    board, family = order.board, FAMILIES[order.board.family]
+    spec = load(order.spec_file)
+    clock_hz, baud_hz = rates(spec, order)
+    pll = None if clock_hz == board.clock_hz else pll_of(board.family, board.clock_hz, clock_hz)
+    clock_hz = round(pll.hz) if pll else clock_hz
+    place = family.place_command(board)  # before anything takes long
+    find_program(family.packers, family.pack_remedy)
+    folder = order.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
+    forget(folder, made)
+    write(spec, folder, "vhdl")
+    logic = logic_of(spec, order)
+    tell(logic.whence)
+    tell(f"GHDL makes a netlist of {logic.top}")
+    generics = {"clock_hz": clock_hz, "baud_hz": baud_hz}
+    verilog = netlist(
+        logic.top,
+        sources=[*design_sources(spec, folder), *logic.sources],
+        generics={name: generics[name] for name in sorted(logic.generics)},
+        assertions=False,
+    )
+    ports = ports_of(verilog, logic.top)
+    pinout = assign_pins(board, lines_of(ports), order.pins, logic.components)
+    (folder / "design.v").write_text(verilog, encoding="utf-8")
+    (folder / "board.v").write_text(wrapper(board, logic.top, ports, pinout, pll), encoding="utf-8")
+    (folder / f"board.{family.constraints}").write_text(constraints(board, pinout), encoding="utf-8")
+    tell(f"yosys maps it on {board.family}")
+    map_cells(family.synthesis, NAME, ["design.v", "board.v"], "board.json", folder)
+    placed = _place(place, family, order, clock_hz, tell)
+    tell("the bitstream is packed")
+    _run(family.pack_command(f"board.{family.routed[1]}", made), folder)
+    notices = [*logic.notices, *pinout.notices, *board.notes]
+    if pll is not None and not has_reset(ports):
+        notices.append(f"{logic.top} has no port reset: its logic runs before the PLL has locked")
+    report = Report(
+        spec=spec.name,
+        hash=spec.hash,
+        board=board.name,
+        title=board.title,
+        top=logic.top,
+        clock_hz=clock_hz,
+        fmax_hz=placed.fmax_hz,
+        seed=placed.seed,
+        area=placed.area,
+        baud_hz=baud_hz,
+        url=f"serial:/dev/ttyUSB{1 if 'FT2232H' in ''.join(board.notes) else 0}?baud={baud_hz}",
+        pins=_shown(board, pinout),
+        notices=tuple(notices),
+        bitstream=str(folder / made),
+        budget=tuple(budget_of(budget(device, baud_hz=baud_hz)) for device in spec.devices),
+        tools=_versions(place[0]),
+        seconds=round(time.monotonic() - started, 1),
+    )
+    report.write(folder)
+    return report
+
+
+def rates(spec: Spec, order: Order) -> tuple[int, int]:
+    """Return the clock of the design and the baud rate of the link; raise BoardError if they cannot be."""
+    board = order.board
+    clock_hz = order.clock_hz or board.design_hz
+    baud_hz = order.baud_hz or told_baud_hz(spec) or board.baud_hz
+    if baud_hz > board.baud_hz_most:
+        raise BoardError(
+            f"{board.name}: the line takes at most {board.baud_hz_most:,} baud, and {baud_hz:,} are asked"
+        )
+    check_line(clock_hz, baud_hz)
+    return clock_hz, baud_hz
+
+
+@dataclass(frozen=True)
+class _Placed:
+    fmax_hz: int
+    seed: int
+    area: tuple[Area, ...]
+
+
+def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, tell: Tell) -> _Placed:
+    """Place and route with one seed after another until the clock is met; raise BoardError when none does."""
+    option, ending = family.routed
+    best = 0
+    for seed in range(1, order.seeds + 1):
+        tell(f"nextpnr places and routes, seed {seed}")
+        files = ["--json", "board.json", f"--{family.constraints}", f"board.{family.constraints}"]
+        files += [option, f"board.{ending}", "--report", "timing.json"]
+        options = ["--freq", f"{clock_hz / 1e6:.6f}", "--seed", str(seed), "--timing-allow-fail"]
+        code, said = run_program([*command, *files, *options], order.folder)
+        (order.folder / "nextpnr.log").write_text(said, encoding="utf-8")
+        if code != 0:
+            raise _refused(order, said)
+        timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
+        fmax_hz = int(min((one["achieved"] for one in timing["fmax"].values()), default=0.0) * 1e6)
+        best = max(best, fmax_hz)
+        if fmax_hz >= clock_hz:
+            used = timing["utilization"]
+            area = tuple(
+                Area(what, used[cell]["used"], used[cell]["available"])
+                for cell, what in family.area
+                if cell in used
+            )
+            return _Placed(fmax_hz, seed, area)
+        tell(f"seed {seed} reaches {fmax_hz / 1e6:.1f} of {clock_hz / 1e6:.6g} MHz")
+    raise BoardError(
+        f"the design is too slow for its clock: {best / 1e6:.1f} MHz at best of {order.seeds} seeds, and "
+        f"{clock_hz / 1e6:.6g} MHz are asked; --clock-hz {int(best // 1e6) * 1_000_000} would do, or try "
+        f"more with --seeds. The path that is too long: {order.folder / 'timing.json'}"
+    )
+
+
+def _refused(order: Order, said: str) -> BoardError | ToolError:
+    """Say in our words why nextpnr gave up."""
+    if too_many := overflow(said):
+        text = ", ".join(f"{used} {cell} and it has {there}" for cell, used, there in too_many)
+        return BoardError(f"the design does not fit on {order.board.title}: it takes {text}")
+    lines = [line for line in said.splitlines() if "ERROR" in line] or said.strip().splitlines()[
+        -_LINES_SHOWN:
+    ]
+    return ToolError(f"nextpnr gave up (all it said: {order.folder / 'nextpnr.log'}):\n" + "\n".join(lines))
+
+
+def _run(command: Sequence[str], folder: Path) -> None:
+    code, said = run_program(command, folder)
+    if code != 0:
+        lines = "\n".join(said.strip().splitlines()[-_LINES_SHOWN:])
+        raise ToolError(f"{Path(command[0]).name} ended with {code}:\n{lines}")
+
+
+def _shown(board: Board, pinout: Pinout) -> dict[str, str]:
+    shown = {"clock": board.clock_pin, "rx": board.rx, "tx": board.tx}
+    sites = {name: f"{board.pins[name].name} (site {board.pins[name].site})" for name in shown.values()}
+    pins = {port: sites[name] for port, name in shown.items()}
+    for line, number, pin in pinout:
+        low = ", active low" if pin.active_low else ""
+        pins[line.bit(number)] = f"{pin.name} (site {pin.site}{low})"
+    return pins
+
+
+def _versions(placer: str) -> tuple[str, ...]:
+    lines = []
+    for command in (["ghdl", "--version"], ["yosys", "-V"], [placer, "--version"]):
+        _, said = run_program(command, Path.cwd())
+        lines.append(said.strip().splitlines()[0] if said.strip() else command[0])
+    return tuple(lines)

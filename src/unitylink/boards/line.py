@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The baud rate of a design: what the spec tells, and whether the clock is fast enough for it."""
+
+from __future__ import annotations
+
+from unitylink.errors import BoardError
+from unitylink.spec.model import Spec
+
+CLOCKS_A_BIT = 8  # of the UART's receiver
+
+
+def told_baud_hz(spec: Spec) -> int | None:
+    """Return the baud rate that the links of the spec tell, where they tell one."""
+    told = {device.link.baud_hz for device in spec.devices} - {None}
+    return told.pop() if len(told) == 1 else None
+
+
+def check_line(clock_hz: int, baud_hz: int) -> None:
+    """Raise BoardError where the UART cannot make `baud_hz` of the design's clock."""
+    if baud_hz * CLOCKS_A_BIT > clock_hz:
+        raise BoardError(
+            f"{baud_hz:,} baud needs a clock of {baud_hz * CLOCKS_A_BIT / 1e6:.6g} MHz and the design has "
+            f"{clock_hz / 1e6:.6g} MHz: choose --baud {clock_hz // CLOCKS_A_BIT} "
+            f"or --clock-hz {baud_hz * CLOCKS_A_BIT}"
+        )

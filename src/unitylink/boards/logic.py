@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is built: the user's own around the generated design, or one made here to put words on pins."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+import jinja2
+
+from unitylink.errors import BoardError
+from unitylink.generate import generate
+from unitylink.generate.vhdl import FOLDER, Leaf, component_ports, design_name, plan
+from unitylink.generate.vhdl.names import Names
+from unitylink.spec.model import Spec
+
+from .pins import role_of, wished_names
+
+_PORTS = ("clock", "reset", "rx_line", "tx_line", "clock_hz", "baud_hz", "to_pc", "from_pc", "link")
+
+
+@dataclass(frozen=True)
+class Logic:
+    """What is built: the entity `top`, the files it is in, and what is to be said of it."""
+
+    top: str
+    sources: tuple[Path, ...]
+    generics: frozenset[str]  # of clock_hz and baud_hz, those it has
+    components: dict[str, str] = field(default_factory=dict)  # port -> component of the gateware library
+    notices: tuple[str, ...] = ()
+    whence: str = ""  # a sentence for the terminal
+
+
+def design_sources(spec: Spec, folder: Path) -> list[Path]:
+    """Return the VHDL files that `generate` writes for `spec` into `folder`."""
+    return [folder / name for name in generate(spec, "vhdl") if name.endswith(".vhd")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes."""
+
+    spec_file: str
+    folder: Path
+    logic: tuple[Path, ...] = ()
+    top: str | None = None
+    pins: tuple[str, ...] = ()
+
+
+def logic_of(spec: Spec, wanted: Wanted) -> Logic:
+    """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here."""
+    name = f"{design_name(spec)}_board.vhd"
+    beside = Path(wanted.spec_file).with_name(name)
+    if wanted.logic:
+        return own_logic(wanted.logic, wanted.top)
+    if wanted.top is not None:
+        raise BoardError(f"--top {wanted.top}: say with --logic which VHDL file it is in")
+    if beside.is_file():
+        return own_logic([beside], None)
+    return pin_logic(spec, wished_names(wanted.pins), wanted.folder / FOLDER, name)
+
+
+@dataclass(frozen=True)
+class WordPort:
+    """A word on pins: the port, its VHDL type, and the field it is."""
+
+    name: str
+    type: str
+    path: str
+    base: str
+
+    @property
+    def to_pc(self) -> str:
+        return self.name if self.base in ("std_ulogic", "std_ulogic_vector") else f"{self.base}({self.name})"
+
+    @property
+    def from_pc(self) -> str:
+        field = f"from_pc.{self.path}"
+        return field if self.base in ("std_ulogic", "std_ulogic_vector") else f"std_ulogic_vector({field})"
+
+
+def own_logic(files: Sequence[Path], top: str | None) -> Logic:
+    """Return the user's entity: `top`, or the only one of the first file. Raises BoardError."""
+    for file in files:
+        if not file.is_file():
+            raise BoardError(f"{file}: there is no such VHDL file")
+    text = _plain(files[0])
+    entities = re.findall(r"^\s*entity\s+(\w+)\s+is\b", text, re.IGNORECASE | re.MULTILINE)
+    if top is None:
+        if len(entities) != 1:
+            raise BoardError(
+                f"{files[0]} has {len(entities)} entities ({', '.join(entities)}): say which with --top"
+            )
+        top = entities[0]
+    texts = [text, *(_plain(file) for file in files[1:])]
+    pattern = rf"^\s*entity\s+{re.escape(top)}\s+is\b(.*?)^\s*end\b"
+    found = [
+        m[1] for one in texts if (m := re.search(pattern, one, re.IGNORECASE | re.DOTALL | re.MULTILINE))
+    ]
+    if not found:
+        raise BoardError(f"no entity {top} is in {', '.join(map(str, files))}")
+    generics = {
+        name for name in ("clock_hz", "baud_hz") if re.search(rf"\b{name}\b", found[0], re.IGNORECASE)
+    }
+    notices = [f"{top} has no generic {name}: what it has instead counts" for name in ("clock_hz", "baud_hz")]
+    missing = tuple(text for text in notices if not any(f" {name}:" in text for name in generics))
+    whence = f"{files[0]} is the logic around the link"
+    return Logic(top.lower(), tuple(files), frozenset(generics), notices=missing, whence=whence)
+
+
+def pin_logic(spec: Spec, wished: set[str], folder: Path, name: str) -> Logic:
+    """Write an entity that puts the words of `spec` on pins whose name tells one or is `wished`; return it.
+
+    Words without a pin are there for the PC: a WRITE reads back, a READ is 0, which a notice says.
+    """
+    design = plan(spec)
+    names = Names(_PORTS)
+    components = component_ports(spec)
+    for port in components:
+        names.claim(port)
+    inputs, quiet = _words(design.to_pc.leaves, names, wished)
+    outputs, _ = _words(design.from_pc.leaves, names, wished)
+    top = name.removesuffix(".vhd")
+    text = _template().render(
+        plan=design, top=top, inputs=inputs, outputs=outputs, quiet=quiet, components=design.ports
+    )
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    notices: tuple[str, ...] = ()
+    if quiet:
+        shown = ", ".join(leaf.path for leaf in quiet[:8]) + (
+            f" and {len(quiet) - 8} more" if len(quiet) > 8 else ""
+        )
+        notices = (
+            f"nothing drives {shown}: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
+        )
+    whence = f"no {name} is beside the spec: the words that have pins go to them"
+    return Logic(top, (path,), frozenset(("clock_hz", "baud_hz")), components, notices, whence)
+
+
+def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list[WordPort], list[Leaf]]:
+    """Divide the leaves into those that go to pins and the others."""
+    ports, others = [], []
+    for leaf in leaves:
+        plain = Names().claim(leaf.path)
+        if plain not in wished and role_of(plain) is None:
+            others.append(leaf)
+            continue
+        width = leaf.part.high - leaf.part.low + 1
+        kind = "std_ulogic" if leaf.part.base == "std_ulogic" else f"std_ulogic_vector({width - 1} downto 0)"
+        ports.append(WordPort(names.claim(leaf.path), kind, leaf.path, leaf.part.base))
+    return ports, others
+
+
+def _plain(file: Path) -> str:
+    return re.sub(r"--.*", "", file.read_text(encoding="utf-8", errors="replace"))
+
+
+@cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # the result is VHDL; all names in it are identifiers
+    )
+    return environment.get_template("board.vhd.jinja")

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A board as its manifest tells it: chip, clock, link, pins, what the pins are good for."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from unitylink.errors import BoardError
+from unitylink.resources import resource_folder
+from unitylink.spec.suggest import nearest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+MANIFEST = "board.toml"
+FAMILIES = ("ice40", "ecp5")
+# What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
+ROLES = ("leds", "buttons", "pwm", "encoder", "io")
+_NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A pin: the board's name for it, the chip's (`site`), and what it is electrically."""
+
+    name: str
+    site: str
+    active_low: bool = False
+    pull: str = "up"  # of an input: "up", "down" or "none"
+    io: str = ""  # the input-output standard, where the family has them
+
+
+@dataclass(frozen=True)
+class Board:
+    """What a manifest says. `roles` maps a role to its pins, in the order in which they are given out."""
+
+    name: str
+    title: str
+    path: Path
+    pins_from: tuple[str, ...]
+    notes: tuple[str, ...]
+    family: str
+    device: str
+    package: str
+    clock_pin: str
+    clock_hz: int  # of the oscillator
+    design_hz: int  # what the design runs at unless it is told otherwise
+    pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
+    rx: str
+    tx: str
+    baud_hz: int  # where the spec tells none
+    baud_hz_most: int
+    flash: Mapping[str, tuple[str, ...]]  # program -> its options, the preferred one first
+    pins: Mapping[str, Pin]
+    roles: Mapping[str, tuple[str, ...]]
+
+
+def board_names() -> list[str]:
+    """Return the boards that come along, a variant as `ulx3s:25f`.
+
+    >>> "icebreaker" in board_names(), "ulx3s:85f" in board_names()
+    (True, True)
+    """
+    names = []
+    for path in sorted(resource_folder("boards").glob(f"*/{MANIFEST}")):
+        variants = _Table(path, _toml(path)).part("variants")
+        names += [f"{path.parent.name}:{variant}" for variant in variants] or [path.parent.name]
+    return names
+
+
+def load_board(name: str) -> Board:
+    """Return the board called `name`, or that of a folder with a board.toml of your own.
+
+        load_board("icebreaker")
+        load_board("ulx3s:25f")
+        load_board("./my_board")
+
+    Raises BoardError: there is no such board, or its manifest is wrong.
+    """
+    place, _, variant = name.partition(":")
+    own = Path(place)
+    if own.name == MANIFEST:
+        own = own.parent
+    folder = own if (own / MANIFEST).is_file() else resource_folder("boards") / place
+    if not _NAME.match(own.name) or not (folder / MANIFEST).is_file():
+        raise BoardError(f"no board is called {name!r}; {_meant(name, board_names())}")
+    table = _Table(folder / MANIFEST, _toml(folder / MANIFEST))
+    variants = table.part("variants")
+    if variant and variant not in list(variants):
+        raise BoardError(f"{name}: {_meant(variant, variants, place + ':')}")
+    if len(variants) and not variant:
+        raise BoardError(f"{name} comes in variants: {', '.join(f'{place}:{v}' for v in variants)}")
+    return _board(name, table, variants.part(variant) if variant else None)
+
+
+def _board(name: str, table: _Table, variant: _Table | None) -> Board:
+    table.only("title", "pins_from", "notes", "chip", "variants", "clock", "link", "flash", "pins", "roles")
+    chip, clock, link = table.part("chip"), table.part("clock"), table.part("link")
+    chip.only("family", "device", "package", "io")
+    clock.only("pin", "hz", "design_hz", "pll")
+    link.only("physical", "rx", "tx", "baud_hz", "baud_hz_most")
+    link.text("physical", among=("uart",))
+    io = chip.text("io", "")
+    pins = {pin: _pin(table.part("pins"), pin, io) for pin in table.part("pins")}
+    roles = table.part("roles")
+    roles.only(*ROLES)
+    flash = table.part("flash")
+    board = Board(
+        name=name,
+        title=table.text("title"),
+        path=table.path,
+        pins_from=table.texts("pins_from"),
+        notes=table.texts("notes", ()),
+        family=chip.text("family", among=FAMILIES),
+        device=variant.text("device") if variant else chip.text("device"),
+        package=chip.text("package"),
+        clock_pin=clock.text("pin", among=pins),
+        clock_hz=clock.number("hz"),
+        design_hz=clock.number("design_hz"),
+        pll=clock.text("pll", "core", among=("core", "pad")),
+        rx=link.text("rx", among=pins),
+        tx=link.text("tx", among=pins),
+        baud_hz=link.number("baud_hz"),
+        baud_hz_most=link.number("baud_hz_most"),
+        flash={program: flash.texts(program) for program in flash},
+        pins=pins,
+        roles={role: roles.texts(role, (), among=pins) for role in ROLES},
+    )
+    return board
+
+
+def _pin(pins: _Table, name: str, io: str) -> Pin:
+    if not re.fullmatch(_NAME, name):
+        raise pins.wrong(name, "a pin's name begins with a letter and has letters, digits and _ only")
+    if isinstance(pins.data[name], str):
+        return Pin(name, pins.text(name), io=io)
+    table = pins.part(name)
+    table.only("site", "active", "pull", "io")
+    return Pin(
+        name,
+        site=table.text("site"),
+        active_low=table.text("active", "high", among=("high", "low")) == "low",
+        pull=table.text("pull", "up", among=("up", "down", "none")),
+        io=table.text("io", io),
+    )
+
+
+class _Table:
+    """A table of a manifest, whose mistakes are told with their key."""
+
+    def __init__(self, path: Path, data: Any, key: str = "") -> None:
+        self.path, self.data, self.key = path, data, key
+        if not isinstance(data, dict):
+            raise BoardError(f"{path}: {key} is {data!r}; a table is asked for")
+
+    def wrong(self, key: str, text: str) -> BoardError:
+        return BoardError(f"{self.path}: {self.key + '.' if self.key else ''}{key}: {text}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data)
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def only(self, *known: str) -> None:
+        for key in self.data:
+            if key not in known:
+                raise self.wrong(key, f"there is no such key; {_meant(key, known)}")
+
+    def part(self, key: str) -> _Table:
+        name = f"{self.key}.{key}" if self.key else key
+        return _Table(self.path, self.data.get(key, {}), name)
+
+    def text(
+        self, key: str, default: str | None = None, *, among: Sequence[str] | Mapping[str, Any] = ()
+    ) -> str:
+        value = self._value(key, default)
+        if not isinstance(value, str):
+            raise self.wrong(key, f"is {value!r}; a text is asked for")
+        if among and value not in among and value != default:
+            raise self.wrong(key, f"is {value!r}; {_meant(value, among)}")
+        return value
+
+    def texts(
+        self, key: str, default: tuple[str, ...] | None = None, *, among: Mapping[str, Any] | None = None
+    ) -> tuple[str, ...]:
+        value = self._value(key, default)
+        if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
+            raise self.wrong(key, f"is {value!r}; a list of texts is asked for")
+        for one in value:
+            if among is not None and one not in among:
+                raise self.wrong(key, f"{one!r} is no pin of [pins]; {_meant(one, among)}")
+        return tuple(value)
+
+    def number(self, key: str) -> int:
+        value = self._value(key, None)
+        if not isinstance(value, int) or isinstance(value, bool) or value <= 0:
+            raise self.wrong(key, f"is {value!r}; a number above 0 is asked for")
+        return value
+
+    def _value(self, key: str, default: Any) -> Any:
+        if key not in self.data and default is None:
+            raise self.wrong(key, "is missing")
+        return self.data.get(key, default)
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    try:
+        data: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        return data
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BoardError(f"{path}: {error}") from error
+    except OSError as error:
+        raise BoardError(f"{path}: {error.strerror or error}") from error
+
+
+def _meant(name: str, among: Iterable[str], prefix: str = "") -> str:
+    """Say which one was probably meant, or which there are."""
+    near = nearest(name, among)
+    return (
+        f"did you mean {prefix}{near}?" if near else f"there are: {', '.join(prefix + one for one in among)}"
+    )

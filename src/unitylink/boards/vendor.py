@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Projects for the tools of vendors: a script that makes the project, and a template of the constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from unitylink.errors import BoardError
+from unitylink.gateware import Port, gateware_sources, netlist, ports_of
+from unitylink.generate import write
+from unitylink.spec import load
+
+from .line import check_line, told_baud_hz
+from .logic import Wanted, design_sources, logic_of
+from .pins import CLOCKS
+
+BAUD_HZ = 1_000_000  # where neither the spec nor the user tells one
+
+
+@dataclass(frozen=True, kw_only=True)
+class VendorOrder(Wanted):
+    """A project to write for the tool `vendor`, "vivado" or "quartus".
+
+    `pins` are PORT=SITE or PORT[3]=SITE, sites being the chip's; those not named are left for the user to
+    fill in. `clock_hz` is that of the clock's pin.
+    """
+
+    vendor: str
+    part: str
+    clock_hz: int
+    baud_hz: int | None = None
+
+
+@dataclass(frozen=True)
+class Project:
+    """What the scripts tell."""
+
+    name: str
+    top: str
+    part: str
+    clock_hz: int
+    baud_hz: int
+    generics: Mapping[str, int]
+    sources: tuple[Path, ...]
+    pins: Mapping[str, str]  # bit of a port -> site, "" where the user has to fill it in
+    clock: str
+
+
+def write_project(order: VendorOrder) -> list[Path]:
+    """Write the generated VHDL, the project script and the constraints; return the last two.
+
+    Raises BoardError for an unknown vendor or port.
+    """
+    if order.vendor not in VENDORS:
+        raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
+    spec = load(order.spec_file)
+    order.folder.mkdir(parents=True, exist_ok=True)
+    write(spec, order.folder, "vhdl")
+    logic = logic_of(spec, order)
+    clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
+    check_line(clock_hz, baud_hz)
+    generics = {
+        name: value
+        for name, value in (("baud_hz", baud_hz), ("clock_hz", clock_hz))
+        if name in logic.generics
+    }
+    own = [*design_sources(spec, order.folder), *logic.sources]
+    ports = ports_of(netlist(logic.top, sources=own, generics=generics, assertions=False), logic.top)
+    clock = next((port.name for port in ports if port.name in CLOCKS), None)
+    if clock is None:
+        raise BoardError(f"{logic.top} needs a port for the clock, called {' or '.join(CLOCKS)}")
+    project = Project(
+        spec.name,
+        logic.top,
+        order.part,
+        clock_hz,
+        baud_hz,
+        generics,
+        tuple(path.resolve() for path in (*gateware_sources(), *own)),
+        _sites(ports, order.pins),
+        clock,
+    )
+    made = []
+    for ending, text in VENDORS[order.vendor](project).items():
+        path = order.folder / f"{spec.name}{ending}"
+        path.write_text(text, encoding="utf-8")
+        made.append(path)
+    return made
+
+
+def _sites(ports: Sequence[Port], wishes: Sequence[str]) -> dict[str, str]:
+    bits = {f"{p.name}[{n}]" if p.bits > 1 else p.name: "" for p in ports for n in range(p.bits)}
+    for wish in wishes:
+        name, _, site = wish.partition("=")
+        if name not in bits or not site:
+            raise BoardError(f"--pin {wish}: write PORT=SITE with one of {', '.join(bits)}")
+        bits[name] = site
+    return bits
+
+
+def _vivado(project: Project) -> dict[str, str]:
+    period = 1e9 / project.clock_hz
+    generics = " ".join(f"{name}={value}" for name, value in project.generics.items())
+    script = [
+        f"# vivado -mode batch -source {project.name}.tcl: makes the project and builds {project.top}.bit.",
+        f"create_project -force {project.name} vivado -part {project.part}",
+        *(f"read_vhdl -vhdl2008 {{{path}}}" for path in project.sources),
+        f"read_xdc {project.name}.xdc",
+        f"set_property top {project.top} [current_fileset]",
+        *([f"set_property generic {{{generics}}} [current_fileset]"] if generics else []),
+        f"synth_design -top {project.top} -part {project.part}"
+        + (f" -generic {{{generics}}}" if generics else ""),
+        "opt_design",
+        "place_design",
+        "route_design",
+        "report_utilization -file utilization.txt",
+        "report_timing_summary -file timing.txt",
+        "if {[get_property SLACK [get_timing_paths]] < 0} { error {too slow for its clock: timing.txt} }",
+        f"write_bitstream -force {project.top}.bit",
+    ]
+    constraints = [
+        "# Fill in PACKAGE_PIN from the board's documents, and the voltage; then take the # away.",
+        f"create_clock -name {project.clock} -period {period:.3f} [get_ports {{{project.clock}}}]",
+    ]
+    for bit, site in project.pins.items():
+        mark = "" if site else "# "
+        constraints.append(
+            f"{mark}set_property -dict {{PACKAGE_PIN {site or 'SITE'} IOSTANDARD LVCMOS33}} "
+            f"[get_ports {{{bit}}}]"
+        )
+    return {".tcl": "\n".join(script) + "\n", ".xdc": "\n".join(constraints) + "\n"}
+
+
+def _quartus(project: Project) -> dict[str, str]:
+    period = 1e9 / project.clock_hz
+    script = [
+        f"# quartus_sh -t {project.name}.tcl: makes the project and builds it.",
+        "load_package flow",
+        f"project_new -overwrite {project.name}",
+        f'set_global_assignment -name DEVICE "{project.part}"',
+        f"set_global_assignment -name TOP_LEVEL_ENTITY {project.top}",
+        "set_global_assignment -name VHDL_INPUT_VERSION VHDL_2008",
+        *(f'set_global_assignment -name VHDL_FILE "{path}"' for path in project.sources),
+        f"set_global_assignment -name SDC_FILE {project.name}.sdc",
+        *(f"set_parameter -name {name} {value}" for name, value in project.generics.items()),
+        "# Fill in the pins from the board's documents, then take the # away.",
+    ]
+    for bit, site in project.pins.items():
+        mark = "" if site else "# "
+        script.append(f'{mark}set_location_assignment PIN_{site or "SITE"} -to "{bit}"')
+    script += ["execute_flow -compile", "project_close"]
+    clock = f"create_clock -name {project.clock} -period {period:.3f} [get_ports {{{project.clock}}}]"
+    return {".tcl": "\n".join(script) + "\n", ".sdc": f"{clock}\nderive_clock_uncertainty\n"}
+
+
+VENDORS: Mapping[str, Callable[[Project], dict[str, str]]] = {"vivado": _vivado, "quartus": _quartus}

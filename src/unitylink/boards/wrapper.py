@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The top module of a bitstream, in Verilog around the netlist (PLL, polarity, two-way pins); constraints.
+
+It is the only place with cells of a vendor, and no file of the user's: a simulation never sees it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from unitylink.errors import BoardError
+from unitylink.gateware import Port
+
+from .manifest import Board, Pin
+from .pins import CLOCKS, RECEIVES, RESETS, TRANSMITS, Line, Pinout
+from .pll import Pll
+
+NAME = "unitylink_board"
+
+
+def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: Pll | None) -> str:
+    """Return the module `unitylink_board`, whose ports are called as the board's pins. Raises BoardError."""
+    known = {port.name for port in ports}
+    clock = _one_of(known, CLOCKS, top, "clock")
+    receive = _one_of(known, RECEIVES, top, "receive line of the link")
+    transmit = _one_of(known, TRANSMITS, top, "transmit line of the link")
+    heads = [f"  input {board.clock_pin}", f"  input {board.rx}", f"  output {board.tx}"]
+    body = [
+        f"  wire {board.rx}_, locked_, clock_;",
+        f"  assign {board.rx}_ = {board.rx};",
+        *_clock(board, pll),
+    ]
+    links = [(clock, "clock_"), (receive, f"{board.rx}_"), (transmit, board.tx)]
+    links += [(name, "~locked_") for name in RESETS if name in known]
+    for line in pinout.lines:
+        pins = pinout.pins[line.name]
+        for pin in pins:
+            if pin is not None:
+                way = {"in": "input", "out": "output", "both": "inout"}[line.direction]
+                heads.append(f"  {way} {pin.name}")
+        more, made = _line(board, line, pins)
+        body += more
+        links += made
+    connections = ",\n".join(f"    .{name}({value})" for name, value in links)
+    return "\n".join(
+        [
+            f"module {NAME}(",
+            ",\n".join(heads),
+            ");",
+            *body,
+            f"  {top.lower()} design_(",
+            connections,
+            "  );",
+            "endmodule",
+            "",
+        ]
+    )
+
+
+def has_reset(ports: Sequence[Port]) -> bool:
+    """Say whether the design can be held in reset until the PLL has locked."""
+    return any(port.name in RESETS for port in ports)
+
+
+def constraints(board: Board, pinout: Pinout) -> str:
+    """Return the constraint file of the family: where each port of the wrapper is, and how it is driven."""
+    fixed = [(board.clock_pin, True), (board.rx, True), (board.tx, False)]
+    pins = [(board.pins[name], is_input) for name, is_input in fixed]
+    pins += [(pin, line.direction != "out") for line, _, pin in pinout]
+    lines = []
+    for pin, is_input in pins:
+        pull = pin.pull if is_input else "none"
+        if board.family == "ice40":
+            # A two-way pin is a cell of its own, which has its pull-up as a parameter.
+            lines.append(f"set_io{' -pullup yes' if pull == 'up' else ''} {pin.name} {pin.site}")
+        else:
+            lines.append(f'LOCATE COMP "{pin.name}" SITE "{pin.site}";')
+            lines.append(f'IOBUF PORT "{pin.name}" IO_TYPE={pin.io} PULLMODE={pull.upper()};')
+    return "\n".join(lines) + "\n"
+
+
+def _one_of(known: set[str], names: Sequence[str], top: str, what: str) -> str:
+    found = [name for name in names if name in known]
+    if len(found) != 1:
+        raise BoardError(
+            f"{top} needs one port for the {what}, called {' or '.join(names)}; it has {found or 'none'}"
+        )
+    return found[0]
+
+
+def _clock(board: Board, pll: Pll | None) -> list[str]:
+    if pll is None:
+        return [f"  assign clock_ = {board.clock_pin};", "  assign locked_ = 1'b1;"]
+    parameters = ", ".join(f".{name}({value})" for name, value in pll.parameters)
+    if board.family == "ice40":
+        cell, pin = (
+            ("SB_PLL40_PAD", "PACKAGEPIN") if board.pll == "pad" else ("SB_PLL40_CORE", "REFERENCECLK")
+        )
+        wires = (
+            f".{pin}({board.clock_pin}), .PLLOUTGLOBAL(clock_), .LOCK(locked_), .RESETB(1'b1), .BYPASS(1'b0)"
+        )
+    else:
+        cell = "EHXPLLL"
+        wires = f".CLKI({board.clock_pin}), .CLKFB(clock_), .CLKOP(clock_), .LOCK(locked_), .RST(1'b0)"
+        wires += ", .STDBY(1'b0)"
+        wires += (
+            ", .PHASESEL0(1'b0), .PHASESEL1(1'b0), .PHASEDIR(1'b1), .PHASESTEP(1'b1), .PHASELOADREG(1'b1)"
+        )
+        wires += ", .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)"
+    return [f"  {cell} #({parameters}) pll_({wires});"]
+
+
+def _line(board: Board, line: Line, pins: Sequence[Pin | None]) -> tuple[list[str], list[tuple[str, str]]]:
+    """Return the statements around a line's ports, and what its ports are connected to."""
+    if line.direction == "in":
+        return [], [(line.name, _reading(pins, {}))]
+    wires = f"[{line.bits - 1}:0]"
+    if line.direction == "out":
+        net = f"{line.name}_out_"
+        body = [f"  wire {wires} {net};"]
+        body += [f"  assign {p.name} = {_turned(p)}{net}[{n}];" for n, p in enumerate(pins) if p is not None]
+        return body, [(line.name, net)]
+    net, drive = f"{line.name}_out_", f"{line.name}_drive_"
+    body = [f"  wire {wires} {net}, {drive};"]
+    reads = {}
+    for number, pin in enumerate(pins):
+        if pin is not None:
+            reads[pin.name] = f"{pin.name}_in_"
+            body.append(f"  wire {reads[pin.name]};")
+            value = f"{_turned(pin)}{net}[{number}]"
+            if board.family == "ice40":
+                pull = f", .PULLUP(1'b{int(pin.pull == 'up')})"
+                wired = f".PACKAGE_PIN({pin.name}), .OUTPUT_ENABLE({drive}[{number}]), .D_OUT_0({value})"
+                cell = f"SB_IO #(.PIN_TYPE(6'b101001){pull})"
+                body.append(f"  {cell} {pin.name}_io_({wired}, .D_IN_0({reads[pin.name]}));")
+            else:
+                wired = f".B({pin.name}), .I({value}), .T(~{drive}[{number}]), .O({reads[pin.name]})"
+                body.append(f"  BB {pin.name}_io_({wired});")
+    ports = [
+        (f"{line.name}_in", _reading(pins, reads)),
+        (f"{line.name}_out", net),
+        (f"{line.name}_drive", drive),
+    ]
+    return body, ports
+
+
+def _reading(pins: Sequence[Pin | None], nets: dict[str, str]) -> str:
+    """Return the bits of an input, the highest first; one without a pin is 0."""
+    bits = ["1'b0" if p is None else f"{_turned(p)}{nets.get(p.name, p.name)}" for p in reversed(pins)]
+    return "{" + ", ".join(bits) + "}"
+
+
+def _turned(pin: Pin) -> str:
+    return "~" if pin.active_low else ""

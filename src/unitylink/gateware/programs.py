@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The programs that make a bitstream of a netlist: found, run, and their failures told."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+_SECONDS_MOST = 1800.0
+_LINES_SHOWN = 8
+
+
+def find_program(names: Sequence[str], remedy: str) -> str:
+    """Return the path of the first of `names` that is beside this Python or on PATH.
+
+    Raises ToolError, which says that it is missing and the `remedy`.
+    """
+    beside = str(Path(sys.executable).parent)
+    for name in names:
+        found = shutil.which(name, path=beside) or shutil.which(name)
+        if found is not None:
+            return found
+    raise ToolError(f"{' or '.join(names)} is missing; {remedy}")
+
+
+def run_program(command: Sequence[str], folder: Path, *, timeout_s: float = _SECONDS_MOST) -> tuple[int, str]:
+    """Run a program in `folder`; return its exit code and all it printed. Raises ToolError when it hangs."""
+    try:
+        done = subprocess.run(
+            list(command),
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=timeout_s,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise ToolError(f"{Path(command[0]).name}: no end after {timeout_s:.0f} s") from error
+    return done.returncode, done.stdout
+
+
+def map_cells(family: str, top: str, sources: Sequence[str], made: str, folder: Path) -> str:
+    """Let yosys map Verilog on the cells of a family (ice40, ecp5, ...) and write JSON for nextpnr.
+
+    `sources` and `made` are names in `folder`. Return how many cells of each kind, as yosys prints it.
+    """
+    yosys = find_program(["yosys"], "on Debian or Ubuntu: sudo apt-get install yosys")
+    script = f"read_verilog {' '.join(sources)}; synth_{family} -top {top}; stat; write_json {made}"
+    code, said = run_program([yosys, "-p", script], folder)
+    if code != 0:
+        lines = "\n".join(said.strip().splitlines()[-_LINES_SHOWN:])
+        raise ToolError(f"yosys synth_{family} of {top} failed:\n{lines}")
+    return said.rpartition("Printing statistics.")[2].split("\n\n\n")[0].strip()

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink build` with the real tools: bitstreams, and reports that tell what is in them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from unitylink.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+# A two-way pin, an active-low one, a PLL, and publishing off: everything of the flow in the smallest design.
+SMALL = """
+link small (BAUD=1000000);
+public small() {
+   pad: gpio(pins=2);
+   @led = 0x40: u2 WRITE();
+   @button = 0x41: bool READ();
+}
+"""
+
+
+def test_servo_on_icebreaker(tmp_path: Path) -> None:
+    spec = ROOT / "examples" / "servo" / "servo.ul"
+    assert main(["build", str(spec), "--board", "icebreaker", "--out", str(tmp_path)]) == 0
+    report = json.loads((tmp_path / "report.json").read_text())
+    bitstream = (tmp_path / "servo-icebreaker.bin").read_bytes()
+    assert 0x7EAA997E.to_bytes(4, "big") in bitstream[:256] and len(bitstream) > 100_000
+    cells = {area["what"]: area for area in report["area"]}
+    assert 1000 < cells["logic cells"]["used"] <= cells["logic cells"]["available"] == 5280
+    assert report["fmax_hz"] >= report["clock_hz"] == 12_000_000
+    assert report["url"] == "serial:/dev/ttyUSB1?baud=1000000"
+    assert report["pins"]["servos[1]"] == "P1A2 (site 2)"
+    assert report["pins"]["lamp"] == "LEDG_N (site 37, active low)"
+    assert "the design is good for" in (tmp_path / "report.txt").read_text()
+
+
+def test_small_design_on_ulx3s(tmp_path: Path) -> None:
+    """The other family, with a PLL, a two-way pin and words on pins."""
+    (tmp_path / "small.ul").write_text(SMALL)
+    out = tmp_path / "out"
+    assert main(["build", str(tmp_path / "small.ul"), "--board", "ulx3s:25f", "--out", str(out)]) == 0
+    report = json.loads((out / "report.json").read_text())
+    assert (out / "small-ulx3s-25f.bit").stat().st_size > 50_000
+    assert report["fmax_hz"] >= report["clock_hz"] == 50_000_000
+    assert report["pins"]["pad_pin[0]"].startswith("GP25")
+    assert not [text for text in report["notices"] if "before the PLL" in text]

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a build says when the tools do not make a bitstream: fakes of nextpnr say what the real one does."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from unitylink.boards import Order, build_bitstream, load_board, read_report
+from unitylink.boards.report import forget
+from unitylink.errors import BoardError, ToolError
+
+SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
+FULL = """echo 'Info: Device utilisation:'
+echo 'Info:            ICESTORM_LC:  7889/ 5280   149%'
+echo 'Info:           ICESTORM_RAM:    22/   30    73%'
+echo "ERROR: Unable to place cell 'x', no Bels remaining of type 'ICESTORM_LC'"
+exit 1
+"""
+SLOW = """echo '{"fmax": {"clock_": {"achieved": 31.25, "constraint": 48}}, "utilization": {}}' > timing.json
+"""
+BROKEN = "echo 'ERROR: IO constraint on pin 99 does not exist'; exit 1\n"
+
+
+def program(folder: Path, name: str, script: str) -> None:
+    path = folder / name
+    path.write_text("#!/bin/sh\n" + script, encoding="utf-8")
+    path.chmod(0o755)
+
+
+@pytest.fixture
+def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
+    """A build whose yosys makes nothing, quickly."""
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    program(tools, "yosys", "touch board.json\n")
+    monkeypatch.setenv("PATH", f"{tools}:{os.environ['PATH']}")
+    (tmp_path / "lamp.ul").write_text(SPEC, encoding="utf-8")
+    board = load_board("ice40-hx8k")
+    return Order(spec_file=str(tmp_path / "lamp.ul"), folder=tmp_path / "out", board=board, seeds=2)
+
+
+@pytest.mark.parametrize(
+    ("nextpnr", "kind", "message"),
+    [
+        (
+            FULL,
+            BoardError,
+            "does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280",
+        ),
+        (
+            SLOW,
+            BoardError,
+            r"too slow for its clock: 31.2 MHz at best of 2 seeds, .*--clock-hz 31000000",
+        ),
+        (BROKEN, ToolError, "nextpnr gave up .*nextpnr.log.*\nERROR: IO constraint on pin 99 does not exist"),
+    ],
+)
+def test_no_bitstream_and_why(
+    order: Order, tmp_path: Path, nextpnr: str, kind: type[Exception], message: str
+) -> None:
+    program(tmp_path / "bin", "nextpnr-ice40", nextpnr)
+    order.folder.mkdir()
+    (order.folder / "report.json").write_text("{}")
+    said: list[str] = []
+    with pytest.raises(kind, match=message):
+        build_bitstream(order, said.append)
+    assert said[-1].startswith("seed 2 reaches" if nextpnr is SLOW else "nextpnr places and routes, seed 1")
+    with pytest.raises(BoardError, match="is no folder that `unitylink build SPEC --board NAME` finished"):
+        read_report(order.folder)
+
+
+def test_a_missing_program_is_named_before_anything_starts(
+    order: Order, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+    with pytest.raises(ToolError, match=r"nextpnr-ice40 is missing; .*apt-get install nextpnr-ice40"):
+        build_bitstream(order)
+    program(tmp_path / "bin", "nextpnr-ice40", "")
+    with pytest.raises(ToolError, match=r"icepack is missing; .*apt-get install fpga-icestorm"):
+        build_bitstream(order)
+    assert not order.folder.exists()
+
+
+def test_a_line_that_is_too_fast(order: Order) -> None:
+    board = load_board("icebreaker")
+    with pytest.raises(BoardError, match=r"2,000,000 baud needs a clock of 16 MHz .* --clock-hz 16000000"):
+        build_bitstream(replace(order, board=board, baud_hz=2_000_000))
+    with pytest.raises(BoardError, match="icebreaker: the line takes at most 12,000,000 baud"):
+        build_bitstream(
+            Order(spec_file=order.spec_file, folder=order.folder, board=board, baud_hz=20_000_000)
+        )
+
+
+def test_what_an_earlier_build_left_is_forgotten(tmp_path: Path) -> None:
+    for name in ("report.json", "report.txt", "a.bin", "mine.txt"):
+        (tmp_path / name).touch()
+    forget(tmp_path, "a.bin")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]

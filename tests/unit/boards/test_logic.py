@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is built around the link: the user's VHDL, or words on pins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unitylink.boards.logic import Wanted, design_sources, logic_of
+from unitylink.errors import BoardError
+from unitylink.gateware import netlist, ports_of
+from unitylink.generate import write
+from unitylink.spec import load
+
+SPEC = """
+public arm() {
+   drive: pwm(channels=2);
+   pad: gpio(pins=3);
+   @lamp = 0x40: bool WRITE(INITIAL=1);
+   @speed = 0x41: i16 WRITE();
+   @keys = 0x42: u4 READ();
+   @level = 0x43: bool READ();
+   @trips = 0x44: READCLEAR();
+   j1: joint(1);
+}
+joint(n: int) {
+   @led = 0x50 + n: u2 WRITE();
+   @angle = 0x60 + n: signed READ();
+}
+"""
+
+
+def wanted(folder: Path, **more: object) -> Wanted:
+    (folder / "arm.ul").write_text(SPEC, encoding="utf-8")
+    return Wanted(spec_file=str(folder / "arm.ul"), folder=folder / "out", **more)  # type: ignore[arg-type]
+
+
+def test_words_on_pins_are_synthesised(tmp_path: Path) -> None:
+    order = wanted(tmp_path, pins=("speed=P1A1", "level=BTN1"))
+    spec = load(order.spec_file)
+    write(spec, order.folder, "vhdl")
+    logic = logic_of(spec, order)
+    assert logic.components["drive_pins"] == "pwm" and logic.components["pad_pin_in"] == "gpio"
+    assert logic.notices == (
+        "nothing drives trips, j1.angle: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
+    )
+    verilog = netlist(
+        logic.top, sources=[*design_sources(spec, order.folder), *logic.sources], assertions=False
+    )
+    ports = {port.name: (port.is_input, port.bits) for port in ports_of(verilog, logic.top)}
+    assert ports == {
+        "clock": (True, 1),
+        "reset": (True, 1),
+        "rx_line": (True, 1),
+        "tx_line": (False, 1),
+        "drive_pins": (False, 2),
+        "pad_pin_in": (True, 3),
+        "pad_pin_out": (False, 3),
+        "pad_pin_drive": (False, 3),
+        "lamp": (False, 1),
+        "speed": (False, 16),
+        "keys": (True, 4),
+        "level": (True, 1),
+        "j1_led": (False, 2),
+    }
+
+
+def test_own_vhdl_beside_the_spec(tmp_path: Path) -> None:
+    order = wanted(tmp_path)
+    spec = load(order.spec_file)
+    (tmp_path / "arm_board.vhd").write_text(
+        "-- entity not_this is\nentity Arm_Board is\n generic (clock_hz : positive);\nend;\n"
+    )
+    logic = logic_of(spec, order)
+    assert (logic.top, logic.generics) == ("arm_board", {"clock_hz"})
+    assert logic.notices == ("Arm_Board has no generic baud_hz: what it has instead counts",)
+
+
+@pytest.mark.parametrize(
+    ("text", "top", "message"),
+    [
+        ("entity a is\nend;\nentity b is\nend;", None, r"has 2 entities \(a, b\): say which with --top"),
+        ("entity a is\nend;", "c", "no entity c is in"),
+        ("package p is\nend;", None, "has 0 entities"),
+    ],
+)
+def test_own_vhdl_that_cannot_be(tmp_path: Path, text: str, top: str | None, message: str) -> None:
+    (tmp_path / "x.vhd").write_text(text)
+    order = wanted(tmp_path, logic=(tmp_path / "x.vhd",), top=top)
+    with pytest.raises(BoardError, match=message):
+        logic_of(load(order.spec_file), order)
+
+
+def test_files_and_options_that_are_not_there(tmp_path: Path) -> None:
+    order = wanted(tmp_path, logic=(tmp_path / "none.vhd",))
+    with pytest.raises(BoardError, match=r"none\.vhd: there is no such VHDL file"):
+        logic_of(load(order.spec_file), order)
+    with pytest.raises(BoardError, match="--top a: say with --logic"):
+        logic_of(load(order.spec_file), wanted(tmp_path, top="a"))

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Manifests: those that come along are whole, and every mistake in one is told with its key."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unitylink.boards import Board, board_names, load_board
+from unitylink.boards.families import FAMILIES
+from unitylink.boards.flash import PACKAGES
+from unitylink.boards.manifest import ROLES
+from unitylink.errors import BoardError
+from unitylink.resources import resource_folder
+
+GOOD = (resource_folder("boards") / "icebreaker" / "board.toml").read_text(encoding="utf-8")
+
+
+def own(folder: Path, text: str) -> Board:
+    (folder / "mine").mkdir()
+    (folder / "mine" / "board.toml").write_text(text, encoding="utf-8")
+    return load_board(str(folder / "mine"))
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_boards_that_come_along_are_whole(name: str) -> None:
+    board = load_board(name)
+    assert board.family in FAMILIES
+    assert board.pins_from and board.flash.keys() <= PACKAGES.keys() and board.flash
+    assert board.baud_hz <= board.baud_hz_most and board.baud_hz * 8 <= board.design_hz
+    assert len({board.pins[pin].site for pin in (board.clock_pin, board.rx, board.tx)}) == 3
+    fixed = {board.pins[pin].site for pin in (board.clock_pin, board.rx, board.tx)}
+    for role in ROLES:
+        sites = [board.pins[pin].site for pin in board.roles[role]]
+        assert len(sites) >= 2 and len(set(sites)) == len(sites) and not fixed & set(sites), role
+    assert (board.family == "ecp5") == all(pin.io for pin in board.pins.values())
+
+
+def test_a_folder_of_ones_own(tmp_path: Path) -> None:
+    assert own(tmp_path, GOOD).device == "up5k"
+    assert load_board(str(tmp_path / "mine" / "board.toml")).title.startswith("iCEBreaker")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ('family = "ice40"', 'family = "ice4"', r"chip.family: is 'ice4'; did you mean ice40\?"),
+        ('family = "ice40"', 'famliy = "ice40"', r"chip.famliy: there is no such key; did you mean family\?"),
+        ("hz = 12_000_000\n", "hz = 0\n", "clock.hz: is 0; a number above 0 is asked for"),
+        ('rx = "RX"', 'rx = "RXD"', r"link.rx: is 'RXD'; did you mean RX\?"),
+        ('tx = "TX"\n', "", "link.tx: is missing"),
+        (
+            '"P1A1", "P1A2"',
+            '"P1A1", "P1A22"',
+            r"roles.pwm: 'P1A22' is no pin of \[pins\]; did you mean P1A2",
+        ),
+        ('P1A1 = "4"', '_P1 = "4"', "pins._P1: a pin's name begins with a letter"),
+        ('P1A1 = "4"', "P1A1 = 4", "pins.P1A1 is 4; a table is asked for"),
+        ('active = "low"', 'active = "lwo"', r"pins.BTN_N.active: is 'lwo'; did you mean low\?"),
+        ('physical = "uart"', 'physical = "ft245"', "link.physical: is 'ft245'; there are: uart"),
+        ("[chip]", "[chip", "board.toml: .*line 9"),
+        ("title =", "notes = 3\ntitle =", "board.toml"),
+    ],
+)
+def test_mistakes_are_told_with_their_key(tmp_path: Path, before: str, after: str, message: str) -> None:
+    assert before in GOOD
+    with pytest.raises(BoardError, match=message):
+        own(tmp_path, GOOD.replace(before, after, 1))
+
+
+def test_boards_that_are_not_there() -> None:
+    with pytest.raises(BoardError, match=r"no board is called 'icebraker'; did you mean icebreaker\?"):
+        load_board("icebraker")
+    with pytest.raises(BoardError, match="ulx3s comes in variants: ulx3s:12f, "):
+        load_board("ulx3s")
+    with pytest.raises(BoardError, match=r"ulx3s:86f: did you mean ulx3s:85f\?"):
+        load_board("ulx3s:86f")
+    for name in ("", ".", "..", "../gateware"):
+        with pytest.raises(BoardError, match="no board is called"):
+            load_board(name)
