@@ -25,7 +25,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
     "check": ("check", "Check specs; every mistake with its place and remedy."),
-    "explain": ("explain", "Explain a diagnostic code, with an example and its remedy."),
+    "explain": ("explain", "Explain a code of `check` or of `doctor`."),
     "lsp": ("lsp", "Serve editors (the language server)."),
     "fmt": ("fmt", "Lay specs out in the canonical way."),
     "generate": ("generate", "Make typed Python classes and a VHDL design from a spec."),
@@ -59,6 +59,8 @@ Examples, none of which needs a board:
   unitylink new arm && cd arm && python run.py
   unitylink read sim:arm.ul '*.position'
   unitylink simulate arm.ul --tcp 5555
+
+The examples of all commands are about this arm.ul, which `unitylink new arm` writes.
 
 LINK is where the device is: {forms()}.
 `unitylink COMMAND --help` shows examples of each.

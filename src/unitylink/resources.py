@@ -11,17 +11,16 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def resource_folder(name: str) -> Path:
-    """Return the folder called `name` ("gateware", "examples").
+    """Return the folder called `name` ("gateware", "examples", "tools/wireshark").
 
     Raises ToolError for one that this installation came without.
 
     >>> (resource_folder("examples") / "scara" / "scara.ul").is_file()
     True
     """
-    for folder in (_PACKAGE.parents[1] / name, _PACKAGE / "share" / name):
-        if folder.is_dir() and (
-            folder.parent.name == "share" or (folder.parent / "pyproject.toml").is_file()
-        ):
+    for root in (_PACKAGE.parents[1], _PACKAGE / "share"):
+        folder = root / name
+        if folder.is_dir() and (root.name == "share" or (root / "pyproject.toml").is_file()):
             return folder
     raise ToolError(
         f"the folder {name}/ did not come with this installation ({_PACKAGE}); "

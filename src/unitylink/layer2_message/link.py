@@ -243,6 +243,10 @@ class Link:
         """Whether the link has ended, by close() or because the port is gone."""
         return self._native.closed
 
+    def check_alive(self) -> None:
+        """Raise LinkClosed, which says why, if the link has ended."""
+        self._native.check_alive()
+
     def close(self) -> None:
         """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
         _open.discard(self)

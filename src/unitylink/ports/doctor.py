@@ -7,6 +7,7 @@ first that fails is the cause of all that would follow.
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from .findings import Finding, finding
 from .machine import Machine
 from .probe import WAIT_S, Answer, find_polynomial, probe
 from .probe import request as configuration_request
+from .udev import program
 
 if TYPE_CHECKING:
     from unitylink.spec.model import Element, Spec
@@ -66,6 +68,16 @@ class _Place:
         scheme, _, rest = url.partition(":")
         path, _, query = rest.partition("?")
         return cls(url, scheme, path, dict(parse_qsl(query)))
+
+    @property
+    def name(self) -> str:
+        """`/dev/ttyUSB0`, `tcp://10.0.0.2:5555`: what a user calls it."""
+        return self.path if self.scheme == "serial" else f"{self.scheme}:{self.path}"
+
+    @property
+    def host_and_port(self) -> tuple[str, str]:
+        host, _, port = self.path.lstrip("/").rpartition(":")
+        return host or self.path, port
 
     @property
     def baud_hz(self) -> int:
@@ -125,7 +137,10 @@ class _Doctor:
         self.say(f"looking at {device}")
         if not machine.exists(device):
             ports = ", ".join(port.device for port in machine.serial_ports()) or "none"
-            return [finding("no-port", device=device, ports=ports)]
+            absent = [finding("no-port", device=device, ports=ports)]
+            return absent + ([finding("brltty", device=device)] if machine.runs("brltty") else [])
+        if not machine.is_serial(device):
+            return [finding("no-serial-port", device=device)]
         found = []
         if not machine.may_open(device):
             found.append(finding("permission", device=device, group=machine.group_of(device)))
@@ -134,7 +149,8 @@ class _Doctor:
             pids = " ".join(str(holder.pid) for holder in holders)
             found.append(finding("busy-port", device=device, holders=names, pids=pids))
         if machine.modem_manager_probes(device):
-            found.append(finding("modem-manager", device=device, link=self.place.url))
+            link = shlex.quote(self.place.url)
+            found.append(finding("modem-manager", device=device, program=program(), link=link))
         latency_ms = machine.serial_port(device).latency_timer_ms
         if latency_ms is not None and latency_ms > 1:
             name = device.rpartition("/")[2]
@@ -149,8 +165,7 @@ class _Doctor:
             driver = self.open_driver(place.url)
         except LinkError as error:
             if place.scheme in ("tcp", "udp"):
-                host = place.path.lstrip("/").rpartition(":")[0]
-                return [finding("unreachable", reason=error.message, host=host)]
+                return [self.unreachable(error)]
             raise
         try:
             self.say("asking for its configuration")
@@ -159,20 +174,25 @@ class _Doctor:
                 return self.wrong_answer(driver, answer)
             found = self.round_trips(driver)
         except LinkError as error:
-            host = place.path.lstrip("/").rpartition(":")[0]
-            return [finding("unreachable", reason=error.message, host=host or place.path)]
+            return [self.unreachable(error)]
         finally:
             driver.close()
         if self.spec is not None and not _stopped(found):
             found += self.against_spec(self.spec)
         return found
 
+    def unreachable(self, error: LinkError) -> Finding:
+        host, port = self.place.host_and_port
+        place = self.place.name
+        reason = error.message.removeprefix(f"{place}: ")
+        return finding("unreachable", place=place, reason=reason, host=host, port=port)
+
     def probe(self, driver: OpenedDriver, *, checked: bool = True) -> Answer:
         polynomial = self.place.polynomial
         return probe(driver, checked=checked, polynomial=polynomial, wait_s=self.wait_s, clock=self.clock)
 
     def wrong_answer(self, driver: OpenedDriver, answer: Answer) -> list[Finding]:
-        place = self.place.path
+        place = self.place.name
         if answer.kind == "busy":
             return [finding("board-busy", place=place)]
         if answer.kind == "line-errors":

@@ -42,15 +42,31 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "{device} is not there; ports on this machine: {ports}",
             "unitylink discover",
             "The board is not plugged in, has no power, or was given another number. Names that do not "
-            "change are in /dev/serial/by-id/. `dmesg -w` shows what the kernel says at plug-in.",
+            "change are in /dev/serial/by-id/. `dmesg -w` shows what the kernel says at plug-in. Into a "
+            "container or WSL the port has to be handed: `docker run --device`, `usbipd attach`.",
+        ),
+        "brltty": FindingKind(
+            "warning",
+            "A driver for Braille displays takes ports away",
+            "brltty runs, which takes the USB chip of {device} for a Braille display",
+            "sudo apt remove brltty    (if nobody reads Braille here; then plug the board in anew)",
+            "Ubuntu 22.04 starts it for some CH340, CP210x and FTDI chips: the port appears and goes at "
+            "once. `sudo dmesg | grep brltty` shows it.",
+        ),
+        "no-serial-port": FindingKind(
+            "error",
+            "The file is not a serial port",
+            "{device} is there, and is something else",
+            "unitylink discover",
+            "Serial ports are called /dev/ttyUSB0, /dev/ttyACM0, /dev/ttyS0 or /dev/serial/by-id/...",
         ),
         "permission": FindingKind(
             "error",
             "The port may not be opened",
             "{device} belongs to the group {group}, and this user is not in it",
-            "sudo usermod -aG {group} $USER    (then log in anew)",
-            "Or let the udev rule open it to whoever sits at the machine: "
-            "`sudo unitylink doctor LINK --install`.",
+            "sudo usermod -aG {group} $USER    (then log out and in again)",
+            "`newgrp {group}` does it for one shell at once. Or let the udev rule open the port to whoever "
+            'sits at the machine (not over ssh): `sudo "$(which unitylink)" doctor LINK --install`.',
         ),
         "busy-port": FindingKind(
             "error",
@@ -63,8 +79,10 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "warning",
             "ModemManager talks to the port",
             "ModemManager runs and sends modem commands to {device} whenever the board is plugged in",
-            "sudo unitylink doctor {link} --install",
-            "The rule sets ID_MM_DEVICE_IGNORE for this board; plug it in anew afterwards.",
+            "sudo {program} doctor {link} --install",
+            "It writes a udev rule that sets ID_MM_DEVICE_IGNORE for this kind of USB chip; plug the board "
+            "in anew afterwards. sudo knows no virtual environment and wants the whole path: "
+            '`sudo "$(which unitylink)" doctor LINK --install`.',
         ),
         "latency-timer": FindingKind(
             "warning",
@@ -77,9 +95,10 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
         "unreachable": FindingKind(
             "error",
             "The network device cannot be reached",
-            "{reason}",
-            "ping {host}",
-            "Wrong address or port, a firewall, or a board that is off. UDP only finds out when it sends.",
+            "{place}: {reason}",
+            "ping {host}    (if that answers: nothing serves port {port} there)",
+            "Wrong address or port, a firewall, or a board that is off; of a virtual board, `unitylink "
+            "simulate` does not run, or serves this machine only (--bind). UDP only finds out when it sends.",
         ),
         "wrong-baud": FindingKind(
             "error",

@@ -65,6 +65,7 @@ class Machine:
         self, root: str | Path = "/", *, uid: int | None = None, gids: Collection[int] | None = None
     ) -> None:
         self.root = Path(root)
+        self._is_this_user = uid is None and gids is None
         self.uid = os.getuid() if uid is None else uid
         self.gids = frozenset((*os.getgroups(), os.getgid()) if gids is None else gids)
 
@@ -120,8 +121,20 @@ class Machine:
     def exists(self, device: str) -> bool:
         return self.path(device).exists()
 
+    def is_serial(self, device: str) -> bool:
+        """Tell whether a file that is there can be a serial port, which /dev/null is not."""
+        real = Path(os.path.realpath(self.path(device)))
+        known = self.path(f"/sys/class/tty/{real.name}").exists()
+        return known or real.name.startswith("tty") or real.parent.name == "pts"
+
     def may_open(self, device: str) -> bool:
-        """Tell whether the mode of the device file lets the user read and write it."""
+        """Tell whether the user may read and write the device file.
+
+        Of this user the system is asked, which knows what an access list grants, such as that of `uaccess`;
+        of another the mode of the file tells.
+        """
+        if self._is_this_user:
+            return os.access(self.path(device), os.R_OK | os.W_OK)
         if self.uid == 0:
             return True
         try:
@@ -159,13 +172,16 @@ class Machine:
             return False
         return os.path.realpath(self.path(link) if link.startswith("/") else link) == target
 
-    def modem_manager_probes(self, device: str) -> bool:
-        """Tell whether ModemManager runs and has not been told to leave the device alone."""
-        runs = any(
-            process.name.isdigit() and _text(process / "comm") == "ModemManager"
+    def runs(self, command: str) -> bool:
+        """Tell whether a process of this name runs."""
+        return any(
+            process.name.isdigit() and _text(process / "comm") == command
             for process in _entries(self.path("/proc"))
         )
-        return runs and "E:ID_MM_DEVICE_IGNORE=1" not in self._udev_properties(device)
+
+    def modem_manager_probes(self, device: str) -> bool:
+        """Tell whether ModemManager runs and has not been told to leave the device alone."""
+        return self.runs("ModemManager") and "E:ID_MM_DEVICE_IGNORE=1" not in self._udev_properties(device)
 
     def _udev_properties(self, device: str) -> set[str]:
         name = os.path.basename(os.path.realpath(self.path(device)))

@@ -6,6 +6,10 @@ Source of the keys: udev(7), ModemManager's documentation of ID_MM_DEVICE_IGNORE
 
 from __future__ import annotations
 
+import shlex
+import sys
+from pathlib import Path
+
 from unitylink.errors import UnityLinkError
 
 from .machine import Machine, SerialPort
@@ -19,9 +23,16 @@ def rules(port: SerialPort) -> str:
     match = f'ATTRS{{idVendor}}=="{port.vendor_id:04x}", ATTRS{{idProduct}}=="{port.product_id:04x}"'
     return (
         f"# {port.identity}: for the user at the machine, not for ModemManager, no waiting in the chip\n"
-        f'SUBSYSTEM=="tty", {match}, TAG+="uaccess", ENV{{ID_MM_DEVICE_IGNORE}}="1"\n'
+        f'{match}, ENV{{ID_MM_DEVICE_IGNORE}}="1"\n'  # on the USB device too: ModemManager looks there
+        f'SUBSYSTEM=="tty", {match}, TAG+="uaccess"\n'
         f'SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", {match}, ATTR{{latency_timer}}="1"\n'
     )
+
+
+def program() -> str:
+    """Return what to type behind sudo, which knows no virtual environment: this `unitylink`, whole path."""
+    script = Path(sys.executable).with_name("unitylink")
+    return shlex.join([str(script)] if script.exists() else [sys.executable, "-m", "unitylink"])
 
 
 def install(machine: Machine, port: SerialPort) -> str:
@@ -39,5 +50,7 @@ def install(machine: Machine, port: SerialPort) -> str:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(present + wanted, encoding="utf-8")
     except OSError as error:
-        raise UnityLinkError(f"{path}: {error.strerror or error}; run it with sudo") from error
+        raise UnityLinkError(
+            f"{path}: {error.strerror or error}; run it as root: sudo {program()} doctor LINK --install"
+        ) from error
     return str(path)

@@ -36,9 +36,9 @@ def command(
 
     \b
     Examples:
-      unitylink budget scara.ul
-      unitylink budget scara.ul --baud 3000000
-      unitylink budget walker18.ul --baud 921600 --crc --json
+      unitylink budget arm.ul
+      unitylink budget arm.ul --baud 3000000
+      unitylink budget arm.ul --baud 921600 --crc --json
     """
     spec = load(spec_file)
     budgets = [

@@ -30,11 +30,11 @@ def command(specs: tuple[str, ...], as_json: bool, as_sarif: bool, fix: bool, di
 
     \b
     Examples:
-      unitylink check scara.ul
-      unitylink check --diff scara.ul
-      unitylink check --fix scara.ul
+      unitylink check arm.ul
+      unitylink check --diff arm.ul
+      unitylink check --fix arm.ul
       unitylink check arms/*.ul --json
-      cat scara.ul | unitylink check -
+      cat arm.ul | unitylink check -
     """
     from unitylink.spec import render
 

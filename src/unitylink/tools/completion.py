@@ -7,19 +7,20 @@ import click
 from click.shell_completion import get_completion_class
 
 _WHERE = {
-    "bash": 'eval "$(unitylink completion bash)"    in ~/.bashrc',
-    "zsh": 'eval "$(unitylink completion zsh)"    in ~/.zshrc',
+    "bash": 'eval "$(unitylink completion bash)"    # in ~/.bashrc',
+    "zsh": 'eval "$(unitylink completion zsh)"     # in ~/.zshrc',
     "fish": "unitylink completion fish > ~/.config/fish/completions/unitylink.fish",
 }
 
 
-@click.command(epilog="\b\n" + "\n".join(f"{shell:<6} {where}" for shell, where in _WHERE.items()))
+@click.command(
+    help="Print the script that lets SHELL complete commands and options with the TAB key.\n\n"
+    "\b\nExamples, which also say where the script belongs:\n"
+    + "\n".join(f"  {where}" for where in _WHERE.values())
+)
 @click.argument("shell", type=click.Choice(list(_WHERE)))
 def command(shell: str) -> None:
-    """Print the script that lets SHELL complete commands and options with the TAB key.
-
-    Examples, which also say where the script belongs:
-    """
+    """See `help` above, which is made of the table."""
     from unitylink.cli import cli
 
     kind = get_completion_class(shell)

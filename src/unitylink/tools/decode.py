@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import click
 
 from unitylink.capture import CaptureMessage, Packet, PcapngWriter, messages, read_packets
+from unitylink.resources import resource_folder
 
 from .link_option import load_names, spec_option
 from .names import Names
@@ -19,6 +20,14 @@ from .wire_reader import wire_reader
 _KINDS = ("request", "reply", "publish", "error", "damaged")
 _ARROWS = {"sent": ">", "received": "<"}
 _COLOURS = {"publish": "\x1b[2m", "error": "\x1b[31m", "damaged": "\x1b[31m"}
+
+
+def _print_dissector(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        click.echo(
+            (resource_folder("tools/wireshark") / "unitylink.lua").read_text(encoding="utf-8"), nl=False
+        )
+        ctx.exit()
 
 
 @click.command()
@@ -31,8 +40,18 @@ _COLOURS = {"publish": "\x1b[2m", "error": "\x1b[31m", "damaged": "\x1b[31m"}
 @click.option(
     "--pcapng", metavar="FILE", help="Write the messages to a capture, one a packet: for Wireshark."
 )
-@click.option("--address-bytes", type=click.IntRange(1, 4), help="Where the capture has no configuration.")
-@click.option("--data-bytes", type=click.IntRange(1, 4), help="Likewise.")
+@click.option(
+    "--address-bytes", type=click.IntRange(1, 4), metavar="N", help="Where the capture has no configuration."
+)
+@click.option("--data-bytes", type=click.IntRange(1, 4), metavar="N", help="Likewise.")
+@click.option(
+    "--dissector",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_dissector,
+    help="Print the dissector for Wireshark (Lua), and do nothing else.",
+)
 @json_option("one object a line")
 def command(
     capture: str,
@@ -50,13 +69,13 @@ def command(
     """Print what went over a link: time, direction, bytes and meaning.
 
     FILE was written by `?trace=FILE` on a link's URL. Times are seconds since its first byte. With --spec
-    words have their names. Wireshark opens the same file; tools/wireshark/ has a dissector for it.
+    words have their names. Wireshark opens the same file, with the dissector that --dissector prints.
 
     \b
     Examples:
-      unitylink read 'tcp://127.0.0.1:5555?trace=arm.pcapng' j1.cpos --spec arm.ul
+      unitylink read 'tcp://127.0.0.1:5555?trace=arm.pcapng' x.position --spec arm.ul
       unitylink decode arm.pcapng --spec arm.ul
-      unitylink decode arm.pcapng --not publish --match j1
+      unitylink decode arm.pcapng --not publish --match x.target
       unitylink decode arm.pcapng --only error,damaged --json
       unitylink decode arm.pcapng --pcapng messages.pcapng
     """

@@ -13,15 +13,35 @@ if TYPE_CHECKING:
     from unitylink.ports import Machine, SerialPort
 
 _BAUD_HZ = 3_000_000
+_SAID = {
+    "silence": "nothing",
+    "garbage": "something else, or a board at another baud rate",
+    "echo": "just what is sent to it",
+    "busy": "a board that serves another program",
+    "refused": "a board that does not tell its configuration",
+    "checksum": "a board with another checksum",
+    "line-errors": "a board that hears another baud rate or parity",
+}
 
 
 @click.command()
 @click.option("--ask", is_flag=True, help="Ask on every free port, and on the network, who is there.")
 @click.option(
-    "--baud", "baud_hz", type=click.IntRange(1), default=_BAUD_HZ, show_default=True, help="At this rate."
+    "--baud",
+    "baud_hz",
+    type=click.IntRange(1),
+    default=_BAUD_HZ,
+    show_default=True,
+    metavar="N",
+    help="At this rate.",
 )
 @click.option(
-    "--port", type=click.IntRange(1, 65535), default=5555, show_default=True, help="UDP port to ask."
+    "--port",
+    type=click.IntRange(1, 65535),
+    default=5555,
+    show_default=True,
+    metavar="N",
+    help="UDP port to ask.",
 )
 @click.option(
     "--broadcast", default="255.255.255.255", show_default=True, metavar="ADDRESS", help="Where to ask."
@@ -30,7 +50,10 @@ _BAUD_HZ = 3_000_000
 def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool) -> None:
     """List serial ports: what they are, who holds them, and with --ask what answers there.
 
-    Without --ask no byte is sent: other devices may be on those ports, and some reset when a port is opened.
+    Without --ask no port is opened and no byte is sent: what is on a port is not known yet, a motor
+    controller may act on what it gets, and some boards reset when a port is opened. --ask sends one harmless
+    request (RLC) to each free serial port, at --baud, and as a broadcast over UDP. TCP cannot ask everybody:
+    `unitylink doctor tcp://HOST:PORT` asks one.
 
     \b
     Examples:
@@ -51,13 +74,15 @@ def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool
         print_json({"ports": entries})
         return
     if not entries:
-        click.echo("no serial ports" + ("" if not ask else ", and nobody answers on the network"))
+        more = ", and nobody answers on the network" if ask else "; --ask looks for boards on the network"
+        click.echo("no serial ports" + more)
         return
-    rows = [(e["link"], e["identity"], _held(e), e["answers"] or "") for e in entries]
+    rows = [(e["link"], e["identity"], _held(e), _answer(e, ask)) for e in entries]
     print_table(("link", "what it is", "held by", "answers"), rows)
     if not ask:
         click.echo(
-            "`unitylink discover --ask` asks each free port for a board; `unitylink doctor LINK` looks closer"
+            "`unitylink discover --ask` asks each free port, and the network, for a board; "
+            "`unitylink doctor LINK` looks closer"
         )
 
 
@@ -93,6 +118,12 @@ def _ask(link: str) -> str:
     except LinkError as error:  # gone, or taken, since it was listed
         return error.message
     return f"a board: {answer.fields}" if answer.kind == "configuration" else answer.kind
+
+
+def _answer(entry: dict[str, Any], asked: bool) -> str:
+    if not asked:
+        return "not asked"
+    return _SAID.get(entry["answers"], entry["answers"] or "not asked: the port is held")
 
 
 def _held(entry: dict[str, Any]) -> str:

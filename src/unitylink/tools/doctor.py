@@ -29,7 +29,7 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
 
     Looks at the port (permission, other programs, ModemManager, latency timer), at what answers (silence,
     noise, another baud rate or checksum), and with --spec whether the board has what the spec says. Exit code
-    1 where something keeps the link from working. docs/troubleshooting.md has all findings.
+    1 where something keeps the link from working. `unitylink explain CODE` tells more of a finding.
 
     \b
     Examples:
@@ -64,6 +64,9 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
             bold, off = (colour, "\x1b[0m") if colours(sys.stdout) else ("", "")
             click.echo(f"{bold}{mark} {finding.title}{off} [{finding.code}]\n  {finding.cause}")
             click.echo(f"  mend: {finding.remedy}")
+        if findings:
+            codes = " ".join(finding.code for finding in findings)
+            click.echo(f"more about it: unitylink explain {codes}")
         if healthy:
             click.echo("the board answers, in time and without a fault" if not findings else "the link works")
     click.get_current_context().exit(0 if healthy else 1)

@@ -1,51 +1,64 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink explain`: what a diagnostic code means."""
+"""`unitylink explain`: what the codes of diagnostics and of the doctor's findings mean."""
 
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
 import click
 
 from .failure import Failure
 from .output import colours, json_option, plain_table, print_json
 
+if TYPE_CHECKING:
+    from unitylink.ports.findings import FindingKind
+
 
 @click.command()
 @click.argument("codes", metavar="[CODE]...", nargs=-1)
 @json_option("the explanations")
 def command(codes: tuple[str, ...], as_json: bool) -> None:
-    """Explain diagnostic codes: why it is a mistake, an example of it, and the example mended.
+    """Explain codes: of a diagnostic why it is a mistake, with an example, wrong and mended; of a finding of
+    the doctor what is behind it.
 
     Without a CODE all of them are listed.
 
     \b
     Examples:
       unitylink explain UL013
+      unitylink explain no-port
       unitylink explain
     """
     from dataclasses import asdict
 
+    from unitylink.ports.findings import FINDINGS
     from unitylink.spec import CODES
     from unitylink.spec.explain import explain
     from unitylink.spec.suggest import nearest
 
-    wanted = [code.upper() for code in codes]
-    for code in wanted:
-        if code not in CODES:
-            near = nearest(code, CODES)
-            help_line = f"did you mean {near}? " if near else ""
+    known = {code.upper(): code for code in (*CODES, *FINDINGS)}
+    for code in codes:
+        if code.upper() not in known:
+            near = nearest(code.upper(), known)
+            help_line = f"did you mean {known[near]}? " if near else ""
             raise Failure(f"there is no code {code!r}", help_line + "`unitylink explain` lists all")
+    wanted = [known[code.upper()] for code in codes]
     if as_json:
-        print_json([asdict(explain(code)) for code in wanted or CODES])
+        every = wanted or known.values()
+        print_json([asdict(explain(c)) if c in CODES else {"code": c, **asdict(FINDINGS[c])} for c in every])
         return
     if not wanted:
         rows = [(code, kind.severity, kind.title) for code, kind in CODES.items()]
+        rows += [(code, kind.severity, kind.title) for code, kind in FINDINGS.items()]
         click.echo("\n".join(plain_table(("code", "severity", "title"), rows)))
         return
     bold, off = ("\x1b[1m", "\x1b[0m") if colours(sys.stdout) else ("", "")
     parts = []
     for code in wanted:
+        if code in FINDINGS:
+            parts.append(_finding(code, FINDINGS[code], bold, off))
+            continue
         one = explain(code)
         part = f"{bold}{one.code}, {one.severity}: {one.title}{off}\n\n{one.text}\n"
         if one.wrong:
@@ -53,6 +66,12 @@ def command(codes: tuple[str, ...], as_json: bool) -> None:
             part += f"\n{bold}Right:{off}\n\n{_indented(one.mended)}"
         parts.append(part)
     click.echo("\n".join(parts), nl=False)
+
+
+def _finding(code: str, kind: FindingKind, bold: str, off: str) -> str:
+    more = f"\n{kind.more}\n" if kind.more else ""
+    title = f"{bold}{code}, {kind.severity}: {kind.title}{off}"
+    return f"{title}\n\n{kind.cause}\n\n    {kind.remedy}\n{more}"
 
 
 def _indented(text: str) -> str:

@@ -27,9 +27,9 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
 
     \b
     Examples:
-      unitylink fmt scara.ul
+      unitylink fmt arm.ul
       unitylink fmt --check arms/*.ul
-      unitylink fmt - < scara.ul
+      unitylink fmt - < arm.ul
     """
     if check and stdout:
         raise click.UsageError("--check and --stdout exclude each other")

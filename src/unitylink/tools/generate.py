@@ -28,9 +28,9 @@ def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
 
     \b
     Examples:
-      unitylink generate scara.ul --out .
-      unitylink generate scara.ul --out build --only python,vhdl
-      unitylink generate scara.ul --out . --check
+      unitylink generate arm.ul --out .
+      unitylink generate arm.ul --out build --only python,vhdl
+      unitylink generate arm.ul --out . --check
     """
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write
     from unitylink.spec import load

@@ -30,8 +30,8 @@ gateware=auto|2012|corrected.
 \b
 Examples:
   unitylink info "serial:/dev/ttyUSB0?baud=3000000"
-  unitylink info tcp://127.0.0.1:5555 --spec scara.ul
-  unitylink info sim:scara.ul --json
+  unitylink info tcp://127.0.0.1:5555 --spec arm.ul
+  unitylink info sim:arm.ul --json
 """.format(forms="\n".join(f"  {scheme.form:{_WIDTH}}  {scheme.what}" for scheme in SCHEMES.values()))
 _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 

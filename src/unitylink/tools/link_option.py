@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -90,15 +91,39 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
     if file is None:
         return Names(None)
     if not file:
-        raise Failure("sim: names no spec", "write the file after the colon: sim:scara.ul")
+        raise Failure("sim: names no spec", "write the file after the colon: sim:arm.ul")
     return Names(load(file), file)
 
 
+class _Complaints(logging.Handler):
+    """Prints what is logged, such as a read that failed, while the link lives: of its end the error tells
+    that the command ends with."""
+
+    link: Link | None = None
+
+    def __init__(self, quiet: bool) -> None:
+        super().__init__(logging.WARNING)
+        self._quiet = quiet
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not self._quiet and (self.link is None or not self.link.closed):
+            click.echo(record.getMessage(), err=True)
+
+
 @contextmanager
-def open_target(link: str, spec_file: str | None) -> Iterator[Target]:
-    """Open LINK and load its names; the link is closed at the end."""
+def open_target(link: str, spec_file: str | None, *, quiet: bool = False) -> Iterator[Target]:
+    """Open LINK and load its names; the link is closed at the end.
+
+    What is logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
+    """
     names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
     from unitylink import connect
 
-    with connect(link) as opened:
-        yield Target(opened, names)
+    logger, complaints = logging.getLogger("unitylink"), _Complaints(quiet)
+    logger.addHandler(complaints)
+    try:
+        with connect(link) as opened:
+            complaints.link = opened
+            yield Target(opened, names)
+    finally:
+        logger.removeHandler(complaints)

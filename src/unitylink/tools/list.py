@@ -31,9 +31,9 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
 
     \b
     Examples:
-      unitylink list --spec scara.ul
-      unitylink list sim:scara.ul 'j*.cpos'
-      unitylink list tcp://127.0.0.1:5555 --spec scara.ul --json
+      unitylink list --spec arm.ul
+      unitylink list sim:arm.ul '*.position'
+      unitylink list tcp://127.0.0.1:5555 --spec arm.ul --json
     """
     link, patterns = (words[0], words[1:]) if words and is_link(words[0]) else (None, words)
     if link is None and spec_file is None:

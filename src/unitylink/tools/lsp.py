@@ -13,7 +13,8 @@ def command() -> None:
     """Serve editors: diagnostics while typing, hover with addresses, definition, rename, completion.
 
     It speaks the Language Server Protocol on standard input and output and is started by the editor, not by
-    hand; docs/editors.md says how. It needs pygls: pip install 'unitylink[lsp]'.
+    hand; the extension for Visual Studio Code and settings for other editors are in the source tree
+    (docs/editors.md). It needs pygls: pip install 'unitylink[lsp]'.
 
     \b
     Example, a line of an editor's configuration:

@@ -20,8 +20,8 @@ def command(spec_file: str, out: str, no_open: bool) -> None:
 
     \b
     Examples:
-      unitylink map scara.ul
-      unitylink map scara.ul --out build --no-open
+      unitylink map arm.ul
+      unitylink map arm.ul --out build --no-open
     """
     from pathlib import Path
 

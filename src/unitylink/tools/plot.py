@@ -8,15 +8,20 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from unitylink.errors import LinkError
 
 from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
 from .output import terminal
 from .sampled import duration_option, rate_option, sampled_items
+
+if TYPE_CHECKING:
+    from .sampler import Sampler
 
 Series = dict[str, tuple[list[float], list[float]]]  # path -> times in s, values
 _PICTURES = (".png", ".svg", ".pdf")
@@ -51,9 +56,9 @@ def command(
 
     \b
     Examples:
-      unitylink plot sim:scara.ul 'j*.cpos'
-      unitylink plot sim:scara.ul 'j*.cpos' --duration 5 --out scara.png
-      unitylink plot scara.mcap j1.cpos --out j1.svg
+      unitylink plot sim:arm.ul '*.position'
+      unitylink plot sim:arm.ul '*.position' --duration 5 --out arm.png
+      unitylink plot arm.mcap x.position --out x.svg
     """
     if out is not None and Path(out).suffix.lower() not in _PICTURES:
         raise click.UsageError(f"--out {out}: a picture ends in {', '.join(_PICTURES)}")
@@ -63,24 +68,35 @@ def command(
         series = _recorded(source, names)
         _draw(series, {}, Path(source).name, out)
         return
-    with ended_by_signals(), open_target(source, spec_file) as target:
+    with ended_by_signals(), open_target(source, spec_file, quiet=out is None) as target:
         found = sampled_items(target, names, "plot")
         from .sampler import Sampler
 
         series = {item.name: ([], []) for item in found}
         units = {item.name: item.unit for item in found}
-        with Sampler(target.link, found, rate_hz) as sampler, suppress(KeyboardInterrupt):
-            drawn_s = start_s = time.monotonic()
-            for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
-                if sample is not None:
-                    time_s, values, numbers = sample
-                    _take(series, time_s - start_s, {v.path: n for v, n in zip(values, numbers, strict=True)})
-                if out is None and time.monotonic() - drawn_s > _REDRAW_S:
-                    drawn_s = time.monotonic()
-                    _forget(series, drawn_s - start_s - _WINDOW_S)
-                    _draw_terminal(series, source, clear=True)
-        if out is not None:
+        failed: LinkError | None = None
+        try:
+            with Sampler(target.link, found, rate_hz) as sampler, suppress(KeyboardInterrupt):
+                _follow(sampler, series, source, out, duration_s)
+        except LinkError as error:
+            failed = error  # after what came until then has been drawn
+        if out is not None and (failed is None or any(times for times, _ in series.values())):
             _draw(series, units, source, out)
+        if failed is not None:
+            raise failed
+
+
+def _follow(sampler: Sampler, series: Series, source: str, out: str | None, duration_s: float | None) -> None:
+    """Fill `series` with what comes; without `out` a terminal shows it meanwhile."""
+    drawn_s = start_s = time.monotonic()
+    for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
+        if sample is not None:
+            time_s, values, numbers = sample
+            _take(series, time_s - start_s, {v.path: n for v, n in zip(values, numbers, strict=True)})
+        if out is None and time.monotonic() - drawn_s > _REDRAW_S:
+            drawn_s = time.monotonic()
+            _forget(series, drawn_s - start_s - _WINDOW_S)
+            _draw_terminal(series, source, clear=True)
 
 
 def _take(series: Series, time_s: float, values: Mapping[str, Any]) -> None:

@@ -33,8 +33,8 @@ def command(
 
     \b
     Examples:
-      unitylink read sim:scara.ul j1.cpos
-      unitylink read tcp://127.0.0.1:5555 --spec scara.ul 'j*.cpos' --json
+      unitylink read sim:arm.ul x.position
+      unitylink read tcp://127.0.0.1:5555 --spec arm.ul '*.position' --json
       unitylink read "serial:/dev/ttyUSB0?baud=3000000" 0x88 --hex
     """
     from unitylink.layer4_data import ValueGroup

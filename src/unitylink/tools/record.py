@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from unitylink.errors import LinkError
+
 from .ended_by_signals import ended_by_signals
 from .link_option import link_argument, open_target, spec_option
 from .output import json_option, print_json
@@ -55,9 +57,9 @@ def command(
 
     \b
     Examples:
-      unitylink record sim:scara.ul --out scara.mcap --duration 10
-      unitylink record tcp://127.0.0.1:5555 'j*.cpos' --spec scara.ul --out scara.csv
-      unitylink replay scara.mcap --tcp 5555
+      unitylink record sim:arm.ul --out arm.mcap --duration 10
+      unitylink record tcp://127.0.0.1:5555 '*.position' --spec arm.ul --out arm.csv
+      unitylink replay arm.mcap --tcp 5555
     """
     with ended_by_signals(), open_target(link, spec_file) as target:
         known = target.names
@@ -72,20 +74,23 @@ def command(
         quantities = {item.name: item.quantity for item in items}
         since_1970_s = time.time() - time.monotonic()
         began = time.monotonic()
-        with (
-            create(path, _origin(known), tuple(quantities)) as writer,
-            Sampler(target.link, items, rate_hz, gather_s=_GATHER_S) as sampler,
-            suppress(KeyboardInterrupt),
-        ):
+        failed: LinkError | None = None
+        sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S)
+        with create(path, _origin(known), tuple(quantities)) as writer:
             progress = _Progress(writer, path, quiet=as_json)
-            for sample in sampler.samples(count, duration_s):
-                if sample is not None:
-                    time_s, values, numbers = sample
-                    named = {value.path: number for value, number in zip(values, numbers, strict=True)}
-                    if set(map(type, numbers)) != {int}:  # of which there is nothing to be said
-                        named = {path: plain(number, quantities[path]) for path, number in named.items()}
-                    writer.add(Sample(since_1970_s + time_s, named))
-                progress.show()
+            try:
+                with sampler, suppress(KeyboardInterrupt):
+                    for sample in sampler.samples(count, duration_s):
+                        if sample is not None:
+                            time_s, values, numbers = sample
+                            named = {v.path: number for v, number in zip(values, numbers, strict=True)}
+                            if set(map(type, numbers)) != {int}:  # of which there is nothing to be said
+                                named = {path: plain(n, quantities[path]) for path, n in named.items()}
+                            writer.add(Sample(since_1970_s + time_s, named))
+                        progress.show()
+            except LinkError as error:
+                failed = error  # after it has been told what the file holds
+            progress.end()
         took_s = time.monotonic() - began
     size = writer.size_bytes
     if as_json:
@@ -99,6 +104,8 @@ def command(
         print_json(result)
     else:
         click.echo(f"{path}: {writer.count:,} samples in {took_s:.1f} s, {size:,} bytes, {sampler.lost} lost")
+    if failed is not None:
+        raise failed
     click.get_current_context().exit(1 if sampler.lost else 0)
 
 
@@ -110,16 +117,22 @@ class _Progress:
         self.path = path
         self.active = sys.stderr.isatty() and not quiet
         self.shown_s = self.began_s = time.monotonic()
+        self.shown = False
 
     def show(self) -> None:
         now_s = time.monotonic()
         if self.active and now_s - self.shown_s > _SHOW_S:
-            self.shown_s = now_s
+            self.shown_s, self.shown = now_s, True
             count, size_kb = self.writer.count, self.writer.size_bytes / 1000
             elapsed_s = now_s - self.began_s
             rate_hz = count / elapsed_s
             line = f"{self.path}: {elapsed_s:.0f} s, {count:,} samples, {rate_hz:.0f}/s, {size_kb:,.0f} kB"
             click.echo(f"\r{line}  (Ctrl-C ends it)\x1b[K", nl=False, err=True)
+
+    def end(self) -> None:
+        """Wipe the line away: what follows says it all."""
+        if self.shown:
+            click.echo("\r\x1b[K", nl=False, err=True)
 
 
 def _origin(names: Names) -> Origin:

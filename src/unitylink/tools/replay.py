@@ -46,8 +46,8 @@ def command(
 
     \b
     Examples:
-      unitylink replay scara.mcap --tcp 5555
-      unitylink replay scara.csv --spec scara.ul --speed 0.1 --loop
+      unitylink replay arm.mcap --tcp 5555
+      unitylink replay arm.csv --spec arm.ul --speed 0.1 --loop
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind)
     from unitylink.simulate import Board

@@ -6,7 +6,7 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from unitylink.errors import LinkClosed, LinkError, LinkTimeout
 from unitylink.layer4_data import Publisher, ReadValue
@@ -44,6 +44,7 @@ class Sampler:
         self._link = link
         self._gather_s = gather_s
         self._arrived: queue.SimpleQueue[Sample] = queue.SimpleQueue()
+        self._asked = next((item.address for item in items if item.pollable), None)
         for value in readable(link, items, self.publisher).values():
             if value.publish is None:
                 self.publisher.demand(value, rate_hz)
@@ -90,13 +91,36 @@ class Sampler:
                 if taken == count:
                     return
             elif self._link.closed:
-                raise LinkClosed(f"{self._link.url}: the device went away")
+                self._raise_closed()
             elif time.monotonic() - last > patience_s:
-                raise LinkTimeout(
-                    f"{self._link.url}: no sample for {patience_s:.1f} s; does the device publish?"
-                )
+                self._raise_silent(patience_s)
         for _ in range(self._arrived.qsize()):  # what had come when the time was up
             yield self._arrived.get()
+
+    def _raise_closed(self) -> NoReturn:
+        try:
+            self._link.check_alive()
+        except LinkClosed as error:
+            reason = error.message.removeprefix("the link is closed ")
+            raise LinkClosed(f"{self._link.url}: the device went away {reason}") from error
+        raise LinkClosed(f"{self._link.url}: the device went away")
+
+    def _raise_silent(self, waited_s: float) -> NoReturn:
+        """Say whether it is the device that is silent, or only its publishes."""
+        silence = f"{self._link.url}: no sample for {waited_s:.1f} s"
+        if self._asked is None:
+            raise LinkTimeout(f"{silence}; does the device publish?")
+        try:
+            self._link.read(self._asked)
+        except LinkClosed:
+            self._raise_closed()
+        except LinkTimeout as error:
+            raise LinkTimeout(
+                f"{silence}, and a read is not answered either; is the device still there?"
+            ) from error
+        except LinkError as error:
+            raise LinkTimeout(f"{silence}; a read ends with: {error}") from error
+        raise LinkTimeout(f"{silence}; the device answers, but publishes nothing")
 
     def _next(self, wait_s: float) -> Sample | None:
         if self._gather_s and self._arrived.empty():

@@ -25,7 +25,9 @@ def _number(name: str, what: str, *, field: str | None = None, least: int = 1) -
 @click.argument("spec_file", metavar="SPEC")
 @serving_options
 @click.option(
-    "--plant", metavar="PLANT", help="What moves behind the registers: ramp, loopback, scara or FILE.py."
+    "--plant",
+    metavar="PLANT",
+    help="What moves behind the registers: ramp, loopback, scara, FILE.py or a recording.",
 )
 @_number("--fifo", "Bytes in the board's receive and transmit buffers, as on real boards.")
 @_number("--baud", "Pace bytes as a UART of this baud rate does.", field="baud_hz")
@@ -60,10 +62,10 @@ def command(
 
     \b
     Examples:
-      unitylink simulate scara.ul --tcp 5555 --plant scara
-      unitylink simulate scara.ul --pty ./scara.tty --baud 3000000 --fifo 16
+      unitylink simulate arm.ul --tcp 5555 --plant loopback
+      unitylink simulate arm.ul --pty ./arm.tty --baud 3000000 --fifo 16
       unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0
-      unitylink simulate scara.ul --rtl --tcp 5555 --plant scara
+      unitylink simulate arm.ul --rtl --tcp 5555 --plant loopback
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind)
     from unitylink.simulate import DEFAULT_PLANT, load_plant

@@ -40,7 +40,7 @@ _COMMANDS = {
     protocol.COMMAND_READ_EVENT_MASK: "#RIC                       the same, read",
 }
 _HELP = """Type a command; `$` instead of `#` adds a checksum by itself. Names of the spec stand for their
-addresses: `#R:j1.cpos`. TAB completes commands and names. .help shows this, .quit or Ctrl-D ends.
+addresses: `#R:x.position`. TAB completes commands and names. .help shows this, .quit or Ctrl-D ends.
 """
 _LINE = re.compile(r"([#$])([A-Za-z]*)(?::(.*?))?(?:\*([0-9A-Fa-f]{2}))?$")
 _ADDRESS_OR_NAME = re.compile(r"[A-Za-z_][\w.\[\]]*")
@@ -57,9 +57,9 @@ def command(link: str, spec_file: str | None) -> None:
 
     \b
     Examples:
-      unitylink term sim:scara.ul
-      unitylink term "serial:/dev/ttyUSB0?baud=3000000" --spec scara.ul
-      printf '#RLC\\n#R:j1.cpos\\n' | unitylink term sim:scara.ul
+      unitylink term sim:arm.ul
+      unitylink term "serial:/dev/ttyUSB0?baud=3000000" --spec arm.ul
+      printf '#RLC\\n#R:x.position\\n' | unitylink term sim:arm.ul
     """
     names = load_names(link, spec_file)
     from unitylink.connection import open_driver

@@ -52,17 +52,18 @@ def command(
 
     \b
     Examples:
-      unitylink watch sim:scara.ul
-      unitylink watch serial:/dev/ttyUSB0 --spec scara.ul 'j*.cpos' --duration 10 > log.txt
+      unitylink watch sim:arm.ul
+      unitylink watch serial:/dev/ttyUSB0 --spec arm.ul '*.position' --duration 10 > log.txt
       unitylink watch tcp://127.0.0.1:5555 0x88 --rate 50 --count 100 --json
     """
-    with ended_by_signals(), open_target(link, spec_file) as target:
+    live = terminal() and not as_json  # a table, which shows what goes wrong itself
+    with ended_by_signals(), open_target(link, spec_file, quiet=live) as target:
         items = sampled_items(target, names, "watch")
         from .sampler import Sampler
 
         with Sampler(target.link, items, rate_hz) as sampler, suppress(KeyboardInterrupt):  # the usual end
             samples = sampler.samples(count, duration_s)
-            if terminal() and not as_json:
+            if live:
                 from .live_table import show
 
                 show(samples, items, sampler.publisher, link)

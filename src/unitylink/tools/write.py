@@ -33,8 +33,8 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
 
     \b
     Examples:
-      unitylink write sim:scara.ul j1.pos_sp=-30
-      unitylink write tcp://127.0.0.1:5555 --spec scara.ul j1.pos_sp=30 j2.pos_sp=60 'j*.spd_sp=1000'
+      unitylink write sim:arm.ul x.target=-30
+      unitylink write tcp://127.0.0.1:5555 --spec arm.ul x.target=30 y.target=60 '*.speed_limit=1000'
       unitylink write serial:/dev/ttyUSB0 0x8C=100
     """
     parsed = [_split(assignment) for assignment in assignments]
@@ -53,7 +53,7 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
 def _split(assignment: str) -> tuple[str, str]:
     name, equals, value = assignment.partition("=")
     if not equals or not name:
-        raise click.UsageError(f"'{assignment}' is no NAME=VALUE; write for example j1.pos_sp=30")
+        raise click.UsageError(f"'{assignment}' is no NAME=VALUE; write for example x.target=30")
     return name, value
 
 

@@ -8,6 +8,7 @@ import json
 import pytest
 
 from unitylink import cli
+from unitylink.ports.findings import FINDINGS
 from unitylink.spec import CODES
 
 
@@ -21,7 +22,15 @@ def test_explains_with_the_example_marked(capsys: pytest.CaptureFixture[str]) ->
 def test_lists_all_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["explain"]) == 0
     listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]]
-    assert listed == list(CODES)
+    assert listed == [*CODES, *FINDINGS]
+
+
+def test_explains_a_finding_of_the_doctor(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "No-Port"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("no-port, error: The port does not exist\n") and "    unitylink discover\n" in out
+    assert cli.main(["explain", "no-prot"]) == 1
+    assert "did you mean no-port?" in capsys.readouterr().err
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import itertools
+import shlex
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -58,6 +60,18 @@ def test_no_port(diagnose: Diagnose) -> None:
     assert list(found) == ["no-port"] and "ports on this machine: /dev/ttyUSB0" in found["no-port"].cause
 
 
+def test_brltty(diagnose: Diagnose, fake: FakeMachine) -> None:
+    fake.process(79, "brltty")
+    assert list(diagnose(link="serial:/dev/ttyUSB7")) == ["no-port", "brltty"]
+    assert diagnose() == {}  # it left this port alone
+
+
+def test_no_serial_port(diagnose: Diagnose, fake: FakeMachine) -> None:
+    fake.write("dev/null", "")
+    fake.process(80, "bash", holds="/dev/null")  # nobody is told to kill it
+    assert list(diagnose(link="serial:/dev/null")) == ["no-serial-port"]
+
+
 def test_permission(diagnose: Diagnose, fake: FakeMachine) -> None:
     (fake.root / "dev/ttyUSB0").chmod(0o600)
     found = diagnose()
@@ -74,7 +88,11 @@ def test_busy_port(diagnose: Diagnose, fake: FakeMachine) -> None:
 
 def test_modem_manager(diagnose: Diagnose, fake: FakeMachine) -> None:
     fake.process(78, "ModemManager")
-    assert list(diagnose()) == ["modem-manager"]
+    found = diagnose()
+    assert list(found) == ["modem-manager"]
+    sudo, program, *rest = shlex.split(found["modem-manager"].remedy)
+    assert (sudo, rest) == ("sudo", ["doctor", LINK, "--install"])
+    assert Path(program).is_absolute()  # sudo's path has no virtual environment
 
 
 def test_latency_timer(diagnose: Diagnose, fake: FakeMachine) -> None:
@@ -90,7 +108,8 @@ def test_unreachable(fake: FakeMachine, clock: Clock) -> None:
         raise LinkNotFound(f"{url}: Connection refused")
 
     (found,) = examine("tcp://10.1.2.3:5555", machine=fake.machine(), open_driver=refuse, clock=clock)
-    assert (found.code, found.remedy) == ("unreachable", "ping 10.1.2.3")
+    assert found.code == "unreachable" and found.remedy.startswith("ping 10.1.2.3 ")
+    assert "tcp://10.1.2.3:5555" in found.cause and "port 5555" in found.remedy
 
 
 def test_a_port_that_cannot_be_opened_for_another_reason_is_an_error(fake: FakeMachine, clock: Clock) -> None:
@@ -148,6 +167,8 @@ def test_no_checksum(diagnose: Diagnose) -> None:
 
 def test_board_busy(diagnose: Diagnose) -> None:
     assert list(diagnose(lambda line: b"?busy\n")) == ["board-busy"]
+    (found,) = diagnose(lambda line: b"?busy\n", link="tcp://10.1.2.3:5555").values()
+    assert found.cause.startswith("tcp://10.1.2.3:5555 answers")
 
 
 def test_no_configuration(diagnose: Diagnose) -> None:

@@ -59,6 +59,13 @@ def test_the_mode_says_who_may(
     assert fake.machine(uid=uid, gids=gids).may_open(device) is may
 
 
+def test_what_an_access_list_grants_counts(fake: FakeMachine, monkeypatch: pytest.MonkeyPatch) -> None:
+    device = fake.usb_port(mode=0o660)  # of a group that the user is not in, but udev's `uaccess` lets them
+    for granted in (True, False):
+        monkeypatch.setattr(os, "access", lambda path, mode, granted=granted: granted)
+        assert Machine(fake.root).may_open(device) is granted
+
+
 def test_the_group_of_the_device_may(fake: FakeMachine) -> None:
     device = fake.usb_port(mode=0o660)
     gid = (fake.root / "dev/ttyUSB0").stat().st_gid
