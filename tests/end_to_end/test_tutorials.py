@@ -34,7 +34,7 @@ def script_of(page: str) -> str:
 @pytest.mark.parametrize(
     ("page", "says"),
     [
-        ("own-plant.md", ("x.position=", "there: 1000 -500", "1 passed")),
+        ("own-plant.md", ("x.target = 0.524 rad", "x.position=", "there: 60 deg", "2 passed")),
         (
             "own-board.md",
             ("without a fault", "told by the device", "x.position is now 300", "read x.position"),

@@ -82,8 +82,10 @@ def ask(
     clock: Callable[[], float] = time.monotonic,
 ) -> Answer:
     """Send `sent`, which asks for the configuration, and return what came."""
-    while driver.receive(timeout_s=0.0):  # what was under way before
-        pass
+    before = ClassicDecoder(data_bytes=0, polynomial=polynomial)
+    while chunk := driver.receive(timeout_s=0.0):  # what was under way; a busy board says so and hangs up
+        if any(isinstance(event, Busy) for event in before.feed(chunk)):
+            return Answer("busy", chunk)
     driver.send(sent)
     start_s = clock()
     received = b""

@@ -12,6 +12,7 @@ from unitylink.board_configuration import (
 )
 
 from .board import Board, BoardStatistics
+from .board_values import BoardValues
 from .plant import DEFAULT_PLANT, PLANTS, Plant, load_plant
 from .plants import Echo, LoopbackPlant, Ramp, RampPlant, ScaraPlant, WordPlant
 from .registers import Registers
@@ -23,6 +24,7 @@ __all__ = [
     "Board",
     "BoardConfiguration",
     "BoardStatistics",
+    "BoardValues",
     "DoubleBufferConfiguration",
     "Echo",
     "FifoConfiguration",

@@ -13,6 +13,7 @@ from unitylink.spec.model import Spec
 from .board import Board
 from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
+_TIMEOUT_S = "1"  # a board in this process is silent only while the machine is too busy to run it
 _BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
 _SHARED = (
     "fifo",
@@ -32,7 +33,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     Options of the board: `root=NAME` (one public constructor of several), `plant=ramp|loopback|scara|FILE.py`
     `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups= group_size= read_many= rate_bytes=
-    publish_mode=`; all others are the link's. Close the board after the link.
+    publish_mode=`; all others are the link's (`timeout=` is 1 here). Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
@@ -56,6 +57,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
         spec = load(path)
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    options.setdefault("timeout", _TIMEOUT_S)
     root = options.pop("root", None)
     if root is not None:
         try:
@@ -65,7 +67,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     board = _KINDS[kind](spec, plant, generics)
     try:
-        link_url = board.url + (f"?{urlencode(options, safe=',/', quote_via=quote)}" if options else "")
+        link_url = f"{board.url}?{urlencode(options, safe=',/', quote_via=quote)}"
     except UnityLinkError:
         board.close()
         raise

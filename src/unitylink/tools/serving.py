@@ -19,6 +19,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _LOOPBACK = "127.0.0.1"
 _TICK_S = 0.2  # between two looks at whether the board still runs
+_LAG_S = 0.05  # less is not worth a word
 _OPTIONS = (
     click.option(
         "--tcp", metavar="[HOST:]PORT", help="Serve on TCP; port 0 takes a free one (the default is --tcp 0)."
@@ -54,6 +55,10 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
         if board.error is not None:
             raise board.error
         look()
+    lag_s = board.statistics.time_slipped_s
+    if lag_s >= _LAG_S:  # and with its clock all that it publishes stood still now and then
+        lag = f"the clock of the board lags {lag_s:.2f} s: this machine was too busy to run it in time"
+        click.echo(lag, err=True)
 
 
 def endpoint_of(tcp: str | None, udp: str | None, pty: str | None, bind: str | None) -> tuple[str, str]:

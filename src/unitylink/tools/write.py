@@ -40,7 +40,8 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
     parsed = [_split(assignment) for assignment in assignments]
     with open_target(link, spec_file) as target:
         wanted = _resolve(target.names, parsed)
-        _write(target, wanted)
+        sent = _write(target, wanted)
+    wanted = [(item, sent.get(item.name, value)) for item, value in wanted]
     if as_json:
         print_json(
             [{"name": i.name, "address": i.address, "value": plain(value, i.quantity)} for i, value in wanted]
@@ -73,7 +74,8 @@ def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item
     return list(wanted.values())
 
 
-def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> None:
+def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> dict[str, Any]:
+    """Write, and return by name what the device holds now, which is the nearest that its words can say."""
     from unitylink.errors import ValueRangeError
     from unitylink.layer4_data import ClearValue, PulseValue, ValueGroup, load_spec_objects
 
@@ -81,6 +83,7 @@ def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> None:
 
     named = {item.name: value for item, value in wanted if item.element is not None}
     bare = {item: value for item, value in wanted if item.element is None}
+    sent: dict[str, Any] = {}
     configuration = target.link.configuration
     check_bare(target.link, list(bare))
     for item, value in bare.items():
@@ -92,7 +95,7 @@ def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> None:
         tree = load_spec_objects(target.spec, target.link)
         values = {value.path: value for value in tree if value.path in named}
         for path, value in values.items():
-            value.codec.encode(named[path])  # all of them before anything is sent
+            sent[path] = value.codec.decode(value.codec.encode(named[path]))  # all before anything is sent
         kept = {path: value for path, value in values.items() if value.writable}
         if kept:
             ValueGroup(kept, "write").write({path: named[path] for path in kept})
@@ -103,3 +106,4 @@ def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> None:
                 value.clear(named[path])
     if bare:
         target.link.write_many([item.address for item in bare], list(bare.values()))
+    return sent

@@ -93,7 +93,7 @@ def test_read_write_list(capsys: pytest.CaptureFixture[str]) -> None:
 
         assert run("read", "gain") == "gain = 1.5\n", "the board begins with the initial value"
         assert run("write", "j[0].target=30deg", "j[1].mode=run", "reset=1") == (
-            "j[0].target = 0.523598776 rad\nj[1].mode = run\nreset = true\n"
+            "j[0].target = 0.524 rad\nj[1].mode = run\nreset = true\n"
         )
         assert run("read", "j[1].mode", "--value") == "run\n"
         (entry,) = json.loads(run("read", "j[1].mode", "--json"))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.errors import LinkError, LinkNotFound
+from unitylink.errors import LinkClosed, LinkError, LinkNotFound
 from unitylink.layer2_message import Link
 from unitylink.ports import FINDINGS, Finding, examine
 from unitylink.ports.findings import page
@@ -169,6 +169,23 @@ def test_board_busy(diagnose: Diagnose) -> None:
     assert list(diagnose(lambda line: b"?busy\n")) == ["board-busy"]
     (found,) = diagnose(lambda line: b"?busy\n", link="tcp://10.1.2.3:5555").values()
     assert found.cause.startswith("tcp://10.1.2.3:5555 answers")
+
+
+def test_a_board_that_says_busy_before_it_is_asked_and_hangs_up(fake: FakeMachine, clock: Clock) -> None:
+    class HangsUp(Board):
+        def receive(self, *, timeout_s: float = 1.0) -> bytes:
+            said, self.waiting = self.waiting, b""
+            if not said:
+                raise LinkClosed("the other side closed the connection")
+            return said
+
+    def open_driver(url: str) -> Board:
+        board = HangsUp(healthy, clock)
+        board.waiting = b"?busy\n"
+        return board
+
+    (found,) = examine("tcp://10.1.2.3:5555", machine=fake.machine(), open_driver=open_driver, clock=clock)
+    assert found.code == "board-busy"
 
 
 def test_no_configuration(diagnose: Diagnose) -> None:
