@@ -87,7 +87,6 @@ architecture rtl of ft245_async is
   -- Until the data may go, and txe_n tells of the byte.
   constant hold_clocks   : positive := maximum(clocks_lasting(hold_ns, clock_hz), answer_clocks - write_clocks);
   constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip has let go
-  constant si_clocks     : positive := clocks_lasting(si_ns, clock_hz);
   constant clocks_most   : positive := maximum(maximum(read_clocks, write_clocks), maximum(setup_clocks, hold_clocks));
 
   type state_t is (idle, reading, setting_up, writing, holding);
@@ -100,8 +99,7 @@ architecture rtl of ft245_async is
   signal read_wait   : natural range 0 to answer_clocks - 1 := 0;     -- … until rxf_n can be believed
   signal turn_wait   : natural range 0 to turn_clocks - 1 := 0;       -- … until the bus is free
   signal flush       : std_ulogic := '0';                             -- behind the byte in hand
-  signal si_due      : std_ulogic := '0';
-  signal si_count    : natural range 0 to si_clocks + 1 := 0;         -- the last two are the gap to the next pulse
+  signal flushed     : std_ulogic := '0';                             -- it is written
 
   signal can_read, can_write : std_ulogic;
   signal got_valid, got_room : std_ulogic := '0';
@@ -143,6 +141,7 @@ begin
   begin
     if rising_edge(clock) then
       got_valid <= '0';
+      flushed   <= '0';
       if count > 0 then
         count <= count - 1;
       end if;
@@ -186,9 +185,10 @@ begin
 
         when writing =>
           if count = 0 then
-            wr_n  <= '1';
-            count <= hold_clocks - 1;
-            state <= holding;
+            wr_n    <= '1';
+            flushed <= flush;
+            count   <= hold_clocks - 1;
+            state   <= holding;
           end if;
 
         when holding =>
@@ -203,6 +203,7 @@ begin
         wr_n       <= '1';
         data_drive <= '0';
         got_valid  <= '0';
+        flushed    <= '0';
         count      <= 0;
         read_wait  <= answer_clocks - 1;
         turn_wait  <= turn_clocks - 1;
@@ -211,30 +212,9 @@ begin
     end if;
   end process;
 
-  send_at_once : process (clock) is
-  begin
-    if rising_edge(clock) then
-      if si_count > 0 then
-        si_count <= si_count - 1;
-      end if;
-      if si_count = 2 then
-        siwu_n <= '1';
-      end if;
-      if si_due = '1' and si_count = 0 then
-        si_due   <= '0';
-        siwu_n   <= '0';
-        si_count <= si_clocks + 1;
-      end if;
-      if state = writing and count = 0 and flush = '1' then
-        si_due <= '1';
-      end if;
-      if reset = '1' then
-        si_due   <= '0';
-        siwu_n   <= '1';
-        si_count <= 0;
-      end if;
-    end if;
-  end process;
+  send_at_once : entity work.siwu_pulse
+    generic map (clock_hz => clock_hz, pulse_ns => si_ns)
+    port map (clock => clock, reset => reset, due => flushed, siwu_n => siwu_n);
 
   receive_buffer : entity work.fifo
     generic map (width => 8, depth => rx_depth)

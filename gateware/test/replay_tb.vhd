@@ -42,7 +42,7 @@ entity replay_tb is
     edge_events   : natural  := 0;
     recorded      : natural  := 1;       -- memory as in the recordings
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
-    physical      : string   := "none";  -- or behind this physical layer and a model of its chip: "ft245_async"
+    physical      : string   := "none";  -- or behind "ft245_async" or "ft245_sync" and a model of its chip
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
     bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
     byte_clocks   : positive := 1;       -- clocks a byte that leaves takes on its line
@@ -139,6 +139,29 @@ begin
         generic map (seed => seed, room_bytes => 4)
         port map (
           clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+          data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
+          to_fpga_valid => rx_valid, to_fpga_ready => rx_ready, to_fpga_data => rx_data,
+          from_fpga_valid => tx_valid, from_fpga_ready => tx_ready, from_fpga_data => tx_data,
+          written => open, si_pulses => open);
+    end block;
+  elsif physical = "ft245_sync" generate
+    chip : block is
+      signal chip_clock, rxf_n, txe_n, oe_n, rd_n, wr_n, siwu_n, data_drive : std_ulogic;
+      signal data_to_fpga, data_to_chip                                     : std_ulogic_vector(7 downto 0);
+    begin
+      ft245 : entity work.ft245_sync
+        port map (
+          clock => clock, reset => reset, chip_clock => chip_clock,
+          rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+          data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+          rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data,
+          tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
+          tx_last => core_tx_last, tx_publish => core_tx_publish);
+      model : entity work.ft245_sync_model
+        generic map (seed => seed, room_bytes => 4)
+        port map (
+          clock => clock, running => not ended, chip_clock => chip_clock,
+          rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
           data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
           to_fpga_valid => rx_valid, to_fpga_ready => rx_ready, to_fpga_data => rx_data,
           from_fpga_valid => tx_valid, from_fpga_ready => tx_ready, from_fpga_data => tx_data,

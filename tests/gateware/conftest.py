@@ -78,12 +78,14 @@ class Ghdl:
         end = "end rtl;\n"  # behind it `_call` puts GHDL's notes about memories it found
         return output[: output.rindex(end) + len(end)]
 
-    def run_netlist(self, entity: str, work: Path, **generics: int | str | bool) -> None:
+    def run_netlist(
+        self, entity: str, work: Path, bench: str | None = None, **generics: int | str | bool
+    ) -> None:
         """Run the bench of `entity` on its netlist; `generics` are those that differ from the bench's own."""
         path = work / f"{entity}.vhd"
         path.write_text(self.synthesise(entity))
         others = [source for source in sorted(GATEWARE.rglob("*.vhd")) if source.stem != entity]
-        Ghdl(work, [*others, path]).run(f"{entity}_tb", **generics)
+        Ghdl(work, [*others, path]).run(bench or f"{entity}_tb", **generics)
 
     def _call(self, *arguments: str) -> str:
         command = [self.executable, *arguments]

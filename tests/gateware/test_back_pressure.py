@@ -69,8 +69,9 @@ def parted(answer: bytes) -> tuple[list[bytes], list[bytes], list[bytes]]:
         ({"stall_percent": 30, "bus_stall_percent": 80}, 4, "lite"),
         ({"stall_percent": 80, "bus_stall_percent": 30}, 5, "lite"),
         ({"physical": "ft245_async", "stall_percent": 30}, 6, "full"),
+        ({"physical": "ft245_sync", "stall_percent": 30}, 7, "full"),
     ],
-    ids=["streams", "bus", "both", "lite bus", "lite streams", "ft245_async"],
+    ids=["streams", "bus", "both", "lite bus", "lite streams", "ft245_async", "ft245_sync"],
 )
 def test_replies_and_publishes(rtl: Any, stalls: dict[str, int | str], seed: int, datalink: str) -> None:
     steps, configuration = exchanges(seed), replace(CONFIGURATION, datalink=datalink)

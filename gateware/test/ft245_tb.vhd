@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- ft245_async against a model of the chip that checks its timing: how fast each way is alone, then both ways at random with
--- stalls on both sides, every byte once and in order; and siwu_n behind the last byte of each message that is meant, at once
--- and never before.
+-- ft245_async or ft245_sync against a model of the chip that checks its timing: how fast each way is alone, then both ways at
+-- random with stalls on both sides, every byte once and in order; and siwu_n behind the last byte of each message that is
+-- meant, at once and never before. The synchronous one also waits for its clock, and survives a reset without it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,12 +10,13 @@ library ieee;
   use work.bench_pkg.all;
   use work.physical_pkg.all;
 
-entity ft245_async_tb is
+entity ft245_tb is
   generic (
+    synchronous    : boolean          := false;
     clock_hz       : positive         := 50_000_000;
     send_immediate : send_immediate_t := both;
     bytes          : positive         := 1500;
-    slowest        : boolean          := true;
+    slowest        : boolean          := true;   -- asynchronous: every delay is the longest
     busy_percent   : natural          := 0;  -- of the chip
     stall_percent  : natural          := 30; -- of the streams
     rate_hz_least  : natural          := 0;  -- bytes a second, one way
@@ -23,12 +24,20 @@ entity ft245_async_tb is
   );
 end entity;
 
-architecture test of ft245_async_tb is
+architecture test of ft245_tb is
 
   constant clock_period : time     := 1 sec / clock_hz;
   constant rate_bytes   : positive := 300;
   constant total        : positive := bytes + 3 * rate_bytes;
   constant pause        : time     := 20 us;                  -- long enough to fill every buffer
+
+  function size_least return positive is
+  begin
+    if synchronous then
+      return 20;
+    end if;
+    return 6;
+  end function;
 
   type marks_t is array (0 to total + 60) of boolean;
 
@@ -38,7 +47,7 @@ architecture test of ft245_async_tb is
 
   signal rxf_n, txe_n, rd_n, wr_n, siwu_n     : std_ulogic;
   signal data_to_fpga, data_to_chip           : std_ulogic_vector(7 downto 0);
-  signal data_drive                           : std_ulogic;
+  signal data_drive, oe_n, chip_clock         : std_ulogic;
   signal rx_valid, rx_ready                   : std_ulogic := '0';
   signal tx_valid, tx_ready                   : std_ulogic := '0';
   signal tx_last, tx_publish                  : std_ulogic := '0';
@@ -55,32 +64,54 @@ architecture test of ft245_async_tb is
   signal received, heard       : natural := 0; -- by the FPGA; by the PC
   signal marks                 : marks_t := (others => false); -- siwu_n is due behind this byte
   signal due                   : natural := 0;
-  signal since_write           : natural := 0; -- clocks behind the last fall of wr_n
-  signal wr_n_before           : std_ulogic := '1';
+  signal running               : boolean := false; -- the chip gives its clock
 
 begin
 
   clock <= not clock after clock_period / 2 when not done;
 
-  dut : entity work.ft245_async
-    generic map (clock_hz => clock_hz, send_immediate => send_immediate)
-    port map (
-      clock => clock, reset => reset,
-      rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-      data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
-      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+  async : if not synchronous generate
+    dut : entity work.ft245_async
+      generic map (clock_hz => clock_hz, send_immediate => send_immediate)
+      port map (
+        clock => clock, reset => reset,
+        rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+        data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+        rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
+        tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
-  chip : entity work.ft245_async_model
-    generic map (busy_percent => busy_percent, slowest => slowest, seed => seed)
-    port map (
-      clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-      data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
-      to_fpga_valid => to_fpga_valid, to_fpga_ready => to_fpga_ready, to_fpga_data => to_fpga_data,
-      from_fpga_valid => from_fpga_valid, from_fpga_ready => from_fpga_ready, from_fpga_data => from_fpga_data,
-      written => written, si_pulses => si_pulses);
+    chip : entity work.ft245_async_model
+      generic map (busy_percent => busy_percent, slowest => slowest, seed => seed)
+      port map (
+        clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+        data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
+        to_fpga_valid => to_fpga_valid, to_fpga_ready => to_fpga_ready, to_fpga_data => to_fpga_data,
+        from_fpga_valid => from_fpga_valid, from_fpga_ready => from_fpga_ready, from_fpga_data => from_fpga_data,
+        written => written, si_pulses => si_pulses);
 
-  -- Messages of the FPGA, of 6 to 40 bytes.
+    oe_n <= '1';
+  else generate
+    dut : entity work.ft245_sync
+      generic map (send_immediate => send_immediate, burst_clocks => 32)
+      port map (
+        clock => clock, reset => reset,
+        chip_clock => chip_clock, rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+        data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+        rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
+        tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+
+    chip : entity work.ft245_sync_model
+      generic map (busy_percent => busy_percent, seed => seed)
+      port map (
+        clock => clock, running => running and not done, chip_clock => chip_clock,
+        rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
+        data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
+        to_fpga_valid => to_fpga_valid, to_fpga_ready => to_fpga_ready, to_fpga_data => to_fpga_data,
+        from_fpga_valid => from_fpga_valid, from_fpga_ready => from_fpga_ready, from_fpga_data => from_fpga_data,
+        written => written, si_pulses => si_pulses);
+  end generate;
+
+  -- Messages of the FPGA, none so short that it ends within the pulse of the one before.
   speak : process is
     variable data, moments : random_t;
     variable size, place   : natural := 0;
@@ -94,7 +125,7 @@ begin
         wait until rising_edge(clock);
       end loop;
       if place = size then
-        size    := moments.integer_between(6, 40);
+        size    := moments.integer_between(size_least, 40);
         place   := 0;
         publish := '1' when moments.chance(50) else '0';
       end if;
@@ -177,19 +208,12 @@ begin
     end loop;
   end process;
 
-  watch : process (clock, siwu_n) is
+  watch : process (siwu_n) is
   begin
-    if rising_edge(clock) then
-      since_write <= since_write + 1;
-      wr_n_before <= wr_n;
-      if wr_n = '0' and wr_n_before = '1' then
-        since_write <= 1;
-      end if;
-    end if;
     if falling_edge(siwu_n) then
-      check_equal(wr_n, '1', "wr_n when siwu_n falls");
+      check(synchronous or wr_n = '1', "wr_n when siwu_n falls");
       check(written > 0 and marks(maximum(written, 1) - 1), "siwu_n behind a byte that ends no message");
-      check(since_write <= 4, "siwu_n " & integer'image(since_write) & " clocks behind the last byte");
+      check(written'last_event <= 4 * clock_period, "siwu_n " & time'image(written'last_event) & " behind the last byte");
     end if;
   end process;
 
@@ -208,6 +232,13 @@ begin
     wait for 10 * clock_period;
     check_equal(rd_n & wr_n & siwu_n & data_drive, std_ulogic_vector'("1110"), "pins in reset");
     reset <= '0';
+    if synchronous then
+      for index in 1 to 30 loop
+        wait until rising_edge(clock);
+        check_equal(tx_ready & rx_valid, std_ulogic_vector'("00"), "streams without the chip's clock");
+      end loop;
+    end if;
+    running <= true;
 
     allowed_in <= rate_bytes;
     wait until written = 1;
@@ -247,13 +278,24 @@ begin
     check((due > 0) = (send_immediate /= never), "messages that raise siwu_n");
     check_equal(written, total, "bytes written");
 
-    -- A reset lets go of the bus, whatever was under way.
+    -- A reset lets go of the bus, whatever was under way; without its clock the synchronous one does so when that comes.
+    running <= false;
+    wait for 1 us;
+    wait until rising_edge(clock);
     reset <= '1';
     wait until rising_edge(clock);
-    wait until rising_edge(clock);
-    check_equal(rd_n & wr_n & siwu_n & data_drive, std_ulogic_vector'("1110"), "pins in reset");
+    reset <= '0';
+    wait for 1 us;
+    running <= true;
+    while tx_ready = '0' loop
+      wait until rising_edge(clock);
+    end loop;
+    wait for 1 us;
+    check_equal(rd_n & wr_n & siwu_n & oe_n & data_drive, std_ulogic_vector'("11110"), "pins after a reset");
+    check_equal(rx_valid, '0', "nothing came");
+    check_equal(written, total, "nothing went");
 
-    report_passed("ft245_async_tb");
+    report_passed("ft245_tb");
     done <= true;
     wait;
   end process;
@@ -262,7 +304,7 @@ begin
   begin
     wait until done for total * 6 us + total * 100 * clock_period;
     assert done
-      report "ft245_async_tb: not done in time"
+      report "ft245_tb: not done in time"
       severity failure;
     wait;
   end process;
