@@ -119,6 +119,9 @@ system)
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
+  need "ROS 1" ros-base command -v roslaunch                           # the generated nodes run on the real thing
+  need catkin ros-base-dev eval 'command -v catkin_make && test -e /usr/include/ros/ros.h'
+  need rospy ros-base-python-dev /usr/bin/python3 -c 'import rospy, diagnostic_msgs.msg, sensor_msgs.msg, std_srvs.srv'
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
   install_missing
   ;;

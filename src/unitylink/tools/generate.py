@@ -11,7 +11,9 @@ from .failure import Failure
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--out", metavar="FOLDER", required=True, help="Where to write; made if it does not exist.")
-@click.option("--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html.")
+@click.option(
+    "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1."
+)
 @click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
 )

@@ -24,7 +24,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "values": {"spec", "errors"},
     "board_configuration": {"spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
-    "generate": {"board_configuration", "spec", "values", "layer4_data", *SHARED},
+    "generate": {"board_configuration", "ros", "spec", "values", "layer4_data", *SHARED},
     "layer0_driver": {"_native", *SHARED},
     "layer1_stream": {"layer0_driver", "_native", *SHARED},
     "layer2_message": {"layer1_stream", "_native", *SHARED},
@@ -43,6 +43,8 @@ MAY_IMPORT: dict[str, set[str]] = {
         "_native",
         *SHARED,
     },
+    # A node is built on layer 4; who starts it hands it what opens links.
+    "ros": {"layer4_data", "layer2_message", "spec", "values", *SHARED},
     "resources": SHARED,
     "recording": SHARED,
     # The doctor tries what a link would do, below it and through it.

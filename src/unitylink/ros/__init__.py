@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot as a ROS node: what its spec is in ROS, and the node behind all front ends."""
+
+from __future__ import annotations
+
+from .interface import Constant, Field, Interface, Joint, Message, Topic
+from .mapping import plan_interface
+
+__all__ = ["Constant", "Field", "Interface", "Joint", "Message", "Topic", "plan_interface"]

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How a robot's link does, for diagnostic_msgs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+from .plane import Plane
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+    from .node import RobotNode, _Session
+
+OK, WARN, ERROR = 0, 1, 2
+STATUS = ("level", "name", "message", "hardware_id", "values")
+
+
+@dataclass(frozen=True)
+class Health:
+    """A level of diagnostic_msgs, a sentence, and what was counted."""
+
+    level: int
+    message: str
+    hardware: str
+    facts: dict[str, str]
+
+
+def health(node: RobotNode, link: Link | None, session: _Session | None) -> Health:
+    """Return the health of a node: an error without a link, a warning while commands are refused or fail."""
+    facts = {
+        "commands accepted": str(node.accepted),
+        "commands refused": str(node.refused),
+        "links lost": str(node.keeper.losses),
+        "armed": str(node.armed).lower(),
+        "dead-man": "none in this gateware",
+    }
+    if link is None or session is None:
+        return Health(ERROR, node.keeper.state, "", facts)
+    inbox = session.inbox
+    facts |= {
+        "publishes taken": str(session.outbox.received),
+        "publishes lost": str(sum(report.lost for report in session.tree.publisher.reports())),
+        "writes": str(inbox.writes),
+        "writes failed": str(inbox.failed),
+    }
+    statistics = link.statistics()
+    facts |= {
+        f"link {f.name.replace('_', ' ')}": str(getattr(statistics, f.name)) for f in fields(statistics)
+    }
+    level = OK
+    message = node.keeper.state
+    if not node.armed:
+        level, message = WARN, f"{message}; not armed"
+    if inbox.failed or node.refused:
+        level, message = WARN, f"{message}; {node.refused} commands refused, {inbox.failed} writes failed"
+    return Health(level, message, link.url, facts)
+
+
+def diagnostics(plane: Plane, name: str, found: Health, time_s: float) -> object:
+    """Return a diagnostic_msgs/DiagnosticArray."""
+    pair = plane.maker("diagnostic_msgs/KeyValue", ("key", "value"))
+    status = plane.maker("diagnostic_msgs/DiagnosticStatus", STATUS)(
+        plane.level(found.level),
+        f"{name}: Unity-Link",
+        found.message,
+        found.hardware,
+        [pair(key, value) for key, value in found.facts.items()],
+    )
+    return plane.maker("diagnostic_msgs/DiagnosticArray", ("header", "status"))(
+        plane.header(time_s, ""), [status]
+    )

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spec names as ROS names: one rule for ROS 1 and ROS 2, as strict as the stricter of the two."""
+
+from __future__ import annotations
+
+import keyword
+import re
+
+# What a field may not be called: words of the languages that messages are compiled to, and our own fields.
+_CPP = """
+alignas alignof and asm auto bool break case catch char class concept const constexpr continue decltype
+default
+delete do double else enum explicit export extern false float for friend goto if inline int long mutable
+namespace new noexcept not nullptr operator or private protected public register requires return short signed
+sizeof static struct switch template this throw true try typedef typeid typename union unsigned using virtual
+void volatile wchar_t while xor
+"""
+RESERVED_FIELDS = frozenset({"header", "sequence", "self", "serialize", "deserialize"})
+_WORDS = frozenset(_CPP.split()) | {word.lower() for word in keyword.kwlist}
+
+
+def field_name(name: str) -> str:
+    """Return a name of a message's field: lower case, words parted by one underscore.
+
+    >>> field_name("cpos"), field_name("maxSpeed"), field_name("leg[2]"), field_name("class")
+    ('cpos', 'max_speed', 'leg_2', 'class_value')
+    """
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+    plain = re.sub(r"[^a-z0-9]+", "_", words).strip("_")
+    if not plain or plain[0].isdigit():
+        plain = f"n{plain}"
+    return f"{plain}_value" if plain in RESERVED_FIELDS | _WORDS else plain
+
+
+def topic_name(path: str) -> str:
+    """Return a topic's name, relative to the namespace of the robot.
+
+    >>> topic_name("leg[2].hip"), topic_name("_a.B__c")
+    ('leg_2/hip', 'a/B_c')
+    """
+    steps = [re.sub(r"[^A-Za-z0-9]+", "_", step).strip("_") or "n" for step in path.split(".")]
+    return "/".join(f"n{step}" if step[0].isdigit() else step for step in steps)
+
+
+def joint_name(path: str) -> str:
+    """Return a joint's name as URDFs have them: `leg[2].hip` -> `leg_2_hip`."""
+    return topic_name(path).replace("/", "_")
+
+
+def message_name(name: str) -> str:
+    """Return a message's name: `servo_left` -> `ServoLeft`."""
+    steps = re.split(r"[^A-Za-z0-9]+", name)
+    joined = "".join(step[:1].upper() + step[1:] for step in steps)
+    return joined if joined[:1].isalpha() else f"N{joined}"
+
+
+def constant_name(field: str, name: str) -> str:
+    """Return the name of a number of an enumeration: `mode`, `run` -> `MODE_RUN`."""
+    return f"{field_name(field)}_{field_name(name)}".upper()
+
+
+def package_name(robot: str) -> str:
+    """Return the package of a robot.
+
+    >>> package_name("scara")
+    'scara_unitylink'
+    """
+    return f"{field_name(robot).removesuffix('_value')}_unitylink"

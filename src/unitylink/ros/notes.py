@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a spec says to ROS: `@ros(..)` before a constructor, an instance or an element."""
+
+from __future__ import annotations
+
+from unitylink.errors import BindingError
+from unitylink.spec.annotation import Annotation, AnnotationValue
+from unitylink.spec.model import Element, Instance
+
+# option -> what it must be; a misspelt one would else be silently without effect
+TWIST_AXES = ("linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z")
+JOINT_PARTS = ("position", "velocity", "effort", "position_sp", "velocity_sp", "effort_sp")
+_INSTANCE = {
+    "name": str,
+    "type": str,
+    "frame": str,
+    "queue": int,
+    "reliable": bool,
+    "joint": str,
+    **dict.fromkeys((*JOINT_PARTS, *TWIST_AXES), str),
+}
+_ELEMENT = {"name": str, "type": str, "frame": str, "queue": int, "reliable": bool}
+_INSTANCE_TYPES = ("JointState", "Twist")
+
+
+class Note:
+    """The `@ros(..)` of one declaration, checked; BindingError names the place and the choices."""
+
+    def __init__(self, item: Element | Instance) -> None:
+        self.where = f"{item.span.file}:{item.span.line}: `{item.path or item.name}`"
+        self._options: dict[str, AnnotationValue] = {}
+        known = _ELEMENT if isinstance(item, Element) else _INSTANCE
+        for annotation in item.annotations:
+            if annotation.name == "ros":
+                self._take(annotation, known)
+        kind = self.text("type")
+        if isinstance(item, Instance) and kind and kind not in _INSTANCE_TYPES:
+            raise self.wrong(f"type {kind!r} is none of {', '.join(_INSTANCE_TYPES)}")
+        if self.number("queue", 1) < 1:
+            raise self.wrong("queue must be 1 or more messages")
+
+    def _take(self, annotation: Annotation, known: dict[str, type]) -> None:
+        if annotation.values:
+            raise self.wrong(f"{annotation.values[0]!r} has no key; write key=value, as type=..")
+        for key, value in annotation.options:
+            if key not in known:
+                raise self.wrong(f"there is no option {key!r}; there are {', '.join(known)}")
+            if not isinstance(value, known[key]) or (known[key] is int and isinstance(value, bool)):
+                raise self.wrong(f"{key}={value!r} is no {known[key].__name__}")
+            self._options[key] = value
+
+    def wrong(self, what: str) -> BindingError:
+        return BindingError(f"{self.where}: @ros(..): {what}")
+
+    def text(self, key: str, default: str = "") -> str:
+        return str(self._options.get(key, default))
+
+    def number(self, key: str, default: int) -> int:
+        return int(self._options.get(key, default))
+
+    def flag(self, key: str, default: bool) -> bool:
+        return bool(self._options.get(key, default))

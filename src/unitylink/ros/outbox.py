@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From publishes to topics: one message per consistent set, never one that mixes old and new."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from operator import itemgetter
+from typing import Any
+
+from unitylink.layer4_data import Node, ReadValue
+
+from .interface import Topic
+from .senders import Send
+
+Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw numbers or not, what sends them
+
+
+class Outbox:
+    """Hand each publish to the topics whose values it carries, from now until `close`."""
+
+    def __init__(self, tree: Node, topics: Sequence[tuple[Topic, Send]]) -> None:
+        self.received = 0
+        self.last_s = time.monotonic()
+        self._publisher = tree.publisher
+        self._topics = topics
+        self._joins: dict[int, _Join] = {}
+        # By identity of the tuple a publish comes with, which the route keeps alive.
+        self._routes: dict[int, tuple[Sequence[ReadValue[Any]], list[Route]]] = {}
+        self._publisher.take_with(self._take)
+
+    def _take(
+        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], raws: Sequence[int]
+    ) -> None:
+        self.received += 1
+        self.last_s = time.monotonic()
+        found = self._routes.get(id(values))
+        if found is None:
+            found = self._routes[id(values)] = (values, self._plan(values))
+        for pick, raw, send in found[1]:
+            chosen = raws if raw else numbers
+            send(time_s, chosen if pick is None else pick(chosen))
+
+    def _plan(self, values: Sequence[ReadValue[Any]]) -> list[Route]:
+        where = {value.path: index for index, value in enumerate(values)}
+        routes: list[Route] = []
+        for number, (topic, send) in enumerate(self._topics):
+            paths = topic.paths
+            mine = [path for path in paths if path in where]
+            if len(mine) == len(paths):
+                routes.append((_picker([where[path] for path in paths], len(values)), topic.packed, send))
+            elif mine:  # the gateware carries it in several groups
+                join = self._joins.setdefault(number, _Join(paths, send, _period_s(values[0])))
+                routes.append((_picker([where[path] for path in mine], -1), False, join.part(mine)))
+        return routes
+
+    def close(self) -> None:
+        self._publisher.take_no_more(self._take)
+
+
+def _picker(indices: Sequence[int], whole: int) -> Any:
+    if list(indices) == list(range(whole)):
+        return None
+    if len(indices) == 1:
+        only = indices[0]
+        return lambda numbers: (numbers[only],)
+    return itemgetter(*indices)
+
+
+def _period_s(value: ReadValue[Any]) -> float:
+    base_hz = value.hardware.link.configuration.base_hz
+    return value.publish.divisor / base_hz if value.publish is not None and base_hz else 0.0
+
+
+class _Join:
+    """A topic whose values come in several publishes: sent when all parts of one tick have come."""
+
+    def __init__(self, paths: Sequence[str], send: Send, period_s: float) -> None:
+        self._paths, self._send, self._period_s = paths, send, period_s
+        self._parts: dict[tuple[str, ...], tuple[float, Sequence[Any]]] = {}
+        self._needed = len(paths)
+
+    def part(self, paths: Sequence[str]) -> Send:
+        key = tuple(paths)
+
+        def take(time_s: float, numbers: Sequence[Any]) -> None:
+            if self._period_s:  # a part of the tick before has lost its company
+                for other in [k for k, (t, _) in self._parts.items() if time_s - t > self._period_s / 2]:
+                    del self._parts[other]
+            self._parts[key] = (time_s, numbers)
+            if sum(map(len, self._parts)) == self._needed:
+                known = {p: n for k, (_, ns) in self._parts.items() for p, n in zip(k, ns, strict=True)}
+                self._parts.clear()
+                self._send(time_s, [known[path] for path in self._paths])
+
+        return take

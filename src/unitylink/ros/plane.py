@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the node asks of the software that carries its messages: rospy, rclpy, or DDS without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from .interface import Topic
+
+TRIGGER, SET_BOOL, READ, WRITE = "std_srvs/Trigger", "std_srvs/SetBool", "Read", "Write"
+
+
+@dataclass(frozen=True)
+class Port:
+    """Where messages of one topic go; `wanted` says whether anybody listens, so that none is made in vain."""
+
+    send: Callable[[Any], object]
+    wanted: Callable[[], bool]
+
+
+class Plane(Protocol):
+    """A front end. Types are named as ROS 1 does, `sensor_msgs/JointState`; those of the robot's own package
+    `scara_unitylink/JointFeedback`."""
+
+    def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
+        """Return what makes a message of the values of its fields, in order."""
+        ...
+
+    def header(self, time_s: float, frame: str) -> Any:
+        """Return a std_msgs/Header stamped with a time of time.monotonic()."""
+        ...
+
+    def level(self, level: int) -> Any:
+        """Return a diagnostic level as the front end's messages have it."""
+        ...
+
+    def advertise(self, topic: Topic) -> Port: ...
+
+    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
+        """Call `take(message)` for what comes; where more comes than is taken the newest wins."""
+        ...
+
+    def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
+        """Offer a service of one of the four kinds; the handlers are methods of `Services`."""
+        ...
+
+    def say(self, level: int, message: str) -> None:
+        """Log: 0 information, 1 warning, 2 error."""
+        ...
+
+
+class Services(Protocol):
+    """What the four kinds of services call, with plain values."""
+
+    def set_safe(self) -> tuple[bool, str]: ...
+    def arm(self, on: bool) -> tuple[bool, str]: ...
+    def read(self, names: Sequence[str]) -> tuple[bool, str, list[float], list[str]]: ...
+    def write(self, names: Sequence[str], values: Sequence[float]) -> tuple[bool, str]: ...

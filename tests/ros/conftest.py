@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A real ROS 1 for the tests: an environment, a workspace built with catkin, a master."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from unitylink.generate import write
+from unitylink.simulate import Board
+from unitylink.simulate.plant import AnyPlant, load_plant
+from unitylink.spec import load
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+SPECS = {
+    "scara": ROOT / "examples" / "scara" / "scara.ul",
+    "walker18": ROOT / "examples" / "walker18" / "walker18_si.ul",
+    "rig": HERE / "rig.ul",
+}
+DEBIAN = Path("/usr/lib/python3/dist-packages")
+PATIENCE_S = 60.0
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """One workspace is built for all: keep these tests in one process."""
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            item.add_marker(pytest.mark.xdist_group("ros"))
+
+
+@dataclass
+class Workspace:
+    """A catkin workspace, and the environment in which its programs run."""
+
+    folder: Path
+    python: Path
+    environment: dict[str, str] = field(default_factory=dict)
+
+    def source(self) -> dict[str, str]:
+        """Return what `source devel/setup.bash` makes of the environment."""
+        shown = subprocess.run(
+            ["bash", "-c", ". devel/setup.bash && env -0"],
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            check=True,
+        ).stdout.decode()
+        return dict(line.split("=", 1) for line in shown.split("\0") if "=" in line)
+
+
+@pytest.fixture(scope="session")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """The packages of all specs, built as their README says, in an environment as their README says."""
+    assert shutil.which("catkin_make"), "ROS 1 is missing: tools/setup.sh system"
+    folder = tmp_path_factory.mktemp("catkin")
+    python = folder / "env" / "bin" / "python3"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "env"], check=True)
+    (site,) = (folder / "env" / "lib").glob("python3*/site-packages")
+    here = next(path for path in sys.path if path.endswith("site-packages"))
+    # What --system-site-packages does where ROS and unitylink are of one Python.
+    (site / "ros.pth").write_text(f"import site; site.addsitedir({here!r})\n{DEBIAN}\n")
+    for path in SPECS.values():
+        write(load(path), folder / "src", "ros1")
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("ROS", "CATKIN", "PYTHON", "CMAKE_P"))}
+    environment = clean | {
+        "PATH": f"{python.parent}:{clean['PATH']}",
+        "ROS_HOME": str(folder / "home"),
+        "ROS_LOG_DIR": str(folder / "log"),
+        "ROS_IP": "127.0.0.1",
+        "PYTHONUNBUFFERED": "1",
+        "ROS_LANG_DISABLE": "geneus:genlisp:gennodejs",  # messages in C++ and Python are enough here
+    }
+    done = subprocess.run(
+        ["catkin_make", "-C", str(folder), "-j1", f"-DPYTHON_EXECUTABLE={python}"],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    made = Workspace(folder, python, environment)
+    made.environment = made.source()
+    return made
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@dataclass
+class Ros:
+    """A running master, and how to run ROS's own programs with it."""
+
+    environment: dict[str, str]
+    folder: Path
+    _running: list[subprocess.Popen[str]] = field(default_factory=list)
+
+    def run(self, *command: str, timeout: float = 20) -> str:
+        """Run a program to its end; return what it printed."""
+        with subprocess.Popen(
+            command,
+            env=self.environment,
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            try:
+                out, err = process.communicate(timeout=timeout)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                out, err = process.communicate()
+        assert process.returncode == 0, f"{' '.join(command)}: {out}{err}\n{self.logs()}"
+        return out
+
+    def logs(self) -> str:
+        """Return what the programs that were started have said."""
+        return "\n".join(f"{log.name}:\n{log.read_text()}" for log in self.folder.glob("*.log"))
+
+    def start(self, *command: str) -> subprocess.Popen[str]:
+        """Start a program; it is interrupted with the test."""
+        with (self.folder / f"{command[0]}.log").open("w") as log:
+            process = subprocess.Popen(
+                command, env=self.environment, cwd=self.folder, stdout=log, stderr=log, text=True
+            )
+        self._running.append(process)
+        return process
+
+    def publish(self, topic: str, kind: str, text: str) -> None:
+        """Have rostopic publish a message, latched until the test ends."""
+        self.start("rostopic", "pub", topic, kind, text)
+
+    def python(self, code: str, *arguments: str) -> str:
+        """Run Python in the environment of the workspace."""
+        return self.run("python3", "-c", code, *arguments)
+
+    def until(self, holds: Callable[[], bool]) -> None:
+        """Ask again and again until something holds."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not holds():
+            assert time.monotonic() < deadline, f"waited in vain\n{self.logs()}"
+            time.sleep(0.02)
+
+    def stop(self) -> None:
+        for process in reversed(self._running):
+            if process.poll() is None:
+                process.send_signal(2)
+        for process in reversed(self._running):
+            try:
+                process.wait(timeout=20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+@pytest.fixture
+def ros(workspace: Workspace, tmp_path: Path) -> Iterator[Ros]:
+    port = free_port()
+    environment = workspace.environment | {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_HOME": str(tmp_path / "home"),
+        "ROS_LOG_DIR": str(tmp_path / "log"),
+    }
+    made = Ros(environment, tmp_path)
+    master = made.start("rosmaster", "--core", "-p", str(port))
+    try:
+        made.until(lambda: master.poll() is not None or _listens(port))
+        assert master.poll() is None, made.logs()
+        yield made
+    finally:
+        made.stop()
+
+
+def _listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+class Still:
+    """A plant that leaves the registers alone."""
+
+    period_s = 0.001
+
+    def attach(self, spec: object, registers: object) -> None: ...
+    def step(self, time_s: float) -> None: ...
+
+
+@pytest.fixture
+def board() -> Iterator[Callable[..., Board]]:
+    """Serve the twin of a spec on TCP: `board("scara", "scara")`."""
+    boards: list[Board] = []
+
+    def make(name: str, plant: str, endpoint: str = "tcp") -> Board:
+        spec = load(SPECS[name])
+        moved: AnyPlant = Still() if plant == "still" else load_plant(plant, spec)
+        boards.append(Board(spec, plant=moved, endpoint=endpoint))
+        return boards[-1]
+
+    yield make
+    for made in boards:
+        made.close()

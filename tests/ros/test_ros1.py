@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The generated catkin packages with rosmaster, roslaunch, rostopic, rosservice and rosbag."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from unitylink.simulate import Board
+
+Ros = Any  # of conftest.py
+
+MakeBoard = Callable[..., Board]
+NODES = ["node.py"]
+
+
+def launch(ros: Ros, robot: str, url: str, node: str) -> subprocess.Popen[str]:
+    command = ("roslaunch", f"{robot}_unitylink", f"{robot}.launch", f"link:={url}", f"node:={node}")
+    return ros.start(*command)
+
+
+def echo(ros: Ros, topic: str, count: int = 1) -> str:
+    return ros.run("rostopic", "echo", "-n", str(count), topic)
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_scara_moves_by_rostopic_pub(ros: Ros, board: MakeBoard, node: str) -> None:
+    """What the paper shows: topics come by themselves, and a published set-point moves the joint."""
+    device = board("scara", "scara")
+    launch(ros, "scara", device.url, node)
+    shown = echo(ros, "/scara/j1/feedback", 3)
+    assert re.findall(r"^cpos: (\S+)", shown, re.M) == ["0", "0", "0"]
+    numbers = [int(number) for number in re.findall(r"^sequence: (\d+)", shown, re.M)]
+    assert numbers == list(range(numbers[0], numbers[0] + 3)), "no publish is missing"
+    assert not re.search(r"secs: 0$", shown, re.M), "stamped"
+    ros.publish("/scara/j1/command", "scara_unitylink/JointCommand", "{pos_sp: 3000, spd_sp: 30000}")
+    ros.until(lambda: device.registers.signed(0x80 + 8) > 2900)  # cpos
+    ros.publish("/scara/j2/pos_sp", "std_msgs/Int32", "{data: -500}")
+    ros.until(lambda: device.registers.signed(0x8D) == -500)
+    assert "values: [3000.0]" in ros.run("rosservice", "call", "/scara/read", "names: [j1.cpos]")
+    assert "success: True" in ros.run(
+        "rosservice", "call", "/scara/write", "{names: [j3.pos_sp], values: [77]}"
+    )
+    assert device.registers[0x8E] == 77
+    refused = ros.run("rosservice", "call", "/scara/write", "{names: [j3.pos], values: [77]}")
+    assert "success: False" in refused and "did you mean" in refused
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_every_form_arrives_both_ways(ros: Ros, board: MakeBoard, node: str) -> None:
+    device = board("rig", "still")
+    for address, value in ((0x10, 500), (0x11, -100), (0x1, 0b1011), (0x3, 7)):
+        device.registers[address] = value & 0xFFFF
+    launch(ros, "rig", device.url, node)
+    states = echo(ros, "/rig/joint_states")
+    assert "name: [j_0, j_1]" in states.replace("- ", "").replace("\n  ", "") or "j_0" in states
+    assert "position: [0.5, 0.0]" in states and "velocity: [-1.0, 0.0]" in states
+    assert 'frame_id: "base"' in states or "frame_id: 'base'" in states
+    whole = echo(ros, "/rig/feedback_100hz")
+    assert "mode: 1" in whole and "on: True" in whole and "heat: 2.5" in whole
+    assert "data: 7" in echo(ros, "/rig/slow")
+    for topic, kind, text in (
+        ("cart/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 1.5}, angular: {z: -2.0}}"),
+        ("joint_commands", "sensor_msgs/JointState", "{name: [j_1], position: [0.5], velocity: [2.0]}"),
+        ("command", "rig_unitylink/RigCommand", "{mode: 0, duty: [0.1, 0.2, 0.3]}"),
+    ):
+        ros.publish(f"/rig/{topic}", kind, text)
+    ros.until(lambda: (device.registers[0x8], device.registers[0x9]) == (0x3FC00000, 0xC0000000))
+    ros.until(lambda: (device.registers[0x1A], device.registers[0x1B]) == (500, 200))
+    ros.until(lambda: [device.registers[0x4 + i] for i in range(3)] == [1, 2, 3] and not device.registers[0])
+    assert "success: True" in ros.run("rosservice", "call", "/rig/arm", "data: false")
+    assert device.registers[0x1A] == 250, "disarming writes the safe values"
+    ros.publish("/rig/j_1/pos_sp", "std_msgs/Float64", "0.5")
+    ros.until(lambda: "commands refused" in echo(ros, "/diagnostics"))
+    refused = ros.run("rosservice", "call", "/rig/write", "{names: [mode], values: [1]}")
+    assert "not armed" in refused and device.registers[0x1A] == 250
+    assert "success: True" in ros.run("rosservice", "call", "/rig/arm", "data: true")
+    assert "success: True" in ros.run("rosservice", "call", "/rig/set_safe")
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_node_waits_for_the_device_and_survives_its_loss(ros: Ros, board: MakeBoard, node: str) -> None:
+    first = board("rig", "still")
+    url, port = first.url, first.url.rpartition(":")[2]
+    first.close()
+    launch(ros, "rig", url, node)
+    assert "waiting for the device" in echo(ros, "/diagnostics")
+    second = board("rig", "still", f"tcp:{port}")
+    echo(ros, "/rig/joint_states")
+    second.close()
+    lost = echo(ros, "/diagnostics", 2)
+    assert "level: 2" in lost
+    third = board("rig", "still", f"tcp:{port}")
+    third.registers[0x12] = 999
+    echo(ros, "/rig/joint_states")
+    assert third.registers[0x12] == 250, "safe before the first publish"
+
+
+def test_rosbag_keeps_what_was_published(ros: Ros, board: MakeBoard) -> None:
+    """The walker's 18 joints in one message, recorded by rosbag and read without ROS by rosbags."""
+    from rosbags.highlevel import AnyReader
+
+    device = board("walker18", "ramp")
+    launch(ros, "walker18", device.url, "node.py")
+    echo(ros, "/walker18/joint_states")
+    bag = ros.folder / "walk.bag"
+    ros.run("rosbag", "record", "-O", str(bag), "-l", "5", "/walker18/joint_states")
+    with AnyReader([bag]) as reader:
+        messages = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages()]
+    assert len(messages) == 5
+    for message in messages:
+        assert len(message.name) == len(message.position) == 18
+        assert message.name[0] == "leg_0_hip"

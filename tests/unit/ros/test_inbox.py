@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Newest wins: what is written next is the newest of each value, however much came meanwhile."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from unitylink.errors import LinkTimeout, ValueRangeError
+from unitylink.ros.inbox import Inbox
+
+
+class SlowGroup:
+    """What the inbox needs of a ValueGroup: each write waits until it is let through."""
+
+    def __init__(self, *paths: str) -> None:
+        self.writes = dict.fromkeys(paths, self)
+        self.log: list[dict[str, Any]] = []
+        self.begun, self.gate = threading.Semaphore(0), threading.Semaphore(0)
+        self.fail = False
+
+    def encode(self, number: Any) -> int:
+        if number is None:
+            raise ValueRangeError("not a number")
+        return int(number)
+
+    def write(self, numbers: Mapping[str, Any]) -> None:
+        self.log.append(dict(numbers))
+        self.begun.release()
+        assert self.gate.acquire(timeout=30)
+        if self.fail:
+            raise LinkTimeout("no answer")
+
+
+@settings(max_examples=30)
+@given(st.lists(st.dictionaries(st.sampled_from("abc"), st.integers(), min_size=1), min_size=1, max_size=20))
+def test_newest_wins_and_nothing_ages(messages: list[dict[str, int]]) -> None:
+    group = SlowGroup("a", "b", "c")
+    inbox = Inbox(group, lambda text: None)  # type: ignore[arg-type]
+    inbox.put({"a": -1})
+    assert group.begun.acquire(timeout=30)
+    newest: dict[str, int] = {}
+    for message in messages:  # while the first write is on its way
+        inbox.put(message)
+        newest |= message
+    group.gate.release(2)
+    assert group.begun.acquire(timeout=30)
+    inbox.clear()
+    inbox.close()
+    assert group.log == [{"a": -1}, newest]
+    assert (inbox.accepted, inbox.writes) == (len(messages) + 1, 2)
+
+
+def test_a_message_is_taken_whole_or_not() -> None:
+    group = SlowGroup("a", "b")
+    group.gate.release(9)
+    inbox = Inbox(group, lambda text: None)  # type: ignore[arg-type]
+    with pytest.raises(ValueRangeError):
+        inbox.put({"a": 1, "b": None})
+    inbox.put({"b": 2})
+    assert group.begun.acquire(timeout=30)
+    inbox.close()
+    assert group.log == [{"b": 2}]
+    with pytest.raises(ValueRangeError, match="link is down"):
+        inbox.put({"a": 1})
+
+
+def test_a_write_that_fails_is_said_and_not_repeated() -> None:
+    group, said = SlowGroup("a"), list[str]()
+    group.fail = True
+    group.gate.release(9)
+    inbox = Inbox(group, said.append)  # type: ignore[arg-type]
+    inbox.put({"a": 1})
+    assert group.begun.acquire(timeout=30)
+    inbox.clear()
+    inbox.close()
+    assert group.log == [{"a": 1}] and inbox.failed == 1 and "no answer" in said[0]

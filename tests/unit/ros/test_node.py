@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The node against the twin, on a plane that keeps everything: publishes, commands, loss, safety."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from unitylink import connect
+from unitylink.errors import LinkNotFound, UrlError
+from unitylink.layer2_message import Link
+from unitylink.layer4_data import load_spec_objects
+from unitylink.ros import plan_interface
+from unitylink.ros.node import Options, RobotNode
+from unitylink.simulate import Board
+from unitylink.spec import compile_text
+from unitylink.spec.model import Spec
+
+TEXT = """
+enum Mode : u2 { idle = 0; run = 1; }
+bits Flags : u8 { on: bool @ 0; heat: u6 @ 6..1 (UNIT="K", SCALE=0.5); }
+public rig() {
+   j[2]: axis() @ (0x10+i*8, 0x11+i*8, 0x12+i*8);
+   @mode = 0x0: Mode READWRITE(INITIAL=1, SAFE=0, PUBLISH(1,10));
+   @flags = 0x1: Flags READ(PUBLISH(1,10));
+   @go = 0x2: u8 PULSE();
+   @ros(type="UInt16") @slow = 0x3: u16 READ(PUBLISH(1,50));
+}
+axis(): @ (p,v,s) {
+   @pos = p: i16 READ(UNIT="rad", SCALE=0.001, PUBLISH(1,10));
+   @vel = v: i16 READ(UNIT="rad/s", SCALE=0.01, PUBLISH(1,10));
+   @pos_sp = s: i16 WRITE(UNIT="rad", SCALE=0.001, MIN=-1, MAX=1, SAFE=0.25);
+}
+"""
+
+
+def _plane_module() -> ModuleType:
+    path = Path(__file__).with_name("plane.py")
+    spec = importlib.util.spec_from_file_location("memory_plane", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["memory_plane"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+MemoryPlane = _plane_module().MemoryPlane
+
+
+@pytest.fixture(scope="module")
+def spec() -> Spec:
+    result = compile_text(TEXT, "rig.ul")
+    assert result.spec is not None, result.diagnostics
+    return result.spec
+
+
+@contextmanager
+def running(spec: Spec, url: str, **options: object) -> Iterator[tuple[RobotNode, MemoryPlane]]:  # type: ignore[valid-type]
+    plane = MemoryPlane()
+    given = Options(retry_s=0.02, **options)  # type: ignore[arg-type]
+
+    def build(link: Link) -> object:
+        return load_spec_objects(spec, link)
+
+    node = RobotNode(plan_interface(spec), plane, lambda: connect(url), build, given)  # type: ignore[arg-type]
+    try:
+        yield node, plane
+    finally:
+        node.close()
+
+
+class Still:
+    """A plant that leaves the registers alone."""
+
+    period_s = 0.001
+
+    def attach(self, spec: object, registers: object) -> None: ...
+    def step(self, time_s: float) -> None: ...
+
+
+@pytest.fixture
+def board(spec: Spec) -> Iterator[Board]:
+    with Board(spec, plant=Still(), endpoint="tcp") as made:
+        yield made
+
+
+def test_publishes_are_typed_and_consistent(spec: Spec, board: Board) -> None:
+    board.registers[0x10], board.registers[0x11] = 500, 0xFFFF_FF9C
+    board.registers[0x18] = 0xFFFF_FC18
+    board.registers[0x1] = 0b0000_1011
+    with running(spec, board.url) as (_, plane):
+        plane.wait(lambda: {"joint_states", "slow", "j_0/feedback", "feedback_100hz"} <= set(plane.sent))
+        states = plane.sent["joint_states"][-1]
+        assert states.name == ["j_0", "j_1"]
+        assert states.position == [0.5, -1.0] and states.velocity == [-1.0, 0.0] and states.effort == []
+        feedback = plane.sent["j_0/feedback"]
+        assert (feedback[-1].pos, feedback[-1].vel) == (0.5, -1.0)
+        plane.wait(lambda: len(feedback) > 5)
+        assert [message.sequence for message in feedback[:5]] == [1, 2, 3, 4, 5]
+        whole = plane.sent["feedback_100hz"][-1]
+        assert (whole.mode, whole.flags.on, whole.flags.heat) == (1, True, 2.5)
+        assert plane.sent["slow"][-1].data == 0
+
+
+def test_commands_of_every_form_are_written(spec: Spec, board: Board) -> None:
+    with running(spec, board.url) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["joint_commands"](
+            SimpleNamespace(name=["j_1", "j_0"], position=[0.5, float("nan")], velocity=[], effort=[])
+        )
+        plane.wait(lambda: board.registers[0x1A] == 500)
+        assert board.registers[0x12] == 0
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=-0.5))
+        plane.wait(lambda: board.registers[0x12] == 0xFE0C)
+        plane.takers["mode"](SimpleNamespace(data=0))
+        plane.wait(lambda: board.registers[0x0] == 0)
+        assert node.accepted == 3 and node.refused == 0
+        assert plane.services["read"](["j[1].pos", "mode"]) == (True, "", [0.0, 0.0], ["0 rad", "idle"])
+        assert plane.services["write"](["j[0].pos_sp", "go"], [0.125, 3.0])[0]
+        assert board.registers[0x12] == 125 and board.registers[0x2] == 3
+
+
+def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> None:
+    with running(spec, board.url) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+
+        def joints(**fields: object) -> SimpleNamespace:
+            return SimpleNamespace(**{"name": [], "position": [], "velocity": [], "effort": []} | fields)
+
+        for message, says in (
+            (joints(name=["j_0", "j_1"], position=[0.1, 2.0]), "2.0 rad is not in -1 to 1"),
+            (joints(name=["j_7"], position=[0.1]), "no joint is called 'j_7'; there are j_0, j_1"),
+            (joints(name=["j_0"], position=[0.1, 0.2]), "2 values of position for 1 names"),
+            (joints(name=["j_0"], velocity=[0.1]), "the velocity of j_0 cannot be set"),
+            (joints(), "the message sets no joint"),
+        ):
+            before = node.refused
+            node._complained_s = 0.0  # each of them, not one a second
+            plane.takers["joint_commands"](message)
+            assert node.refused == before + 1 and says in plane.said[-1][1]
+        assert board.registers[0x12] == 0, "nothing of a refused message is written"
+        for names, values, says in (
+            (["mode"], [0.5], "0.5 is not a whole number"),
+            (["nope"], [1.0], "no 'nope'"),
+            (["flags"], [1.0], "cannot be written"),
+            (["j[0]"], [1.0], "is no value"),
+            (["mode"], [], "1 names and 0 values"),
+            (["mode"], [3.0], "is no Mode"),
+        ):
+            done, message = plane.services["write"](names, values)
+            assert not done and says in message
+        health = node.health()
+        assert health.level == 1 and health.facts["commands refused"] == str(node.refused)
+
+
+def test_waits_for_a_device_and_comes_back_safe(spec: Spec) -> None:
+    """Loss stops the publishes and refuses commands; on return the safe values come before anything else."""
+    with Board(spec, plant=Still(), endpoint="tcp") as first:
+        url = first.url
+    with running(spec, url) as (node, plane):
+        plane.wait(lambda: any("waiting for the device" in text for _, text in plane.said))
+        assert node.health().level == 2
+        plane.takers["mode"](SimpleNamespace(data=1))
+        assert node.refused == 1, "what comes while there is no device is not kept for later"
+        with Board(spec, plant=Still(), endpoint=f"tcp:{url.rpartition(':')[2]}") as board:
+            plane.wait(node.keeper.up.is_set)
+            assert board.registers[0x12] == 0, "the first connection changes nothing"
+            plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))
+            plane.wait(lambda: board.registers[0x12] == 750)
+        plane.wait(lambda: not node.keeper.up.is_set())
+        sent = len(plane.sent.get("joint_states", []))
+        assert (node.health().level == 2 and "lost" in plane.said[-1][1]) or "waiting" in plane.said[-1][1]
+        with Board(spec, plant=Still(), endpoint=f"tcp:{url.rpartition(':')[2]}") as board:
+            board.registers[0x12] = 999
+            plane.wait(node.keeper.up.is_set)
+            assert board.registers[0x12] == 250 and board.registers[0x1A] == 250 and board.registers[0x0] == 0
+            plane.wait(lambda: len(plane.sent.get("joint_states", [])) > sent)
+            assert node.health().facts["links lost"] == "1"
+
+
+def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
+    """The port stays, nothing answers: no publish comes, the device is asked, the link is lost."""
+    with running(spec, f"{board.url}?timeout=0.02&attempts=1") as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        node._session.link.write(0x0, 1)  # type: ignore[union-attr]
+        node._session.tree.stop_publishing()  # type: ignore[union-attr]
+        node._session.probe = _silent  # type: ignore[union-attr, method-assign]
+        plane.wait(lambda: node.keeper.losses == 1)
+        plane.wait(node.keeper.up.is_set)
+
+
+def _silent() -> None:
+    raise LinkNotFound("no answer")
+
+
+def test_arm_and_set_safe(spec: Spec, board: Board) -> None:
+    with running(spec, board.url, armed=False) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["mode"](SimpleNamespace(data=1))
+        assert node.refused == 1 and plane.services["write"](["mode"], [1.0])[0] is False
+        assert plane.services["arm"](True)[0]
+        plane.takers["j_1/command"](SimpleNamespace(pos_sp=1.0))
+        plane.wait(lambda: board.registers[0x1A] == 1000)
+        done, message = plane.services["set_safe"]()
+        assert done and "j[1].pos_sp" in message and board.registers[0x1A] == 250
+        plane.takers["j_1/command"](SimpleNamespace(pos_sp=1.0))
+        plane.wait(lambda: board.registers[0x1A] == 1000)
+        assert plane.services["arm"](False)[0] and board.registers[0x1A] == 250
+
+
+def test_silence_of_commands_makes_safe(spec: Spec, board: Board) -> None:
+    with running(spec, board.url, command_timeout_s=0.05) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["j_1/command"](SimpleNamespace(pos_sp=1.0))
+        plane.wait(lambda: any("command_timeout" in text for _, text in plane.said))
+        plane.wait(lambda: board.registers[0x1A] == 250)
+
+
+def test_the_end_is_safe(spec: Spec, board: Board) -> None:
+    with running(spec, board.url) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["j_1/command"](SimpleNamespace(pos_sp=1.0))
+        plane.wait(lambda: board.registers[0x1A] == 1000)
+    assert board.registers[0x1A] == 250
+
+
+def test_what_waiting_cannot_mend_ends_the_node(spec: Spec) -> None:
+    with running(spec, "nonsense:") as (node, plane):
+        assert node.keeper.ended.wait(30)
+        assert isinstance(node.keeper.failure, UrlError) and plane.said[-1][0] == 2
