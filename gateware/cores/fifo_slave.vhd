@@ -6,11 +6,11 @@
 --       write: one word to the FPGA; err when there is no room
 --   +1  read: words from the FPGA that wait        +2  read: words the FPGA still has room for
 --
--- Event     event rises once for every word from the FPGA: it is high while words wait, and low for a clock after one was
+-- Event     arrival rises once for every word from the FPGA: it is high while words wait, and low for a clock after one was
 --           removed. On an edge event input of a subscription group whose address is +0 every word is published as
 --           soon as it can be, at no fixed rate, and none is asked for that is not there. A level input would ask once
 --           too often: it still sees the last word while that is being published. If nothing was removed for
---           remind_clocks, event rises again, so that a group that was enabled late is not left waiting.
+--           remind_clocks, arrival rises again, so that a group that was enabled late is not left waiting.
 --           not_empty is the plain level, for logic of your own.
 -- FPGA side to_pc_valid/ready/data puts a word in; from_pc_valid/ready/data takes one out.
 -- Capacity  `depth` words each way. A full queue never loses a word: it refuses (err) or waits (ready low).
@@ -36,7 +36,7 @@ entity fifo_slave is
     wishbone_m2s : in  wishbone_m2s_t;
     wishbone_s2m : out wishbone_s2m_t;
 
-    event     : out std_ulogic;
+    arrival   : out std_ulogic;
     not_empty : out std_ulogic;
 
     to_pc_valid : in  std_ulogic;
@@ -64,7 +64,7 @@ architecture rtl of fifo_slave is
   signal put, take    : std_ulogic;               -- the bus writes, or reads, +0 and may
   signal word         : word_t;
   signal ack, err     : std_ulogic;
-  signal patience     : natural range 0 to remind_clocks - 1; -- clocks until event rises again
+  signal patience     : natural range 0 to remind_clocks - 1; -- clocks until arrival rises again
 
 begin
 
@@ -135,7 +135,7 @@ begin
         room <= room + 1;
       end if;
 
-      event <= '1' when waiting > 0 and take = '0' and patience > 0 else '0';
+      arrival <= '1' when waiting > 0 and take = '0' and patience > 0 else '0';
       if waiting = 0 or take = '1' or patience = 0 then
         patience <= remind_clocks - 1;
       else
@@ -143,7 +143,7 @@ begin
       end if;
 
       if reset = '1' then
-        event    <= '0';
+        arrival  <= '0';
         patience <= remind_clocks - 1;
         ack      <= '0';
         err      <= '0';

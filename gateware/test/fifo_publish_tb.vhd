@@ -76,7 +76,7 @@ begin
     generic map (depth => depth, remind_clocks => remind_clocks)
     port map (
       clock => clock, reset => reset, wishbone_m2s => to_slaves(1), wishbone_s2m => from_slaves(1),
-      event => events(1), not_empty => open,
+      arrival => events(1), not_empty => open,
       to_pc_valid => put_valid, to_pc_ready => put_ready, to_pc_data => put_data,
       from_pc_valid => open, from_pc_ready => '0', from_pc_data => open);
 

@@ -31,7 +31,7 @@ architecture test of fifo_slave_tb is
 
   constant remind_clocks : positive := 200;
 
-  signal event         : std_ulogic;
+  signal arrival       : std_ulogic;
   signal not_empty     : std_ulogic;
   signal to_pc_valid   : std_ulogic := '0';
   signal to_pc_ready   : std_ulogic;
@@ -60,16 +60,16 @@ begin
   dut : entity work.fifo_slave
     generic map (depth => depth, data_width => data_width, remind_clocks => remind_clocks)
     port map (
-      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, event => event, not_empty => not_empty,
+      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, arrival => arrival, not_empty => not_empty,
       to_pc_valid => to_pc_valid, to_pc_ready => to_pc_ready, to_pc_data => to_pc_data,
       from_pc_valid => from_pc_valid, from_pc_ready => from_pc_ready, from_pc_data => from_pc_data);
 
   monitor : entity work.wishbone_monitor
     port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
 
-  count_edges : process (event) is
+  count_edges : process (arrival) is
   begin
-    if rising_edge(event) and watching then
+    if rising_edge(arrival) and watching then
       edges <= edges + 1;
     end if;
   end process;

@@ -114,7 +114,7 @@ begin
     generic map (depth => 4, remind_clocks => 20000)
     port map (
       clock => clock, reset => reset, wishbone_m2s => to_slaves(1), wishbone_s2m => from_slaves(1),
-      event => events(1), not_empty => open,
+      arrival => events(1), not_empty => open,
       to_pc_valid => put_valid, to_pc_ready => put_ready, to_pc_data => put_data,
       from_pc_valid => get_valid, from_pc_ready => '0', from_pc_data => get_data);
 

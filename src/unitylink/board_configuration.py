@@ -17,7 +17,7 @@ from unitylink.protocol import (
     TOSNET_NODE_SHIFT,
     TOSNET_REGISTER_SHIFT,
 )
-from unitylink.spec.model import Spec
+from unitylink.spec.model import Instance, Spec
 
 
 @dataclass(frozen=True)
@@ -157,13 +157,28 @@ class BoardConfiguration:
             raise ValueRangeError(f"board configuration: no field {', '.join(unknown)}")
         elements = [element for _, element in spec.walk()]
         tosnet = _tosnet_of(spec) if any(element.link.kind == "tosnet" for element in elements) else None
-        highest = max((element.addresses[-1] for element in elements), default=0)
+        ends = [
+            element.link.base + element.link.words - 1
+            for element in elements
+            if element.link.kind != "tosnet"
+        ]
+        highest = max([0, *ends, *(element.addresses[-1] for element in elements)])
         address_bits = next(bits for bits in (8, 16, 24, 32) if highest < 1 << bits)
         if tosnet is not None:
             slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
             wide = max(slave_bits, highest.bit_length())
             address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
-        chosen: dict[str, Any] = {"address_bits": address_bits, "tosnet": tosnet}
+        chosen: dict[str, Any] = {
+            "address_bits": address_bits,
+            "tosnet": tosnet,
+            "fifos": _fifos_of(spec, overrides.get("clock_hz", CLOCK_HZ_DEFAULT)),
+            "double_buffers": tuple(
+                DoubleBufferConfiguration(base, size)
+                for base, size in sorted(
+                    {(e.link.base, e.link.size) for e in elements if e.link.kind == "double_buffer"}
+                )
+            ),
+        }
         return cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
 
 
@@ -195,6 +210,31 @@ def _publishing_of(spec: Spec) -> dict[str, Any]:
         "rate_bytes": max(plain.rate_bytes, -(-divisor.bit_length() // 8)),
         "edge_event_groups": tuple(sorted(edges)),
     }
+
+
+def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
+    """Return the FIFOs of a spec; the event of one drives the group that is published on its `arrival`."""
+    arrivals = {
+        (device.root, group.event): group.number
+        for device in spec.devices
+        for group in device.groups
+        if group.trigger == "event"
+    }
+    fifos: dict[int, FifoConfiguration] = {}
+
+    def below(instance: Instance, root: str) -> None:
+        link = instance.link
+        if link.kind == "fifo":
+            group = arrivals.get((root, link.event_at(instance.path)))
+            known = fifos.get(link.base)
+            if known is None or known.event_group is None:
+                fifos[link.base] = FifoConfiguration(link.base, link.size, group, max(4, clock_hz // 50))
+        for inner in instance.instances:
+            below(inner, root)
+
+    for root in spec.roots:
+        below(root, root.name)
+    return tuple(fifos[base] for base in sorted(fifos))
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:

@@ -52,6 +52,7 @@ def test_scara_moves_on_the_gateware() -> None:
     [
         ("walker18", ["--cycles", "1"], "The walker is there."),
         ("pa10", ["--pace", "4", "--spec", "pa10.ul"], "Both arms are home again."),
+        ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
 )
 def test_examples_move_on_the_gateware(example: str, arguments: list[str], said: str) -> None:

@@ -71,6 +71,12 @@ DESIGNS = {
     "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_event_groups": (0, 15)}),
     "one_group": ("public a() { @x = 0x7: READ(PUBLISH(10 Hz)); }", {"groups": 1}),
     "nothing": ("public a() { }", {}),
+    "profile": (ROOT / "examples" / "profile" / "profile.ul", {}),
+    "queue": ("public a() { FIFO(BASE=0x40, DEPTH=4); @i = 0x0: PULSE(); @o = 0x0: READCLEAR(); }", {}),
+    "table": (
+        "public a() { DOUBLE_BUFFER(BASE=0x3, SIZE=1); @v = 0x0: READ(); }",
+        {"data_bits": 16, "publish_mode": 0},
+    ),
     "devices": ("public a() { @x = 0x7: READ(); } public b() { @x = 0x7: READ(); @y = 0x9: WRITE(); }", {}),
 }
 

@@ -30,14 +30,14 @@ _SELECT = re.compile(
 )
 _OTHERS = re.compile(r"(?:^|,)\s*([^,]*?)\s+when\s+others\s*$", re.IGNORECASE | re.DOTALL)
 _DECLARED = re.compile(
-    r"^\s*(?:signal\s+(\w+)\s*:|(\w+)\s*:\s*(?:in|out|inout)\s)", re.IGNORECASE | re.MULTILINE
+    r"^\s*(?:signal\s+(\w+)\s*:|(\w+)\s*:\s*(?:in|out|inout|entity)\s)", re.IGNORECASE | re.MULTILINE
 )
 
 
 def repaired(verilog: str, vhdl: str) -> str:
     """Return the netlist `verilog` with what GHDL left out taken from its twin `vhdl`; raise ToolError."""
     refuse_verilog_words(vhdl)
-    return with_sized_constants(with_default_arms(verilog, vhdl))
+    return with_signed_shifts(with_sized_constants(with_default_arms(verilog, vhdl)))
 
 
 def with_default_arms(verilog: str, vhdl: str) -> str:
@@ -80,13 +80,18 @@ def with_sized_constants(verilog: str) -> str:
     return re.sub(r"= 0'b\w*;", "= 1'b0;", sized)
 
 
+def with_signed_shifts(verilog: str) -> str:
+    """Shift signed numbers as such: GHDL 2.0 prints `>>`, which in Verilog loses their sign."""
+    return re.sub(r"(\$signed\([^()]*\)) >> ", r"\1 >>> ", verilog)
+
+
 def refuse_verilog_words(vhdl: str) -> None:
-    """Raise ToolError for a signal or port that has a name of Verilog's: GHDL 2.0 prints it as it is."""
-    names = {a or b for a, b in _DECLARED.findall(vhdl)}
+    """Raise ToolError for what has a name of Verilog's, labels too: GHDL 2.0 prints it as it is."""
+    names = {next(filter(None, found)) for found in _DECLARED.findall(vhdl)}
     if clash := sorted(name for name in names if name.lower() in _VERILOG_WORDS.split()):
         raise ToolError(
             f"{', '.join(clash)}: a word of Verilog, through which the design goes; "
-            "choose another name for the signal"
+            "choose another name for it"
         )
 
 

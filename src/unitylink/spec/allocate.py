@@ -11,7 +11,6 @@ from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ..protocol import TOSNET_ADDRESS_BITS
 from .diagnostics import Reporter
 from .scope import ADDRESS_MAX
 
@@ -90,6 +89,3 @@ def allocate(
         occupied.take(room, words)
         found[block.root, block.path] = room
     return found
-
-
-TOSNET_WORDS = 1 << TOSNET_ADDRESS_BITS

@@ -42,6 +42,39 @@ def check_blocks(blocks: Sequence[Block], placed: Sequence[Placed], reporter: Re
             reporter.report("UL057", *at, message, "give one of them another address", labels=labels)
 
 
+def check_windows(placed: Sequence[Placed], reporter: Reporter) -> None:
+    """Report FIFOs and double buffers that overlap, and elements of others among their words."""
+    windows: dict[tuple[object, ...], Block] = {}
+    for one in placed:
+        if one.element.link.kind in ("fifo", "double_buffer"):
+            windows.setdefault(_window_of(one), _window(one))
+    blocks = list(windows.values())
+    outer = {device: _outermost(device, blocks, reporter) for device in {block.device for block in blocks}}
+    apart = {id(block) for ranges in outer.values() for _, block in ranges}
+    for one in placed if blocks else ():
+        element, own = one.element, windows.get(_window_of(one))
+        if own is not None and id(own) not in apart:
+            continue  # reported as a whole
+        for block in _around(outer.get((one.root, element.link.comm), []), element.addresses):
+            if block is not own:
+                message = f"`{element.path}` lies at 0x{element.address:X}, among the words of `{block.path}`"
+                labels = [(block.start, block.end, f"{block.words} words from 0x{block.first or 0:X} on")]
+                at = one.address.start, one.address.end
+                reporter.report("UL057", *at, message, "give one of them another address", labels=labels)
+
+
+def _window_of(one: Placed) -> tuple[object, ...]:
+    link = one.element.link
+    return one.root, link.comm, link.kind, link.base, link.words
+
+
+def _window(one: Placed) -> Block:
+    """Return the words of the FIFO or double buffer an element lies in."""
+    link, path = one.element.link, one.element.path.rpartition(".")[0]
+    at = one.address
+    return Block(one.root, link.comm, path, link.base, link.words, 0, 0, at.start, at.end, component=False)
+
+
 def _innermost(own: dict[tuple[str, str], Block], root: str, path: str) -> Block | None:
     while "." in path:
         path = path.rpartition(".")[0]

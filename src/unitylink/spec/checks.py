@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from .. import protocol
-from .blocks import check_blocks
+from .blocks import check_blocks, check_windows
 from .diagnostics import Reporter
 from .model import Element, Instance, Link
 from .publish_checks import check_publishes
@@ -30,6 +30,7 @@ def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporte
             _check_double_buffer(one, reporter)
         elif kind == "fifo":
             _check_fifo(one, reporter)
+    check_windows(placed, reporter)
     check_blocks(resolver.blocks, placed, reporter)
     _check_events(resolver.roots, placed, reporter)
     check_publishes(tuple(resolver.roots), links, reporter)
@@ -177,7 +178,7 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
 
 
 def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter: Reporter) -> None:
-    """An event with a dot in its name is one of a component."""
+    """An event with a dot in its name is one of a component or a FIFO."""
     known: dict[str, set[str]] = {}
     for one in placed:
         publish = one.element.publish
@@ -187,9 +188,9 @@ def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter:
             known[one.root] = {event for root in roots if root.name == one.root for event in _events(root)}
         if publish.event not in known[one.root]:
             span = one.element.span
-            message = f"no component has the event `{publish.event}`"
+            message = f"nothing has the event `{publish.event}`"
             some = ", ".join(f"`{event}`" for event in sorted(known[one.root])[:6])
-            hint = f"there are {some}" if some else "components say so by `@event(...)`: gpio has `changed`"
+            hint = f"there are {some}" if some else "a gpio has `changed`, a FIFO has `arrival`"
             start = reporter.sources.offset(span)
             reporter.report("UL102", start, start + span.end - span.start, message, hint)
 
@@ -197,5 +198,7 @@ def _check_events(roots: Sequence[Instance], placed: Sequence[Placed], reporter:
 def _events(instance: Instance) -> Iterator[str]:
     if instance.component is not None:
         yield from (f"{instance.path}.{event}" for event in instance.component.events)
+    if own := instance.link.event_at(instance.path):
+        yield own
     for inner in instance.instances:
         yield from _events(inner)

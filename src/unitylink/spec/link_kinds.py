@@ -41,7 +41,13 @@ def bind_link(
             evaluator.reporter.report("UL058", node.start, node.end, message, hint)
         size = _number(scope.link_property("SIZE"), (1, _SIZE_MAX), 1, names, evaluator)
     elif kind == "fifo":
-        size = _number(scope.link_property("DEPTH"), (2, _DEPTH_MAX), _DEPTH_DEFAULT, names, evaluator)
+        depth = scope.link_property("DEPTH")
+        size = _number(depth, (2, _DEPTH_MAX), _DEPTH_DEFAULT, names, evaluator)
+        if depth is not None and depth.argument is not None and size & size - 1:
+            place = depth.argument.start, depth.argument.end
+            message = f"a queue of {size} words: the gateware's hold a power of two"
+            hint = f"write {1 << size.bit_length()}, or {1 << size.bit_length() - 1}"
+            evaluator.reporter.report("UL058", *place, message, hint)
     return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link)
 
 

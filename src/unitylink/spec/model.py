@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Union
 
-from ..protocol import BASE_HZ_DEFAULT, DATA_BITS_MAX
+from ..protocol import BASE_HZ_DEFAULT, DATA_BITS_MAX, TOSNET_ADDRESS_BITS
 from .annotation import Annotation
 from .types import EnumType, Number, ValueType
 
@@ -64,6 +64,17 @@ class LinkBinding:
     comm: str | None = None
     size: int = 0
     link: str = ""
+
+    @property
+    def words(self) -> int:
+        """The words from `base` on that are the hardware's own; 0 for plain memory."""
+        if self.kind == "double_buffer":
+            return self.size + 1  # the last is the commit
+        return {"tosnet": 1 << TOSNET_ADDRESS_BITS, "fifo": 3}.get(self.kind, 0)
+
+    def event_at(self, path: str) -> str:
+        """Return the event that the hardware at `path` has by itself; "" for none."""
+        return f"{path}.arrival".lstrip(".") if self.kind == "fifo" else ""
 
 
 @dataclass(frozen=True)

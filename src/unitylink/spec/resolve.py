@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
-from .allocate import TOSNET_WORDS, Block, allocate
+from .allocate import Block, allocate
 from .annotation import Annotation
 from .declared import Declared
 from .elements import ElementReader
@@ -85,7 +85,7 @@ class Resolver:
         if any(block.first is None for block in self.blocks) and not self.reporter.failed:
             taken = [
                 ((p.root, p.element.link.comm), p.element.address, p.element.words) for p in self.placed
-            ] + self._tosnets()
+            ] + self._windows()
             self._allocated = allocate(self.blocks, taken, self.reporter)
             self._expand_roots(ready)  # again, for now every address is known
         self._vectors.report_lengths()
@@ -318,14 +318,14 @@ class Resolver:
         )
         self.blocks.append(frame.block)
 
-    def _tosnets(self) -> list[tuple[tuple[str, str | None], int, int]]:
-        """Return the windows of the TosNet slaves: nothing else may lie there."""
+    def _windows(self) -> list[tuple[tuple[str, str | None], int, int]]:
+        """Return the windows of TosNet, FIFOs and double buffers: nothing else may lie there."""
         links = {
-            ((p.root, p.element.link.comm), p.element.link.base)
+            ((p.root, p.element.link.comm), p.element.link.base, p.element.link.words)
             for p in self.placed
-            if p.element.link.kind == "tosnet"
+            if p.element.link.words
         }
-        return [(device, base, TOSNET_WORDS) for device, base in sorted(links, key=str)]
+        return sorted(links, key=str)
 
     def _link_of(self, binding: LinkBinding) -> Link:
         return self.links[binding.link if binding.link in self.links else ""]
@@ -416,9 +416,11 @@ class Resolver:
         return element
 
     def _event(self, frame: _Frame, event: str) -> str:
-        """An event of the component itself, or of one below, gets its whole path; another is the design's."""
+        """An event of the component or FIFO itself, or of one below, gets its whole path; others stay."""
         if frame.component is not None and event in frame.component.events:
             return f"{frame.path}.{event}"
+        if event == frame.link.event_at(""):
+            return frame.link.event_at(frame.path)
         if "." in event and frame.path:
             return f"{frame.path}.{event}"
         return event

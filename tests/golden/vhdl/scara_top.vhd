@@ -67,7 +67,7 @@ begin
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
 
-  design : entity work.scara_design
+  bridge : entity work.scara_design
     generic map (clock_hz => clock_hz)
     port map (
       clock => clock, reset => synchronous_reset,

@@ -10,7 +10,13 @@ import pytest
 
 from unitylink.errors import ToolError
 from unitylink.gateware import Ghdl
-from unitylink.gateware.repairs import refuse_verilog_words, repaired, with_default_arms, with_sized_constants
+from unitylink.gateware.repairs import (
+    refuse_verilog_words,
+    repaired,
+    with_default_arms,
+    with_signed_shifts,
+    with_sized_constants,
+)
 
 SMALL = Path(__file__).with_name("small.vhd")
 
@@ -112,10 +118,36 @@ def test_constants_that_ghdl_makes_zero(tmp_path: Path) -> None:
     assert f"{0x8000000100000000:064b}" not in printed, "GHDL has learned it: the gateware need not avoid it"
 
 
+SHIFT = """
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+entity shift is
+  port (a : in std_ulogic_vector(15 downto 0); y, z : out std_ulogic_vector(15 downto 0));
+end entity;
+architecture rtl of shift is
+begin
+  y <= std_ulogic_vector(shift_right(signed(a), 2));
+  z <= std_ulogic_vector(shift_right(unsigned(a), 2));
+end architecture;
+"""
+
+
+def test_signed_shifts_keep_their_sign(tmp_path: Path) -> None:
+    (tmp_path / "shift.vhd").write_text(SHIFT)
+    printed = Ghdl(tmp_path, [tmp_path / "shift.vhd"]).synthesise("shift", "verilog")
+    assert "$signed(a) >> 31'b" in printed, "GHDL has learned it: retire the repair"
+    mended = with_signed_shifts(printed)
+    assert "$signed(a) >>> 31'b" in mended
+    assert mended.replace(">>>", ">>") == printed and "= a >> 31'b" in mended
+
+
 def test_words_of_verilog_are_refused() -> None:
     vhdl = "entity t is\n  port (\n    wire : in std_logic;\n    b : out bit);\n  signal reg : std_logic;\n"
     with pytest.raises(ToolError, match=r"reg, wire: a word of Verilog"):
         refuse_verilog_words(vhdl)
+    with pytest.raises(ToolError, match=r"design: a word of Verilog"):
+        refuse_verilog_words("begin\n  design : entity work.inner port map (\n")
 
 
 def test_repaired_does_all(printed: tuple[str, str]) -> None:

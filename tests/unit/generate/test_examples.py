@@ -29,6 +29,7 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         ("pa10", ["--pace", "2"], "Both arms are home again."),
         ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
         ("servo", [], "the limit switch has closed, 1 in all"),
+        ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
 )
 def test_example_runs(example: str, arguments: list[str], said: str) -> None:
@@ -45,7 +46,7 @@ def test_the_walker_fits_the_paper() -> None:
         assert len(published) == 18
 
 
-@pytest.mark.parametrize("example", ["hello_led", "scara", "servo", "walker18"])
+@pytest.mark.parametrize("example", ["hello_led", "profile", "scara", "servo", "walker18"])
 def test_example_says_what_is_wrong_with_a_link(example: str) -> None:
     done = run(example, "--link", "tcp://127.0.0.1:1")
     assert done.returncode == 1

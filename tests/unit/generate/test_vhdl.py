@@ -59,16 +59,22 @@ def test_remarks_stay_on_their_line(text: str) -> None:
     assert said.isascii() and (said.isprintable() or not said) and len(said) <= 200
 
 
-@given(st.sets(st.integers(0, 3000) | st.integers(0, 2**32 - 1), max_size=60), st.integers(0, 4000))
-def test_blocks_hold_every_address_once_and_keep_out(addresses: set[int], start: int) -> None:
-    keep_out = range(start, start + 700)
-    found = blocks(addresses - set(keep_out), keep_out)
-    assert sorted(a for block in found for a in block.addresses) == sorted(addresses - set(keep_out))
+@given(
+    st.sets(st.integers(0, 3000) | st.integers(0, 2**32 - 1), max_size=60),
+    st.lists(st.tuples(st.integers(0, 4000), st.sampled_from([1, 3, 6, 65, 700])), max_size=4),
+)
+def test_blocks_hold_every_address_once_and_keep_out(
+    addresses: set[int], others: list[tuple[int, int]]
+) -> None:
+    keep_out = [range(start, start + words) for start, words in others]
+    addresses -= {address for other in keep_out for address in other}
+    found = blocks(addresses, keep_out)
+    assert sorted(a for block in found for a in block.addresses) == sorted(addresses)
     for block in found:
         assert block.words & (block.words - 1) == 0 and block.base % block.words == 0
         assert block.words <= WINDOW
         assert all(block.base <= address < block.base + block.words for address in block.addresses)
-        assert block.base >= keep_out.stop or block.base + block.words <= keep_out.start
+        assert all(block.base >= o.stop or block.base + block.words <= o.start for o in keep_out)
     assert all(one.base + one.words <= other.base for one, other in pairwise(found))
 
 
@@ -144,16 +150,74 @@ def test_what_the_gateware_has_not_is_refused(overrides: dict[str, int], message
         generate_vhdl(spec, BoardConfiguration.for_spec(spec, **overrides))
 
 
+def test_words_beside_a_component_leave_it_its_place() -> None:
+    """They share a window of 64 addresses with it, around it on both sides."""
+    spec = spec_of("public a() { @x = 0x0: READ(); @y = 0x1F: READ(); p: pwm() @ 0x8; }")
+    design = generate_vhdl(spec)["vhdl/robot_design.vhd"]
+    ranges = re.findall(r'=> \(base => x"(\w+)", words => (\d+)\)', design)
+    assert [(int(base, 16), int(words)) for base, words in ranges] == [(0x0, 1), (0x1F, 1), (0x8, 6)]
+
+
+STREAM = ("valid", "ready", "data")
+QUEUES = """
+public a(c,u) { MEMORY(CTRL=c, COMM=u); q: queue(); t: table(); @led = 0x0: WRITE(); }
+queue() { FIFO(BASE=0x40, DEPTH=8); %s }
+table() { DOUBLE_BUFFER(BASE=0x50, SIZE=5); %s }
+"""
+
+
 @pytest.mark.parametrize(
-    ("link", "kind", "access"),
+    ("members", "ports"),
     [
-        ("DOUBLE_BUFFER(BASE=0x40, SIZE=16)", "double_buffer", "WRITE"),
-        ("FIFO(BASE=0x40, DEPTH=16)", "fifo", "READCLEAR"),
+        (("@n = 0x0: READCLEAR();", "@v = 0x0: WRITE();"), {f"q_to_pc_{p}" for p in STREAM}),
+        (("@n = 0x0: PULSE();", "@v = 0x0: WRITE();"), {f"q_from_pc_{p}" for p in STREAM}),
+        (
+            ("@n = 0x1: READ();", "@v = 0x0: READ();"),
+            {f"t_user_write_{p}" for p in (*STREAM, "address")},
+        ),
     ],
 )
-def test_link_kinds_without_vhdl_are_refused_by_name(link: str, kind: str, access: str) -> None:
-    with pytest.raises(BindingError, match=f"x lies behind a link of the kind {kind}, which has no VHDL"):
-        generate_vhdl(spec_of(f"public a() {{ {link}; @x = 0x0: {access}(); }}"))
+def test_a_queue_and_a_table_have_ports_for_what_the_spec_uses(
+    members: tuple[str, str], ports: set[str]
+) -> None:
+    top = generate_vhdl(spec_of(QUEUES % members))["vhdl/robot_top.vhd"]
+    entity = top[top.index("  port (") : top.index("end entity;")]
+    always = {"t_committed", "t_user_read_address", "t_user_read_data"}
+    assert set(re.findall(r"^    ([qt]_\w+) ", entity, re.M)) == ports | always
+
+
+def test_what_a_queue_and_a_table_cannot_be() -> None:
+    spec = spec_of(QUEUES % ("@n = 0x0: READCLEAR();", "@v = 0x0: WRITE();"))
+    with pytest.raises(BindingError, match="the FIFOs and double buffers of a design are those of its spec"):
+        generate_vhdl(spec, BoardConfiguration())
+    spec = spec_of("public a() { DOUBLE_BUFFER(BASE=0x3B, SIZE=5); @v = 0x0: WRITE(); }")
+    with pytest.raises(BindingError, match="a ends at 0x40; address_bits is 6"):
+        generate_vhdl(spec, BoardConfiguration.for_spec(spec, address_bits=6))
+    long = spec_of("public a() { FIFO(DEPTH=256); @n = 0x0: READCLEAR(); }")
+    with pytest.raises(
+        BindingError, match="a holds 256 words, a number that does not fit its words of 8 bits"
+    ):
+        generate_vhdl(long, BoardConfiguration.for_spec(long, data_bits=8))
+
+
+def test_the_arrival_of_words_is_wired_up_inside() -> None:
+    members = "@n = 0x0: READCLEAR(PUBLISH(on arrival)); @m = 0x1: READ(PUBLISH(on x));"
+    text = f"public a() {{ FIFO(DEPTH=8); {members} }}"
+    files = generate_vhdl(spec_of(text))
+    assert "lines(0) <= arrival_line;" in files["vhdl/robot_design.vhd"]
+    assert "arrival_event" not in files["vhdl/robot_config_pkg.vhd"]
+    assert "x_event" in files["vhdl/robot_config_pkg.vhd"]
+
+
+def test_one_event_of_a_component_may_publish_several_groups() -> None:
+    text = """public a() {
+       keys: gpio();
+       @x = 0x10: READ(PUBLISH(on keys.changed, GROUP=one));
+       @y = 0x11: READ(PUBLISH(on keys.changed, GROUP=two));
+    }"""
+    design = generate_vhdl(spec_of(text))["vhdl/robot_design.vhd"]
+    assert design.count("changed => changed_line,") == design.count("signal changed_line :") == 1
+    assert "lines(0) <= changed_line;" in design and "lines(1) <= changed_line;" in design
 
 
 def test_what_is_published_on_change_is_given_by_the_user() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from unitylink.board_configuration import DoubleBufferConfiguration, FifoConfiguration
 from unitylink.errors import ValueRangeError
 from unitylink.simulate import Board, BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.spec import Spec, compile_text
@@ -74,6 +75,23 @@ def test_one_network_only() -> None:
     )
     with pytest.raises(ValueRangeError, match="one network"):
         BoardConfiguration.for_spec(spec_of(two))
+
+
+def test_queues_and_tables_are_those_of_the_spec() -> None:
+    spec = spec_of("""
+    public a(c,u) { MEMORY(CTRL=c, COMM=u); t: table(); q: queue(); r: other(); }
+    table() { DOUBLE_BUFFER(BASE=0x100, SIZE=256); @v = 0x0: WRITE(); }
+    queue() { FIFO(BASE=0x80, DEPTH=8); @n = 0x0: READCLEAR(PUBLISH(on arrival)); }
+    other() { FIFO(BASE=0x90, DEPTH=4); @n = 0x0: PULSE(); }
+    """)
+    configuration = BoardConfiguration.for_spec(spec, clock_hz=1_000_000)
+    assert configuration.double_buffers == (DoubleBufferConfiguration(0x100, 256),)
+    assert configuration.fifos == (
+        FifoConfiguration(0x80, 8, event_group=0, remind_clocks=20_000),
+        FifoConfiguration(0x90, 4, event_group=None, remind_clocks=20_000),
+    )
+    assert configuration.edge_event_groups == (0,)
+    assert configuration.address_bits == 16  # the commit lies at 0x200
 
 
 def test_overrides() -> None:

@@ -301,6 +301,55 @@ def test_link_kinds() -> None:
     assert [e.address for e in queue.elements] == [0x320, 0x320, 0x321]
 
 
+@pytest.mark.parametrize(
+    ("members", "code", "words"),
+    [
+        ("@x = 0x302: READ();", "UL057", "`x` lies at 0x302, among the words of `q`"),
+        ("@x = 0x204: READ();", "UL057", "`x` lies at 0x204, among the words of `t`"),
+        ("r: other();", "UL057", "the words of `r` overlap those of `t`"),
+    ],
+)
+def test_queues_and_tables_have_their_words_for_themselves(members: str, code: str, words: str) -> None:
+    text = f"""
+    public a(c,u) {{ MEMORY(CTRL=c, COMM=u); q: queue(); t: table(); {members} }}
+    queue() {{ FIFO(BASE=0x300, DEPTH=64); @take = 0x0: READCLEAR(); }}
+    table() {{ DOUBLE_BUFFER(BASE=0x200, SIZE=4); @v = 0x0: WRITE(); }}
+    """
+    text += "other() { FIFO(BASE=0x202); @take = 0x0: READCLEAR(); }" if "other" in members else ""
+    assert [(d.code, d.message) for d in compile_text(text).diagnostics] == [(code, words)]
+
+
+def test_components_find_room_beside_queues_and_tables() -> None:
+    spec = clean("""
+    public a(c,u) { MEMORY(CTRL=c, COMM=u); t: table(); p: pwm(channels=2); q: queue(); }
+    table() { DOUBLE_BUFFER(SIZE=4); @v = 0x0: WRITE(); }
+    queue() { FIFO(BASE=0x8); @take = 0x0: READCLEAR(); }
+    """)
+    component = spec.root().instances[1].component
+    assert component is not None and component.base == 0xC
+
+
+def test_a_queue_holds_a_power_of_two() -> None:
+    (diagnostic,) = compile_text("public a() { FIFO(DEPTH=100); @n = 0x0: READCLEAR(); }").diagnostics
+    assert (diagnostic.code, diagnostic.hint) == ("UL058", "write 128, or 64")
+
+
+def test_the_arrival_of_a_word_is_an_event() -> None:
+    spec = clean("""
+    public a(c,u) {
+       MEMORY(CTRL=c, COMM=u);
+       q: queue();
+       @x = 0x0: READ(PUBLISH(on q.arrival));
+       @y = 0x1: READ(PUBLISH(on arrival));
+    }
+    queue() { FIFO(BASE=0x8); @n = 0x0: READCLEAR(PUBLISH(on arrival)); }
+    """)
+    groups = {element.path: group.event for group in spec.devices[0].groups for element in group.elements}
+    assert groups == {"q.n": "q.arrival", "x": "q.arrival", "y": "arrival"}  # that of y is the design's
+    (diagnostic,) = compile_text("public a() { @x = 0x0: READ(PUBLISH(on q.arrival)); }").diagnostics
+    assert (diagnostic.code, diagnostic.message) == ("UL102", "nothing has the event `q.arrival`")
+
+
 # --- notes --------------------------------------------------------------------------------------------------
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -29,11 +29,11 @@ class Block:
         )
 
 
-def blocks(addresses: Iterable[int], keep_out: range = range(0)) -> tuple[Block, ...]:
+def blocks(addresses: Iterable[int], keep_out: Sequence[range] = ()) -> tuple[Block, ...]:
     """Divide addresses into blocks: decoding an aligned power of two costs no adder, a hole no flip-flop.
 
     The words of one window of 64 addresses share a slave, which is as small as a power of two around them is.
-    No block reaches into `keep_out`, where another slave answers.
+    No block reaches into `keep_out`, where other slaves answer.
 
     >>> [(hex(block.base), block.words) for block in blocks([0x10, 0x13, 0x12345])]
     [('0x10', 4), ('0x12345', 1)]
@@ -42,14 +42,15 @@ def blocks(addresses: Iterable[int], keep_out: range = range(0)) -> tuple[Block,
     return tuple(block for _, inside in windows for block in _divide(tuple(inside), keep_out))
 
 
-def _divide(addresses: tuple[int, ...], keep_out: range) -> Iterator[Block]:
+def _divide(addresses: tuple[int, ...], keep_out: Sequence[range]) -> Iterator[Block]:
     words = 1
     while addresses[0] // words != addresses[-1] // words:
         words *= 2
     base = addresses[0] // words * words
-    if base < keep_out.stop and keep_out.start < base + words:
+    if words > 1 and any(base < other.stop and other.start < base + words for other in keep_out):
         middle = base + words // 2
-        yield from _divide(tuple(address for address in addresses if address < middle), keep_out)
-        yield from _divide(tuple(address for address in addresses if address >= middle), keep_out)
+        near = [other for other in keep_out if base < other.stop and other.start < base + words]
+        yield from _divide(tuple(address for address in addresses if address < middle), near)
+        yield from _divide(tuple(address for address in addresses if address >= middle), near)
     else:
         yield Block(base, words, addresses)

@@ -95,7 +95,7 @@ class Placed:
     entity: str
     generics: tuple[tuple[str, str], ...]
     pins: tuple[tuple[str, str], ...]  # its port, the design's
-    events: tuple[tuple[str, int], ...]  # its port, the event line
+    events: tuple[tuple[str, tuple[int, ...]], ...]  # its port, the event lines
 
 
 @dataclass(frozen=True)

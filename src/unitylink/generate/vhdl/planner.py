@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Union
 
 from unitylink import protocol
@@ -15,6 +15,7 @@ from unitylink.values import Codec, Quantity
 
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
+from .link_slaves import LinkSlave, link_slaves
 from .names import Names, identifier, remark
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
@@ -22,7 +23,7 @@ from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
 from .words import PlacedComponent, components_of, tosnet_range, word_map
 
 # What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
-_ONLY_ON_THE_TWIN = ("bench_memory", "bus_error_ranges", "silent_ranges", "fifos", "double_buffers")
+_ONLY_ON_THE_TWIN = ("bench_memory", "bus_error_ranges", "silent_ranges")
 # Of the UART, where the configuration does not say.
 _BAUD_HZ = 3_000_000
 _FIFO_BYTES = 16
@@ -48,6 +49,8 @@ class _Planner:
         self.words = word_map(spec, configuration)
         self.in_tosnet = tosnet_range(configuration)
         self.parts = components_of(spec)
+        self.slaves = link_slaves(spec)
+        _check_slaves(self.slaves, configuration)
         self.ports: list[Port] = []
         self.initialised = [
             (path, element, element.initial)
@@ -59,21 +62,32 @@ class _Planner:
             last, bits = element.addresses[-1], configuration.address_bits
             if last >> bits:
                 raise BindingError(f"vhdl: {path} lies at 0x{last:X}; address_bits is {bits}")
-            if element.link.kind not in ("memory", "tosnet"):
+        for slave in self.slaves:
+            if slave.range.stop - 1 >> configuration.address_bits:
                 raise BindingError(
-                    f"vhdl: {path} lies behind a link of the kind {element.link.kind}, which has no VHDL; "
-                    "use words of plain memory"
+                    f"vhdl: {slave.path} ends at 0x{slave.range.stop - 1:X}; "
+                    f"address_bits is {configuration.address_bits}"
+                )
+            if slave.kind == "fifo" and slave.size >> configuration.data_bits:
+                raise BindingError(
+                    f"vhdl: {slave.path} holds {slave.size} words, a number that does not fit its words of "
+                    f"{configuration.data_bits} bits; give it a smaller DEPTH"
                 )
 
     def plan(self) -> Plan:
         first = 1 if self.in_tosnet else 0
         parts = [part for part in self.parts if part.component.words]
-        taken = {address for part in parts for address in part.range} | set(self.in_tosnet)
+        others = [self.in_tosnet, *(part.range for part in parts), *(one.range for one in self.slaves)]
+        taken = {address for other in others for address in other}
         addresses = {a for _, element in self.spec.walk() for a in element.addresses} - taken
-        plain = blocks(addresses, self.in_tosnet)
+        plain = blocks(addresses, others)
         numbered = list(enumerate(parts, first + len(plain)))
+        slaves = list(enumerate(self.slaves, first + len(plain) + len(parts)))
         ports = Names(_PORTS)
-        components = tuple(self._component(number, part, ports) for number, part in numbered)
+        components = (
+            *(self._component(number, part, ports) for number, part in numbered),
+            *(self._link_slave(number, slave, ports) for number, slave in slaves),
+        )
         return Plan(
             name=identifier(self.spec.name),
             source=remark(self.spec.source),
@@ -88,13 +102,14 @@ class _Planner:
                 *self._tosnet_range(),
                 *(_range(n, block.base, block.words) for n, block in enumerate(plain, first)),
                 *(_range(n, part.component.base, part.component.words) for n, part in numbered),
+                *(_range(n, one.base, one.words) for n, one in slaves),
             ),
             registers=tuple(self._registers(number, block) for number, block in enumerate(plain, first)),
             tosnet=self._tosnet(),
             components=components,
             ports=tuple(self.ports),
-            lines=self._event_lines(),
-            event_sources=self._event_sources(components),
+            lines=self._event_lines(_inside(components)),
+            event_sources=self._event_sources(_inside(components)),
             changes=self._changes(),
             **self._records(),
         )
@@ -167,14 +182,35 @@ class _Planner:
             entity=component.entity,
             generics=tuple({**given, "data_width": own["data_width"]}.items()),
             pins=tuple(pins),
-            events=tuple(
-                (port, group.number)
-                for port in component.events
-                for device in self.spec.devices
-                for group in device.groups
-                if device.root == part.root and group.event == f"{part.local}.{port}"
-            ),
+            events=self._lines_of(part.root, {port: f"{part.local}.{port}" for port in component.events}),
         )
+
+    def _link_slave(self, number: int, slave: LinkSlave, ports: Names) -> Placed:
+        pins = []
+        for pin in slave.pins(self.configuration.data_bits):
+            name = pin.tied or ports.claim(f"{slave.path}_{pin.name}")
+            pins.append((pin.name, name))
+            if not pin.tied:
+                self.ports.append(Port(name, pin.direction, pin.type))
+        width = f"{identifier(self.spec.name)}_config_pkg.data_width"
+        return Placed(
+            number=number,
+            path=remark(slave.path),
+            span=_span(slave.base, slave.words),
+            entity=slave.entity,
+            generics=tuple({**slave.generics(), "data_width": width}.items()),
+            pins=tuple(pins),
+            events=self._lines_of(slave.root, slave.events()),
+        )
+
+    def _lines_of(self, root: str, events: Mapping[str, str]) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """Return the event lines of each port that has any; `events` is what the spec calls the ports."""
+        devices = [device for device in self.spec.devices if device.root == root]
+        lines = {
+            port: tuple(g.number for device in devices for g in device.groups if g.event == event)
+            for port, event in events.items()
+        }
+        return tuple((port, numbers) for port, numbers in lines.items() if numbers)
 
     def _changes(self) -> tuple[Change, ...]:
         changes = []
@@ -190,22 +226,21 @@ class _Planner:
                     changes.append(Change(group.number, tuple(self.words.read[a] for a in group.addresses)))
         return tuple(changes)
 
-    def _event_sources(self, components: tuple[Placed, ...]) -> tuple[EventSource, ...]:
+    def _event_sources(self, inside: set[int]) -> tuple[EventSource, ...]:
         """Return the lines from outside, in as few assignments as there are runs of them."""
-        inside = {line for component in components for _, line in component.events}
-        inside |= {change.number for change in self._changes()}
+        inside = inside | {change.number for change in self._changes()}
         runs = _runs(set(range(self.configuration.groups)) - inside)
         spans = [f"{run.stop - 1} downto {run.start}" for run in runs]
         return tuple(EventSource(span, f"events({span})") for span in spans)
 
-    def _event_lines(self) -> tuple[Constant, ...]:
-        """Return a constant for every event line that the user's logic drives."""
+    def _event_lines(self, inside: set[int]) -> tuple[Constant, ...]:
+        """Return a constant for every event line that the user's logic drives, and nothing `inside`."""
         names = Names()
         return tuple(
             Constant(f"{names.claim(group.event)}_event", "natural", str(group.number), "index in events")
             for device in self.spec.devices
             for group in device.groups
-            if group.trigger == "event" and "." not in group.event
+            if group.trigger == "event" and "." not in group.event and group.number not in inside
         )
 
     def _address_constants(self) -> tuple[Constant, ...]:
@@ -310,6 +345,17 @@ def _check(configuration: BoardConfiguration) -> None:
             raise BindingError(f"vhdl: {field} is {value}; the gateware takes {least} to {most}")
 
 
+def _check_slaves(slaves: Sequence[LinkSlave], configuration: BoardConfiguration) -> None:
+    """What the slaves are the spec says; a board configuration can only repeat it."""
+    fifos = {("fifo", one.base, one.depth) for one in configuration.fifos}
+    buffers = {("double_buffer", one.base, one.size) for one in configuration.double_buffers}
+    if fifos | buffers != {(one.kind, one.base, one.size) for one in slaves}:
+        raise BindingError(
+            "vhdl: the FIFOs and double buffers of a design are those of its spec; "
+            "make the board configuration with BoardConfiguration.for_spec"
+        )
+
+
 def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
     """Return the generics of the core, under their own names."""
     edges = sum(1 << group for group in configuration.edge_event_groups)
@@ -337,6 +383,11 @@ def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
 
 def _range(number: int, base: int, words: int) -> Range:
     return Range(number, _hex(base), words, _span(base, words))
+
+
+def _inside(components: Iterable[Placed]) -> set[int]:
+    """Return the event lines that parts of the design drive."""
+    return {line for component in components for _, lines in component.events for line in lines}
 
 
 def _runs(numbers: set[int]) -> tuple[range, ...]:

@@ -53,6 +53,8 @@ def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> Wor
     write: set[int] = set()
     components = {address for component in components_of(spec) for address in component.range}
     for _, element in spec.walk():
+        if element.link.kind not in ("memory", "tosnet"):
+            continue  # the user's logic reaches those through ports of their own
         for address in element.addresses:
             if address not in components:
                 gives, takes = _directions(element, address, configuration)

@@ -18,8 +18,9 @@ class LoopbackPlant(WordPlant):
             self._attach(root, registers.data_bits)
 
     def _attach(self, instance: Instance, data_bits: int) -> None:
-        writes = [element for element in instance.elements if element.access == "WRITE"]
-        reads = [element for element in instance.elements if element.access == "READ"]
+        plain = instance.elements if instance.link.kind in ("memory", "tosnet") else ()  # others are no echo
+        writes = [element for element in plain if element.access == "WRITE"]
+        reads = [element for element in plain if element.access == "READ"]
         for write, read in zip(writes, reads, strict=False):
             pairs = zip(write.addresses, read.addresses, strict=False)
             self.echoes += [Echo(source, target) for source, target in pairs]

@@ -10,9 +10,12 @@ from .words import WordPlant
 
 
 class RampPlant(WordPlant):
-    """Every READ counts up at its own pace: signed ones from -1000 to 999, others from 0 to 1999."""
+    """Every READ counts up at its own pace: signed ones from -1000 to 999, others from 0 to 1999.
+
+    What a FIFO counts is its own, and what a double buffer holds was written as a whole: they stay.
+    """
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:
         for _, element in spec.walk() if spec else ():
-            if element.pollable and not element.writable:
+            if element.pollable and not element.writable and element.link.kind in ("memory", "tosnet"):
                 self.ramp(element, registers.data_bits)

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""FIFOs and double buffers of a spec: slaves whose other side is ports for the user's logic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from unitylink.spec.model import Instance, Spec
+
+# Port of the entity -> direction and type ({high}: the highest bit of a word, {last}: the last word), or what
+# an input is tied to where the spec never uses it.
+_PINS = {
+    "fifo": {
+        "to_pc_valid": ("in", "std_ulogic", "'0'"),
+        "to_pc_ready": ("out", "std_ulogic", ""),
+        "to_pc_data": ("in", "std_ulogic_vector({high} downto 0)", "(others => '0')"),
+        "from_pc_valid": ("out", "std_ulogic", ""),
+        "from_pc_ready": ("in", "std_ulogic", "'0'"),
+        "from_pc_data": ("out", "std_ulogic_vector({high} downto 0)", ""),
+    },
+    "double_buffer": {
+        "committed": ("out", "std_ulogic", ""),
+        "user_read_address": ("in", "natural range 0 to {last}", "0"),
+        "user_read_data": ("out", "std_ulogic_vector({high} downto 0)", ""),
+        "user_write_valid": ("in", "std_ulogic", "'0'"),
+        "user_write_ready": ("out", "std_ulogic", ""),
+        "user_write_address": ("in", "natural range 0 to {last}", "0"),
+        "user_write_data": ("in", "std_ulogic_vector({high} downto 0)", "(others => '0')"),
+    },
+}
+# Accesses without which a side of a slave is of no use, and how the names of that side's ports begin.
+_NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("READ",)}
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A port of a slave: as a port of the design, or (`tied`) a constant that an input has."""
+
+    name: str
+    direction: str
+    type: str
+    tied: str = ""
+
+
+@dataclass(frozen=True)
+class LinkSlave:
+    """A FIFO or double buffer: its place in the spec, its words, and the accesses the PC has to it."""
+
+    root: str
+    path: str  # qualified as in `Spec.walk`; of a root its name
+    kind: str
+    base: int
+    words: int
+    size: int  # words of a double buffer, depth of a FIFO
+    event: str  # what the spec calls its event, "" for none
+    accesses: frozenset[str]
+
+    @property
+    def entity(self) -> str:
+        return f"{self.kind}_slave"
+
+    def events(self) -> dict[str, str]:
+        """Return its event ports and what the spec calls them."""
+        return {"arrival": self.event} if self.event else {}
+
+    @property
+    def range(self) -> range:
+        """Its addresses."""
+        return range(self.base, self.base + self.words)
+
+    def generics(self) -> dict[str, str]:
+        """Return its generics, without `data_width`."""
+        if self.kind == "double_buffer":
+            return {"words": str(self.size)}
+        return {"depth": str(self.size), "remind_clocks": "maximum(4, clock_hz / 50)"}
+
+    def pins(self, data_bits: int) -> Iterator[Pin]:
+        """Yield its ports for the user's logic; a side that the spec never uses has none."""
+        for name, (direction, kind, tied) in _PINS[self.kind].items():
+            used = all(
+                not name.startswith(side) or self.accesses & set(needed) for side, needed in _NEEDED.items()
+            )
+            if used:
+                yield Pin(name, direction, kind.format(high=data_bits - 1, last=self.size - 1))
+            elif tied:
+                yield Pin(name, direction, "", tied)
+
+
+def link_slaves(spec: Spec) -> tuple[LinkSlave, ...]:
+    """Return the FIFOs and double buffers of a spec, in its order."""
+    found: dict[tuple[str, int, int], LinkSlave] = {}
+    accesses: dict[tuple[str, int, int], set[str]] = {}
+    for _, element in spec.walk():
+        link = element.link
+        accesses.setdefault((link.kind, link.base, link.size), set()).add(element.access)
+
+    def below(instance: Instance, root: Instance) -> None:
+        link = instance.link
+        key = (link.kind, link.base, link.size)
+        if link.kind in _PINS and key in accesses and key not in found:
+            path = f"{root.name}.{instance.path}".rstrip(".") if len(spec.roots) > 1 else instance.path
+            used = frozenset(accesses[key])
+            place, event = (root.name, path or root.name), link.event_at(instance.path)
+            found[key] = LinkSlave(*place, link.kind, link.base, link.words, link.size, event, used)
+        for inner in instance.instances:
+            below(inner, root)
+
+    for root in spec.roots:
+        below(root, root)
+    return tuple(found.values())
