@@ -100,6 +100,22 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle buffer : nb::object(object.attr("double_buffers"))) {
     result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});
   }
+  const auto protocol = nb::cast<std::string>(object.attr("protocol"));
+  result.classic = protocol != "framed";
+  result.framed.present = protocol != "classic";
+  const nb::object framed = object.attr("framed");
+  result.framed.request_max = word(framed, "request_max");
+  result.framed.reply_max = word(framed, "reply_max");
+  result.framed.window = word(framed, "window");
+  result.framed.cache_bytes = word(framed, "cache_bytes");
+  result.framed.exchanges = word(framed, "exchanges");
+  result.framed.exchange_size = word(framed, "exchange_size");
+  result.framed.gateware_version = word(framed, "gateware_version");
+  result.framed.build = word(framed, "build");
+  result.framed.spec_hash = nb::cast<std::uint64_t>(framed.attr("spec_hash"));
+  for (nb::handle safe : nb::object(framed.attr("safe_words"))) {
+    result.framed.safe_values.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
+  }
   if (const std::string problem = result.problem(); !problem.empty()) {
     raise_error("ValueRangeError", "board configuration: " + problem);
   }

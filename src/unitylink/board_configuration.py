@@ -11,12 +11,15 @@ from unitylink.errors import ValueRangeError
 from unitylink.protocol import (
     BASE_HZ_DEFAULT,
     CLOCK_HZ_DEFAULT,
+    FRAME_CACHE_BYTES_DEFAULT,
+    FRAME_WINDOW_DEFAULT,
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,
     TOSNET_MEMORY_WORDS,
     TOSNET_NODE_SHIFT,
     TOSNET_REGISTER_SHIFT,
 )
+from unitylink.safe_words import safe_words
 from unitylink.spec.model import Instance, Spec
 
 
@@ -73,6 +76,27 @@ class DoubleBufferConfiguration:
 
 
 @dataclass(frozen=True)
+class FramedConfiguration:
+    """The framed side of the gateware (docs/protocol.md).
+
+    `request_max` and `reply_max` are the longest payloads in bytes; the reply cache has `window` places (a
+    power of two) of `cache_bytes`; `exchanges` exchange groups hold `exchange_size` words each. `safe_words`
+    is what the dead-man writes: (address, word) in order.
+    """
+
+    request_max: int = 250
+    reply_max: int = 250
+    window: int = FRAME_WINDOW_DEFAULT
+    cache_bytes: int = FRAME_CACHE_BYTES_DEFAULT
+    exchanges: int = 4
+    exchange_size: int = 64
+    gateware_version: int = 0x0001_0000
+    build: int = 0
+    spec_hash: int = 0
+    safe_words: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
 class BoardConfiguration:
     """The generics of the gateware and the board around it; widths in bits, addresses in words.
 
@@ -94,6 +118,8 @@ class BoardConfiguration:
     rate_bytes: int = 2
     publish_mode: int = 2  # 0 none, 1 requests first, 2 publishing first
     configuration_command: bool = True
+    protocol: str = "both"  # "classic", "framed" or "both"
+    framed: FramedConfiguration = FramedConfiguration()
     datalink: str = "full"  # "lite" checks nothing, "none" has data as bytes: docs/gateware/datalink.md
     checksum: str = "crc8"  # "crc8", "xor" or "none"; of the full datalink
     polynomial: int = 0x07
@@ -115,6 +141,10 @@ class BoardConfiguration:
         if self.datalink not in ("full", "lite", "none"):
             raise ValueRangeError(
                 f"board configuration: datalink is {self.datalink!r}; choose 'full', 'lite' or 'none'"
+            )
+        if self.protocol not in ("both", "classic", "framed"):
+            raise ValueRangeError(
+                f"board configuration: protocol is {self.protocol!r}; choose 'both', 'classic' or 'framed'"
             )
         if self.checksum not in ("crc8", "xor", "none"):
             raise ValueRangeError(
@@ -179,7 +209,8 @@ class BoardConfiguration:
                 )
             ),
         }
-        return cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
+        board = cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
+        return board if "framed" in overrides else replace(board, framed=_framed_of(spec, board))
 
 
 def _link_of(spec: Spec) -> dict[str, Any]:
@@ -235,6 +266,18 @@ def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
     for root in spec.roots:
         below(root, root.name)
     return tuple(fifos[base] for base in sorted(fifos))
+
+
+def _framed_of(spec: Spec, board: BoardConfiguration) -> FramedConfiguration:
+    """Return frames that hold every publish group of the board, and the spec's safe values."""
+    plain = FramedConfiguration()
+    address_bytes, data_bytes = -(-board.address_bits // 8), -(-board.data_bits // 8)
+    return replace(
+        plain,
+        request_max=max(plain.request_max, 9 + address_bytes * board.group_size),
+        reply_max=max(plain.reply_max, 7 + data_bytes * board.group_size),
+        safe_words=safe_words(spec, board.data_bits),
+    )
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from reference.bus import Bus, BusError
 from reference.framing import Borders, Frame
 from reference.requests import Invalid, Request, Word, parse, parse_post
 from reference.settings import Settings
+from reference.state import Exchange, Group, Place
 from unitylink import protocol as p
 
 MOST = 0xFFFFFFFF
@@ -18,29 +18,6 @@ POSTS = (p.REQUEST_KIND_POST, p.REQUEST_KIND_POST_LIST)
 OUTSIDE = (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
 COUNTERS = range(p.CONTROL_FRAMES, p.CONTROL_DEADMAN_TRIPS + 1)
 STATE = range(p.CONTROL_TIME_LOW, p.CONTROL_PUBLISH + 1)
-
-
-@dataclass
-class Place:
-    """What was executed last for the ids of one place; `reply` is None when it was too long to keep."""
-
-    id: int
-    status: int = 0
-    reply: bytes | None = b""
-
-
-@dataclass
-class Group:
-    addresses: tuple[int, ...] = ()
-    divisor: int = 0
-    flags: int = 0
-    sequence: int = 0
-
-
-@dataclass(frozen=True)
-class Exchange:
-    outputs: tuple[tuple[int, int], ...]
-    inputs: tuple[tuple[int, int], ...]
 
 
 class ReferenceDevice:
@@ -54,8 +31,7 @@ class ReferenceDevice:
         self.epoch = p.FRAME_OPEN_EPOCH
         self.tripped = False
         self._borders = Borders()
-        self._nonce = 0
-        self._session_nonce: int | None = None
+        self._nonce = self._session_nonce = 0
         self._offered = False  # a HELLO answer that no OPEN has used
         self._closed_told = False
         self._tripped_in_session = False
@@ -74,6 +50,8 @@ class ReferenceDevice:
 
     def take(self, piece: bytes) -> bytes:
         """What the device answers to what stood between two borders."""
+        if piece[0] < 0x80:
+            return b""  # no kind: the classic side's
         if len(piece) > self.longest:
             return self._drop(p.CONTROL_DISCARDED_LONG)
         outside = piece[0] in OUTSIDE
@@ -81,16 +59,18 @@ class ReferenceDevice:
             self._drop(p.CONTROL_DISCARDED_SESSION)
             told, self._closed_told = self._closed_told, True
             return b"" if told else self._frame(p.DEVICE_KIND_CLOSED)
-        always_long = self._always_long and not outside
-        frame = Frame.decode(piece, p.FRAME_OPEN_EPOCH if outside else self.epoch, always_long=always_long)
+        frame = Frame.decode(piece, *self._key(outside))
         if frame is None:
             return self._drop(p.CONTROL_DISCARDED_CHECK)
         if outside:
             return self._outside(frame)
-        if frame.kind & p.FRAME_DEVICE_BIT:
+        if len(frame.payload) > self.settings.request_max:
+            return self._drop(p.CONTROL_DISCARDED_LONG)
+        flagged = frame.kind & (p.FRAME_CHAINED_BIT | p.FRAME_BARRIER_BIT)
+        if frame.kind & p.FRAME_DEVICE_BIT or (flagged and frame.kind - flagged in POSTS):
             return self._drop(p.CONTROL_DISCARDED_KIND)
         self._silent_ticks = 0
-        return self._post(frame) if frame.kind & ~0x30 in POSTS else self._request(frame)
+        return self._post(frame) if frame.kind in POSTS else self._request(frame)
 
     @property
     def longest(self) -> int:
@@ -101,13 +81,15 @@ class ReferenceDevice:
         self._count(counter)
         return b""
 
-    def _count(self, counter: int, by: int = 1) -> None:
-        self.counters[counter] = min(self.counters[counter] + by, MOST)
+    def _count(self, counter: int) -> None:
+        self.counters[counter] = min(self.counters[counter] + 1, MOST)
 
     def _frame(self, kind: int, payload: bytes = b"") -> bytes:
         outside = kind in (p.DEVICE_KIND_HELLO, p.DEVICE_KIND_OPEN, p.DEVICE_KIND_CLOSED)
-        epoch = p.FRAME_OPEN_EPOCH if outside else self.epoch
-        return Frame(kind, payload).encode(epoch, always_long=self._always_long and not outside)
+        return Frame(kind, payload).encode(*self._key(outside))
+
+    def _key(self, outside: bool) -> tuple[int, bool]:
+        return (p.FRAME_OPEN_EPOCH, False) if outside else (self.epoch, self._always_long)
 
     # ---- sessions
 
@@ -202,21 +184,23 @@ class ReferenceDevice:
             return self._reply(request_id, p.REPLY_STATUS_INVALID)
         place = self._place(request.id)
         distance = (request.id - place.id) % 0x10000
-        if distance >= 0x8000:
+        if distance >= 0x8000 or (distance == 0 and place.empty):
             return self._drop(p.CONTROL_DISCARDED_STALE)
         if distance == 0:
             self._count(p.CONTROL_DUPLICATES)
             if place.reply is not None:
                 return self._reply(request.id, place.status, place.reply)
-            return self._reply(request.id, *self._execute(request, repeated=True))
+            refusal = self._refusal(request, repeated=True)
+            answer = (refusal, b"") if refusal else self._execute(request, repeated=True)
+            return self._reply(request.id, *answer)
         self._count(p.CONTROL_FRAMES)
-        refusal = self._refusal(request)
+        refusal = self._untimely(request) or self._refusal(request, repeated=False)
         if refusal:
             if refusal == p.REPLY_STATUS_DENIED:
                 self._count(p.CONTROL_REFUSED)
             return self._reply(request.id, refusal)
         status, reply = self._execute(request, repeated=False)
-        place.id, place.status = request.id, status
+        place.id, place.status, place.empty = request.id, status, False
         place.reply = reply if len(reply) <= self.settings.cache else None
         answer = self._reply(request.id, status, reply)
         if request.operation == p.REQUEST_KIND_CLOSE:
@@ -229,13 +213,17 @@ class ReferenceDevice:
     def _reply(self, request_id: int, status: int, reply: bytes = b"") -> bytes:
         return self._frame(p.DEVICE_KIND_REPLY + status, _bytes((request_id, 2), (self.posts, 2)) + reply)
 
-    def _refusal(self, request: Request) -> int:
-        """Why a request is not executed; 0 if it is. In the order of the page."""
+    def _untimely(self, request: Request) -> int:
+        """Why a request may not be executed yet; 0 if it may."""
         before = (request.id - 1) % 0x10000
         if request.chained and (self._place(before).id - before) % 0x10000 >= 0x8000:
             return p.REPLY_STATUS_ORDER
         if request.barrier is not None and request.barrier != self.posts:
             return p.REPLY_STATUS_BEHIND
+        return 0
+
+    def _refusal(self, request: Request, *, repeated: bool) -> int:
+        """Why a request is never executed; 0 if it is. In the order of the page."""
         s = self.settings
         writes = request.operation == p.REQUEST_KIND_WRITE or any(word.writes for word in request.words)
         size = 0
@@ -245,7 +233,7 @@ class ReferenceDevice:
             case p.REQUEST_KIND_LIST:
                 size = 2 + s.d * sum(not word.writes for word in request.words)
                 fifo = any(word.operation == p.LIST_OPERATION_READ_FIFO for word in request.words)
-                if fifo and size > s.cache and not (self.tripped and writes):
+                if fifo and size > s.cache and not (self.tripped and writes and not repeated):
                     return p.REPLY_STATUS_TOO_LONG
             case p.REQUEST_KIND_EXCHANGE:
                 exchange = self._exchanges.get(request.address)
@@ -269,7 +257,7 @@ class ReferenceDevice:
                 if request.address >= s.exchanges or len(request.members) > s.exchange_size:
                     return p.REPLY_STATUS_NO_GROUP
                 size = sum(size for _, size in request.members[request.output_count :])
-        if writes and self.tripped:
+        if writes and self.tripped and not repeated:
             return p.REPLY_STATUS_DENIED
         return p.REPLY_STATUS_TOO_LONG if 4 + size > s.reply_max else 0
 

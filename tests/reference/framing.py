@@ -79,7 +79,7 @@ class Frame:
     kind: int
     payload: bytes = b""
 
-    def encode(self, epoch: int = p.FRAME_OPEN_EPOCH, *, always_long: bool = False) -> bytes:
+    def encode(self, epoch: int = p.FRAME_OPEN_EPOCH, always_long: bool = False) -> bytes:
         """As it goes over the wire, with the closing border.
 
         >>> Frame(p.REQUEST_KIND_HELLO, bytes([1, 1])).encode().hex()
@@ -89,7 +89,7 @@ class Frame:
         return body + check_bytes(body, epoch, always_long or len(body) > p.FRAME_SHORT_MAX) + b"\0"
 
     @staticmethod
-    def decode(between: bytes, epoch: int, *, always_long: bool = False) -> Frame | None:
+    def decode(between: bytes, epoch: int, always_long: bool = False) -> Frame | None:
         """What stood between two borders; None if its check, its kind byte or its COBS blocks are wrong."""
         long = always_long or len(between) > p.FRAME_SHORT_MAX + p.FRAME_CRC16_BYTES
         size = len(between) - (p.FRAME_CRC32_BYTES if long else p.FRAME_CRC16_BYTES)

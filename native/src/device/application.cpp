@@ -33,6 +33,11 @@ constexpr std::array<Command, 12> commands{{{command::read, true},
                                             {command::write_event_mask, true},
                                             {command::read_event_mask, false}}};
 
+bool reads_only(std::string_view letters) noexcept {
+  return letters == command::read || letters == command::read_many || letters == command::read_configuration ||
+         letters == command::read_group || letters == command::read_event_mask;
+}
+
 constexpr std::size_t longest_reply = 16 + 4 * protocol::limits::group_size_max;
 constexpr Clock timeout_cycle = protocol::limits::bus_timeout_clocks + 1;
 
@@ -58,7 +63,7 @@ Clock Application::request_clock() const noexcept {
 }
 
 Clock Application::publish_clock() const noexcept {
-  const Clock pending = subscriptions_.pending_at();
+  const Clock pending = yielding_ ? never : subscriptions_.pending_at();
   return pending == never ? never : std::max(at_, pending);
 }
 
@@ -113,6 +118,13 @@ void Application::begin_request() {
     }
     const bool matches =
         candidate.arguments ? text == candidate.letters && message.colon : text.starts_with(candidate.letters);
+    if (matches && yielding_ && !reads_only(candidate.letters)) {
+      decision_ += candidate.letters.size();
+      refuse(candidate.letters == command::write ? error::bus_error_write : error::incomplete_command);
+      state_ = State::emit;
+      emit();
+      return;
+    }
     if (matches) {
       Cursor cursor{message.data, candidate.letters.size() + (candidate.arguments ? 1 : 0)};
       execute(candidate.letters, cursor);

@@ -25,6 +25,9 @@ class Application {
 
   [[nodiscard]] Clock next_clock() const noexcept;
   void step(Clock now);
+  [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
+  // A framed session is open: publishes are its own, and what a classic message would change is refused.
+  void yield(bool to_session) noexcept { yielding_ = to_session; }
 
  private:
   enum class State : std::uint8_t { idle, emit, single_access, block_access };
@@ -76,6 +79,7 @@ class Application {
   State after_emit_ = State::idle;
   Clock at_ = 0;               // when the next step is due; when the machine became idle
   Clock decision_ = 0;         // clock of the decode in progress
+  bool yielding_ = false;
   bool blocked_ = false;       // waits for a place in the transmit FIFO
   bool request_ = false;       // the message in hand is a request, not a publish
   bool checked_publish_ = false;

@@ -219,7 +219,7 @@ void Board::flush() {
       if (output_.empty()) {
         return;
       }
-      at_rest_ = output_.back() == '\n';
+      at_rest_ = output_.back() == '\n' || output_.back() == protocol::frame::delimiter;
     }
     if (!endpoint_->has_client()) {
       statistics_.bytes_dropped += output_.size() - output_sent_;

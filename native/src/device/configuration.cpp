@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "layer1_stream/frame_check.hpp"
+
 namespace unitylink::device {
 
 namespace {
@@ -35,6 +37,16 @@ std::uint32_t DeviceConfiguration::address_mask() const noexcept { return ones(a
 
 std::uint32_t DeviceConfiguration::data_mask() const noexcept { return ones(data_bits); }
 
+std::uint32_t DeviceConfiguration::features() const noexcept {
+  namespace value = protocol::control_value;
+  return (classic ? value::feature_classic : 0) | (publish_mode > 0 ? value::feature_publishing : 0) | value::feature_lists |
+         (framed.exchanges > 0 ? value::feature_exchanges : 0) | value::feature_deadman | value::feature_long_frames;
+}
+
+std::uint32_t DeviceConfiguration::request_credit() const noexcept {
+  return receive_fifo > 0 ? std::min(receive_fifo, 0xFFFFu) : 0xFFFFu;
+}
+
 std::uint32_t DeviceConfiguration::message_entries() const noexcept {
   const std::uint32_t address = address_bytes();
   std::uint32_t longest = std::max(4 + address + 3, 7 + address + data_bytes());
@@ -63,12 +75,24 @@ std::string DeviceConfiguration::problem() const {
       {"receive_fifo", receive_fifo, 0, 1u << 20},
       {"transmit_fifo", transmit_fifo, 0, 1u << 20},
       {"fifo_latency", fifo_latency, 0, 1000},
+      {"request_max", framed.request_max, 16, frame_payload_max},
+      {"reply_max", framed.reply_max, 16, frame_payload_max},
+      {"window", framed.window, 1, 128},
+      {"cache_bytes", framed.cache_bytes, 8, 255},
+      {"exchanges", framed.exchanges, 0, 256},
+      {"exchange_size", framed.exchange_size, 1, 255},
   };
   for (const Limit& limit : all) {
     if (limit.value < limit.least || limit.value > limit.most) {
       return std::string(limit.name) + " is " + std::to_string(limit.value) + "; choose " + std::to_string(limit.least) +
              " to " + std::to_string(limit.most);
     }
+  }
+  if (!std::has_single_bit(framed.window)) {
+    return "window is " + std::to_string(framed.window) + "; choose a power of two";
+  }
+  if (!classic && !framed.present) {
+    return "neither protocol is left; choose classic, framed or both";
   }
   std::vector<Slave> slaves;
   if (tosnet.present) {

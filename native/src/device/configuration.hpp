@@ -51,6 +51,27 @@ struct DoubleBufferConfiguration {
   std::uint32_t size = 16;  // words in a bank
 };
 
+// What an output becomes when the dead-man trips.
+struct SafeValue {
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;
+};
+
+// docs/protocol.md
+struct FramedConfiguration {
+  bool present = true;
+  std::uint32_t request_max = 250;  // longest payloads, in bytes
+  std::uint32_t reply_max = 250;
+  std::uint32_t window = protocol::frame::window_default;
+  std::uint32_t cache_bytes = protocol::frame::cache_bytes_default;
+  std::uint32_t exchanges = 4;
+  std::uint32_t exchange_size = 64;
+  std::uint32_t gateware_version = 0;
+  std::uint32_t build = 0;
+  std::uint64_t spec_hash = 0;
+  std::vector<SafeValue> safe_values;
+};
+
 struct DeviceConfiguration {
   std::uint32_t address_bits = 8;
   std::uint32_t data_bits = 32;
@@ -62,6 +83,7 @@ struct DeviceConfiguration {
   std::uint32_t rate_bytes = 2;
   std::uint32_t publish_mode = 2; // 0 none, 1 requests first, 2 publishing first
   bool configuration_command = true;
+  bool classic = true;            // else the port knows frames only
   Datalink datalink = Datalink::full;
   Checksum checksum = Checksum::crc8;  // of the full datalink
   std::uint8_t polynomial = protocol::crc8::polynomial;
@@ -79,6 +101,7 @@ struct DeviceConfiguration {
   TosnetConfiguration tosnet;
   std::vector<FifoConfiguration> fifos;
   std::vector<DoubleBufferConfiguration> double_buffers;
+  FramedConfiguration framed;
 
   [[nodiscard]] std::uint32_t address_bytes() const noexcept { return (address_bits + 7) / 8; }
   [[nodiscard]] std::uint32_t data_bytes() const noexcept { return (data_bits + 7) / 8; }
@@ -89,6 +112,9 @@ struct DeviceConfiguration {
   [[nodiscard]] bool edge_event(std::uint32_t group) const noexcept {
     return group / 8 < edge_events.size() && (edge_events[group / 8] >> (group % 8) & 1u) != 0;
   }
+  // What HELLO tells of the framed side.
+  [[nodiscard]] std::uint32_t features() const noexcept;
+  [[nodiscard]] std::uint32_t request_credit() const noexcept;
   // Entries a received message may have: head, letters, colon, data bytes and tail.
   [[nodiscard]] std::uint32_t message_entries() const noexcept;
   // What is wrong with these values and what to do, or "" when nothing is.

@@ -16,6 +16,8 @@ class DatalinkTransmitter {
 
   [[nodiscard]] bool full() const noexcept { return words_.full(); }
   void push(Word word) noexcept { words_.push(word); }
+  // No message is leaving, and no code waits.
+  [[nodiscard]] bool idle() const noexcept { return words_.empty() && errors_.empty() && !in_message_; }
   // From when the newest free place in a FIFO that was full could be used.
   [[nodiscard]] Clock place_free_at() const noexcept { return place_free_at_; }
 

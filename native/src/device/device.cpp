@@ -20,7 +20,8 @@ Device::Device(const DeviceConfiguration& configuration)
       receiver_(configuration_),
       transmitter_(configuration_, output_),
       subscriptions_(configuration_),
-      application_(configuration_, receiver_, subscriptions_, transmitter_, bus_) {}
+      application_(configuration_, receiver_, subscriptions_, transmitter_, bus_),
+      framed_(configuration_, subscriptions_, bus_, output_) {}
 
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
@@ -54,15 +55,38 @@ void Device::report(std::uint8_t code, Clock at) {
 }
 
 Clock Device::receiver_clock() const noexcept {
-  if (receiver_.stalled() || transmitter_.errors_full()) {
+  if (receiver_.stalled() || transmitter_.errors_full() || framed_.stalled()) {
     return never;
   }
   const Clock readable = input_.readable();
   return readable == never ? never : std::max({readable, receiver_ready_, receiver_.room_at()});
 }
 
+// One side at a time has the way out, until it has ended what it says.
+Clock Device::application_clock() const noexcept {
+  return application_.idle() && framed_.sending() ? never : application_.next_clock();
+}
+
+Clock Device::transmitter_clock() const noexcept { return framed_.sending() ? never : transmitter_.next_clock(); }
+
+Clock Device::framed_clock() const noexcept {
+  return configuration_.framed.present ? framed_.next_clock(classic_idle()) : never;
+}
+
 void Device::take_byte() {
   const Clock now = receiver_clock();
+  if (configuration_.framed.present && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
+    framed_.take(input_.front(), now);
+    input_.pop();
+    ++statistics_.bytes_received;
+    last_activity_ = std::max(last_activity_, now);
+    receiver_ready_ = now + 1;
+    return;
+  }
+  if (!configuration_.classic) {
+    input_.pop();
+    return;
+  }
   const DatalinkReceiver::Taken taken = receiver_.take(input_.front(), now);
   input_.pop();
   ++statistics_.bytes_received;
@@ -74,8 +98,8 @@ void Device::take_byte() {
 }
 
 Clock Device::next_event() const noexcept {
-  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_.next_clock(), application_.next_clock(),
-                   subscriptions_.next_clock(), bus_.next_clock(), receiver_clock()});
+  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(),
+                   subscriptions_.next_clock(), bus_.next_clock(), receiver_clock(), framed_clock()});
 }
 
 void Device::run_until(Clock clock) {
@@ -88,11 +112,12 @@ void Device::run_until(Clock clock) {
     if (input_.next_arrival() <= next) {
       if (!input_.arrive()) {
         ++statistics_.overruns;
+        framed_.count(protocol::control::receive_overruns);
         receive_error(overrun);
       }
     } else if (output_.next_departure() <= next) {
       output_.depart();
-    } else if (transmitter_.next_clock() <= next) {
+    } else if (transmitter_clock() <= next) {
       last_activity_ = std::max(last_activity_, next);
       if (transmitter_.errors_full()) {
         receiver_ready_ = std::max(receiver_ready_, next);  // the receiver has waited for a place for its next error
@@ -102,7 +127,10 @@ void Device::run_until(Clock clock) {
       subscriptions_.advance(clock_);
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
-    } else if (application_.next_clock() <= next) {
+    } else if (framed_clock() <= next) {
+      framed_.step(clock_, classic_idle());
+      application_.yield(framed_.open());
+    } else if (application_clock() <= next) {
       application_.step(clock_);
     } else {
       take_byte();

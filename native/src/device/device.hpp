@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin of the classic gateware: bytes and events in, bytes out, on a clock the caller owns.
+// The twin of the gateware: bytes and events in, bytes out, on a clock the caller owns.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,8 @@
 #include "device/configuration.hpp"
 #include "device/datalink_receiver.hpp"
 #include "device/datalink_transmitter.hpp"
+#include "device/framed/framed_application.hpp"
+#include "device/framed/port_splitter.hpp"
 #include "device/physical.hpp"
 #include "device/served_device.hpp"
 #include "device/subscription_manager.hpp"
@@ -54,6 +56,10 @@ class Device final : public ServedDevice {
 
  private:
   [[nodiscard]] Clock receiver_clock() const noexcept;
+  [[nodiscard]] Clock application_clock() const noexcept;
+  [[nodiscard]] Clock transmitter_clock() const noexcept;
+  [[nodiscard]] Clock framed_clock() const noexcept;
+  [[nodiscard]] bool classic_idle() const noexcept { return application_.idle() && transmitter_.idle(); }
   void take_byte();
   void report(std::uint8_t code, Clock at);
 
@@ -65,6 +71,8 @@ class Device final : public ServedDevice {
   DatalinkTransmitter transmitter_;
   SubscriptionManager subscriptions_;
   Application application_;
+  PortSplitter splitter_;
+  FramedApplication framed_;
   Clock clock_ = 0;
   Clock receiver_ready_ = 0;
   Clock last_activity_ = 0;

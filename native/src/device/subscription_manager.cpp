@@ -36,6 +36,15 @@ void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Cloc
   plan(now);
 }
 
+void SubscriptionManager::clear(Clock now) {
+  for (Group& group : groups_) {
+    group.addresses.clear();
+    group.rate = group.strobes = 0;
+    group.due = group.event = group.event_enabled = false;
+  }
+  disable(now);
+}
+
 void SubscriptionManager::enable(Clock now) {
   if (!enabled_) {
     enabled_ = true;
@@ -51,13 +60,17 @@ void SubscriptionManager::disable(Clock now) {
   plan(now);
 }
 
+void SubscriptionManager::enable_event(std::uint32_t group, bool enabled, Clock now) {
+  Group& chosen = groups_[group];
+  chosen.event_enabled = enabled;
+  chosen.event = chosen.event || (enabled && chosen.input && !chosen.edge);
+  plan(now);
+}
+
 void SubscriptionManager::enable_events(std::span<const std::uint8_t> mask, Clock now) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    Group& group = groups_[g];
-    group.event_enabled = (mask[g / 8] >> (g % 8) & 1u) != 0;
-    group.event = group.event || (group.event_enabled && group.input && !group.edge);
+    enable_event(static_cast<std::uint32_t>(g), (mask[g / 8] >> (g % 8) & 1u) != 0, now);
   }
-  plan(now);
 }
 
 void SubscriptionManager::set_input(std::uint32_t group, bool high, Clock now) {
@@ -86,7 +99,9 @@ void SubscriptionManager::count_strobes(Clock now) {
       continue;
     }
     const Clock strobes = group.strobes + passed;
-    group.due = group.due || strobes >= group.rate;
+    const Clock dues = strobes / group.rate;
+    overruns_ += static_cast<std::uint32_t>(dues > 0 ? dues - (group.due ? 0 : 1) : 0);
+    group.due = group.due || dues > 0;
     group.strobes = static_cast<std::uint32_t>(strobes % group.rate);
   }
 }

@@ -22,11 +22,15 @@ class SubscriptionManager {
   void set_addresses(std::uint32_t group, std::span<const std::uint32_t> addresses, Clock now);
   void set_rate(std::uint32_t group, std::uint32_t rate, Clock now);
 
+  // No addresses, no rates, no events, nothing enabled.
+  void clear(Clock now);
+
   void enable(Clock now);
   void disable(Clock now);
 
   // Bit g % 8 of byte g / 8 belongs to group g.
   void enable_events(std::span<const std::uint8_t> mask, Clock now);
+  void enable_event(std::uint32_t group, bool enabled, Clock now);
   [[nodiscard]] bool event_enabled(std::uint32_t group) const noexcept { return groups_[group].event_enabled; }
   void set_input(std::uint32_t group, bool high, Clock now);
 
@@ -37,6 +41,8 @@ class SubscriptionManager {
   void advance(Clock now);
   // The group that is served now; its request is withdrawn. None when nothing is pending.
   std::optional<std::uint32_t> serve(Clock now);
+  // Ticks of a group that came before its publish of the tick before had been served.
+  [[nodiscard]] std::uint32_t overruns() const noexcept { return overruns_; }
 
  private:
   struct Group {
@@ -57,6 +63,7 @@ class SubscriptionManager {
   std::vector<Group> groups_;
   Clock period_;
   std::uint32_t last_served_ = 0;
+  std::uint32_t overruns_ = 0;
   bool enabled_ = false;
   Clock next_strobe_ = never;
   Clock next_due_ = never;

@@ -22,7 +22,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     # How late a publish can be counts in the budget.
     "spec": {"isochrony", *SHARED},
     "values": {"spec", "errors"},
-    "board_configuration": {"spec", *SHARED},
+    "safe_words": {"values", "spec", *SHARED},
+    "board_configuration": {"safe_words", "spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
     "generate": {"board_configuration", "ros", "spec", "values", "layer4_data", *SHARED},
     "layer0_driver": {"_native", *SHARED},

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames in, sessions, posts, publishes, bytes out. framed_execution.cpp: what requests do.
+#include "device/framed/framed_application.hpp"
+
+#include <algorithm>
+
+namespace unitylink::device {
+
+namespace control = protocol::control;
+namespace device_kind = protocol::device_kind;
+namespace request_kind = protocol::request_kind;
+namespace status = protocol::reply_status;
+
+namespace {
+
+constexpr Clock frame_latency = 2;  // a border taken -> the frame may be executed
+constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::frame::barrier_bit;
+
+bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
+
+}  // namespace
+
+FramedApplication::FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, Bus& bus,
+                                     PhysicalTransmitter& physical)
+    : configuration_(configuration),
+      subscriptions_(subscriptions),
+      bus_(bus),
+      physical_(physical),
+      registers_(configuration),
+      cache_(configuration.framed.window, configuration.framed.cache_bytes),
+      dead_man_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)),
+      exchanges_(configuration.framed.exchanges),
+      groups_(configuration.publish_mode > 0 ? configuration.groups : 0) {
+  decoder_.set_payload_max(configuration.framed.request_max);
+  waiting_payload_.reserve(frame_payload_max);
+  payload_.reserve(frame_payload_max);
+  out_.reserve(frame_bytes_max + 1);
+}
+
+// ---- in
+
+void FramedApplication::take(std::uint8_t byte, Clock now) {
+  at_ = std::max(at_, now);
+  waiting_at_ = now + frame_latency;  // counts only if this byte makes a frame wait
+  decoder_.take(std::span(&byte, 1), *this);
+}
+
+void FramedApplication::on_frame(const Frame& frame) {
+  if (!outside_session(frame.kind) && !open()) {
+    on_discard(Discard::check, frame.kind, 0);
+    return;
+  }
+  waiting_ = true;
+  waiting_kind_ = frame.kind;
+  waiting_payload_.assign(frame.payload.begin(), frame.payload.end());
+}
+
+void FramedApplication::on_discard(Discard why, std::uint8_t kind, std::size_t) {
+  if (why == Discard::too_long) {
+    count(control::discarded_long);
+  } else if (!open() && kind != request_kind::hello && kind != request_kind::open) {
+    count(control::discarded_session);
+    if (!closed_told_) {
+      closed_told_ = waiting_ = true;
+      waiting_kind_ = device_kind::closed;
+    }
+  } else {
+    count(control::discarded_check);
+  }
+}
+
+// ---- when
+
+Clock FramedApplication::next_clock(bool port_free) const noexcept {
+  Clock next = dead_man_.due();
+  if (sending()) {
+    return std::min(next, physical_.room() > 0 ? at_ : never);
+  }
+  if (!port_free) {
+    return next;
+  }
+  if (waiting_) {
+    next = std::min(next, std::max(at_, waiting_at_));
+  }
+  return open() ? std::min(next, std::max(at_, subscriptions_.pending_at())) : next;
+}
+
+void FramedApplication::step(Clock now, bool port_free) {
+  if (dead_man_.due() <= now) {
+    trip(now);
+  } else if (sending()) {
+    physical_.put(static_cast<char>(out_[sent_++]), at_++);
+  } else if (port_free) {
+    at_ = std::max(at_, now);
+    if (open() && subscriptions_.pending_at() <= now) {  // publishes go before replies
+      if (const auto group = subscriptions_.serve(now)) {
+        publish(*group);
+      }
+    } else if (waiting_ && waiting_at_ <= now) {
+      waiting_ = false;
+      execute(now);
+    }
+  }
+}
+
+void FramedApplication::execute(Clock now) {
+  const std::uint8_t kind = waiting_kind_;
+  const std::span<const std::uint8_t> payload(waiting_payload_);
+  if (kind == device_kind::closed) {
+    send(kind, {});
+  } else if (kind == request_kind::hello) {
+    hello(payload);
+  } else if (kind == request_kind::open) {
+    open_session(payload);
+  } else if ((kind & protocol::frame::device_bit) != 0 || ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu))) {
+    count(control::discarded_kind);
+  } else {
+    dead_man_.feed(now);
+    is_post(kind) ? post(kind, payload) : request(kind, payload);
+  }
+}
+
+// ---- sessions
+
+void FramedApplication::hello(std::span<const std::uint8_t> payload) {
+  if (payload.size() != 2) {
+    count(control::discarded_kind);
+    return;
+  }
+  count(control::frames);
+  closed_told_ = false;
+  offered_ = true;
+  ++nonce_;
+  const FramedConfiguration& framed = configuration_.framed;
+  const bool common = payload[0] <= protocol::frame::version && protocol::frame::version <= payload[1];
+  data_.clear();
+  put(common ? protocol::frame::version : 0, 1);
+  put(nonce_, 2);
+  put(key_.epoch, 2);
+  put(configuration_.address_bytes(), 1);
+  put(configuration_.data_bytes(), 1);
+  put(configuration_.request_credit(), 2);
+  put(framed.request_max, 2);
+  put(framed.reply_max, 2);
+  put(framed.window, 1);
+  put(framed.cache_bytes, 1);
+  put(configuration_.features(), 2);
+  put(static_cast<std::uint32_t>(framed.spec_hash >> 32), 4);
+  put(static_cast<std::uint32_t>(framed.spec_hash), 4);
+  send(device_kind::hello, data_);
+}
+
+void FramedApplication::open_session(std::span<const std::uint8_t> payload) {
+  if (payload.size() != 5) {
+    count(control::discarded_kind);
+    return;
+  }
+  Fields fields(payload);
+  const auto nonce = static_cast<std::uint16_t>(fields.take(2));
+  const auto epoch = static_cast<std::uint16_t>(fields.take(2));
+  const std::uint32_t flags = fields.take(1);
+  const bool again = open() && nonce == session_nonce_ && epoch == key_.epoch;
+  const bool fresh = offered_ && nonce == nonce_ && epoch >> 8 != 0xFF && (flags & ~protocol::frame::checked_long_flag) == 0;
+  if (!again && !fresh) {
+    count(control::discarded_stale);
+    return;
+  }
+  count(control::frames);
+  if (!again) {
+    offered_ = false;
+    if (dead_man_.running()) {
+      trip(at_);
+    }
+    begin_session({epoch, (flags & protocol::frame::checked_long_flag) != 0});
+    session_nonce_ = nonce;
+  }
+  data_.clear();
+  put(key_.epoch, 2);
+  put(static_cast<std::uint32_t>(at_), 4);
+  send(device_kind::open, data_);
+}
+
+void FramedApplication::begin_session(const FrameKey& key) {
+  key_ = key;
+  decoder_.set_key(key);
+  cache_.clear();
+  posts_ = failed_posts_ = first_failed_ = 0;
+  first_failure_ = 0;
+  subscriptions_.clear(at_);
+  publishing_ = false;
+  for (Exchange& exchange : exchanges_) {
+    exchange.defined = false;
+  }
+  dead_man_.begin_session();
+}
+
+// Every output that has a safe value gets it; from then on nothing is written.
+void FramedApplication::trip(Clock now) {
+  dead_man_.trip();
+  count(control::deadman_trips);
+  for (const SafeValue& safe : configuration_.framed.safe_values) {
+    static_cast<void>(bus_.write(safe.address & configuration_.address_mask(), safe.value, now));
+  }
+}
+
+// ---- posts
+
+void FramedApplication::post(std::uint8_t kind, std::span<const std::uint8_t> payload) {
+  if (!request_.parse_post(kind, payload, widths())) {
+    count(control::discarded_kind);
+    return;
+  }
+  const auto distance = static_cast<std::uint16_t>(request_.id - posts_);
+  if (distance != 0) {
+    count(distance < 0x8000 ? control::posts_ahead : control::posts_old);
+    return;
+  }
+  count(control::posts);
+  Status outcome = status::ok;
+  if (dead_man_.tripped()) {
+    count(control::refused);
+    outcome = status::denied;
+  } else {
+    for (const ListWord& word : request_.words) {
+      if (outcome = write_word(word); outcome != status::ok) {
+        break;
+      }
+    }
+  }
+  if (outcome != status::ok) {
+    count(control::post_errors);
+    if (failed_posts_ == 0) {
+      first_failed_ = request_.id;
+      first_failure_ = outcome;
+    }
+    failed_posts_ = static_cast<std::uint16_t>(failed_posts_ + (failed_posts_ == 0xFFFF ? 0 : 1));
+  }
+  ++posts_;
+}
+
+// ---- publishes
+
+void FramedApplication::publish(std::uint32_t group) {
+  const Clock since = at_;
+  data_.clear();
+  put(group, 1);
+  put(groups_[group].sequence, 2);
+  put(static_cast<std::uint32_t>(since), 4);
+  Status outcome = status::ok;
+  bus_.block(true, at_);
+  for (const std::uint32_t address : subscriptions_.addresses(group)) {
+    std::uint32_t value = 0;
+    if (outcome = read(address, value); outcome != status::ok) {
+      break;
+    }
+    put(value, configuration_.data_bytes());
+  }
+  bus_.block(false, at_);
+  if (outcome == status::ok) {
+    ++groups_[group].sequence;
+    count(control::publishes);
+    send(device_kind::publish, data_);
+  }
+}
+
+// ---- out
+
+void FramedApplication::put(std::uint32_t value, std::size_t bytes) {
+  for (std::size_t left = bytes; left > 0; --left) {
+    data_.push_back(static_cast<std::uint8_t>(value >> (8 * (left - 1))));
+  }
+}
+
+void FramedApplication::reply(Status outcome, std::span<const std::uint8_t> data) {
+  payload_.clear();
+  for (const std::uint16_t word : {request_.id, posts_}) {
+    payload_.push_back(static_cast<std::uint8_t>(word >> 8));
+    payload_.push_back(static_cast<std::uint8_t>(word));
+  }
+  payload_.insert(payload_.end(), data.begin(), data.end());
+  send(static_cast<std::uint8_t>(device_kind::reply + outcome), payload_);
+}
+
+void FramedApplication::send(std::uint8_t kind, std::span<const std::uint8_t> payload) {
+  out_.resize(frame_bytes_max + 1);
+  FrameEncoder encoder(out_, kind, key_);
+  out_.resize(encoder.bytes(payload).finish());
+  sent_ = 0;
+}
+
+}  // namespace unitylink::device

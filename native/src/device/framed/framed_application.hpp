@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the device does with frames: sessions, requests, posts, publishes. docs/protocol.md is the whole of it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "device/bus.hpp"
+#include "device/configuration.hpp"
+#include "device/framed/control_registers.hpp"
+#include "device/framed/dead_man.hpp"
+#include "device/framed/frame_request.hpp"
+#include "device/framed/reply_cache.hpp"
+#include "device/physical.hpp"
+#include "device/subscription_manager.hpp"
+#include "layer1_stream/frame_decoder.hpp"
+#include "layer1_stream/frame_encoder.hpp"
+
+namespace unitylink::device {
+
+// One frame is worked on while the next is received; then the port waits. A frame is executed as a whole at one time, and
+// the bytes of its answer leave one a clock. While it has none in hand the classic side may use the port.
+class FramedApplication {
+ public:
+  FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, Bus& bus, PhysicalTransmitter& physical);
+
+  // The next byte between borders, or a border.
+  void take(std::uint8_t byte, Clock now);
+  // No byte can be taken: the frame before waits.
+  [[nodiscard]] bool stalled() const noexcept { return waiting_; }
+  // Bytes of a frame are leaving.
+  [[nodiscard]] bool sending() const noexcept { return sent_ < out_.size(); }
+
+  // `port_free`: no classic message is leaving.
+  [[nodiscard]] Clock next_clock(bool port_free) const noexcept;
+  void step(Clock now, bool port_free);
+
+  [[nodiscard]] bool open() const noexcept { return key_.epoch != protocol::frame::open_epoch; }
+  void count(std::uint32_t counter) noexcept { registers_.count(counter); }
+
+  // Of the decoder.
+  void on_frame(const Frame& frame);
+  void on_discard(Discard why, std::uint8_t kind, std::size_t bytes);
+
+ private:
+  using Status = std::uint32_t;  // one of protocol::reply_status
+
+  struct Exchange {
+    bool defined = false;
+    std::vector<ExchangeWord> outputs;
+    std::vector<ExchangeWord> inputs;
+  };
+  struct Group {
+    std::uint16_t sequence = 0;
+  };
+
+  void execute(Clock now);
+  void hello(std::span<const std::uint8_t> payload);
+  void open_session(std::span<const std::uint8_t> payload);
+  void begin_session(const FrameKey& key);
+  void post(std::uint8_t kind, std::span<const std::uint8_t> payload);
+  void request(std::uint8_t kind, std::span<const std::uint8_t> payload);
+  [[nodiscard]] Status untimely() const noexcept;
+  [[nodiscard]] Status refusal(bool repeated) const noexcept;
+  [[nodiscard]] Status control_refusal() const noexcept;
+  [[nodiscard]] Status perform(bool repeated);
+  [[nodiscard]] Status perform_list(bool repeated);
+  [[nodiscard]] Status perform_exchange(bool repeated);
+  void define_group();
+  void write_control();
+  [[nodiscard]] std::uint32_t control(std::uint32_t address) noexcept;
+  void publish(std::uint32_t group);
+  void trip(Clock now);
+
+  [[nodiscard]] Status read(std::uint32_t address, std::uint32_t& value);
+  [[nodiscard]] Status write(std::uint32_t address, std::uint32_t value);
+  [[nodiscard]] Status access(BusStatus status) noexcept;
+  [[nodiscard]] Status write_word(const ListWord& word);
+
+  void put(std::uint32_t value, std::size_t bytes);  // to the reply in hand
+  void reply(Status status, std::span<const std::uint8_t> data);
+  void send(std::uint8_t kind, std::span<const std::uint8_t> payload);
+  [[nodiscard]] FrameRequest::Widths widths() const noexcept {
+    return {configuration_.address_bytes(), configuration_.data_bytes()};
+  }
+
+  const DeviceConfiguration& configuration_;
+  SubscriptionManager& subscriptions_;
+  Bus& bus_;
+  PhysicalTransmitter& physical_;
+
+  FrameDecoder decoder_;
+  FrameKey key_;
+  ControlRegisters registers_;
+  ReplyCache cache_;
+  DeadMan dead_man_;
+  FrameRequest request_;
+  std::vector<Exchange> exchanges_;
+  std::vector<Group> groups_;
+
+  Clock at_ = 0;                       // of what is done now; when the last byte left
+  bool waiting_ = false;               // a frame, or CLOSED, that has not been executed
+  Clock waiting_at_ = 0;
+  std::uint8_t waiting_kind_ = 0;
+  std::vector<std::uint8_t> waiting_payload_;
+
+  std::uint16_t nonce_ = 0;
+  bool offered_ = false;               // a HELLO answer that no OPEN has used
+  std::uint16_t session_nonce_ = 0;
+  bool closed_told_ = false;
+  bool publishing_ = false;
+  std::uint16_t posts_ = 0;
+  std::uint16_t failed_posts_ = 0;
+  std::uint16_t first_failed_ = 0;
+  Status first_failure_ = 0;
+
+  std::vector<std::uint8_t> data_;     // of the reply in hand, behind `posts`
+  std::vector<std::uint8_t> payload_;
+  std::vector<std::uint8_t> out_;
+  std::size_t sent_ = 0;
+};
+
+}  // namespace unitylink::device

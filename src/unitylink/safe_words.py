@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the gateware writes by itself when its dead-man trips: the safe values of a spec as words."""
+
+from __future__ import annotations
+
+from unitylink.protocol import TOSNET_STATUS
+from unitylink.spec.model import LinkBinding, Spec
+from unitylink.values import Codec, Quantity
+
+
+def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
+    """Return (address, word) in the order in which they are written, low words first.
+
+    Behind the words of a TosNet or double-buffered memory comes its commit. Such a memory swaps and does not
+    copy: what has no safe value there is, after the commit, what it was two commits before.
+
+    >>> from unitylink.spec import parse_spec
+    >>> spec = parse_spec("pub robot(root) { power: u32 WRITE SAFE 7 @ 0x10; }")  # doctest: +SKIP
+    >>> safe_words(spec, 32)  # doctest: +SKIP
+    ((16, 7),)
+    """
+    words: list[tuple[int, int]] = []
+    committed: dict[LinkBinding, None] = {}
+    for path, element in spec.walk():
+        if element.safe is None or not element.writable:
+            continue
+        codec = Codec(path, Quantity.of(element), data_bits)
+        words += zip(element.addresses, codec.split(codec.encode(element.safe)), strict=True)
+        committed[element.link] = None
+    return (*words, *((address, 0) for link in committed if (address := _commit(link)) is not None))
+
+
+def _commit(link: LinkBinding) -> int | None:
+    if link.kind == "tosnet":
+        return link.base + TOSNET_STATUS
+    return link.base + link.size if link.kind == "double_buffer" else None

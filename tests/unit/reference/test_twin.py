@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The native twin answers frames with the reference's bytes."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from reference.bus import Bus
+from reference.device import ReferenceDevice
+from reference.framing import Borders, Frame
+from reference.scenario import Scenario, field
+from reference.settings import Settings
+
+from unitylink import _native
+from unitylink import protocol as p
+from unitylink.board_configuration import BoardConfiguration, FramedConfiguration
+
+SAFE = ((0x10, 0), (0x11, 0xFFFF))
+ERRORS, SILENT = (0x38, 0x3B), (0x3C, 0x3F)
+
+
+def twin_of(settings: Settings) -> _native.Device:
+    framed = FramedConfiguration(
+        request_max=settings.request_max,
+        reply_max=settings.reply_max,
+        window=settings.window,
+        cache_bytes=settings.cache,
+        exchanges=settings.exchanges,
+        exchange_size=settings.exchange_size,
+        gateware_version=settings.gateware_version,
+        build=settings.build,
+        spec_hash=settings.spec_hash,
+        safe_words=settings.safe,
+    )
+    return _native.Device(
+        BoardConfiguration(
+            address_bits=8 * settings.a,
+            data_bits=8 * settings.d,
+            clock_hz=settings.clock_hz,
+            base_hz=settings.base_hz,
+            groups=settings.groups,
+            group_size=settings.group_size,
+            bus_error_ranges=(ERRORS,),
+            silent_ranges=(SILENT,),
+            framed=framed,
+        )
+    )
+
+
+def reference_of(settings: Settings) -> ReferenceDevice:
+    bad = dict.fromkeys(range(ERRORS[0], ERRORS[1] + 1), p.REPLY_STATUS_BUS_ERROR)
+    bad |= dict.fromkeys(range(SILENT[0], SILENT[1] + 1), p.REPLY_STATUS_BUS_TIMEOUT)
+    return ReferenceDevice(settings, Bus(bad))
+
+
+def ask(twin: _native.Device, data: bytes, clocks: int = 5_000) -> bytes:
+    answer = b""
+    while data:
+        data = data[twin.receive(data) :]
+        twin.run_until(twin.clock + clocks)
+        answer += twin.take()
+    return answer
+
+
+def without_clock(answer: bytes) -> list[bytes | Frame]:
+    """Frames, but for the time at which a session was opened."""
+    shown: list[bytes | Frame] = []
+    for piece in Borders().feed(answer):
+        frame = Frame.decode(piece, p.FRAME_OPEN_EPOCH)
+        opened = frame is not None and frame.kind == p.DEVICE_KIND_OPEN
+        shown.append(Frame(frame.kind, frame.payload[:2]) if frame is not None and opened else piece)
+    return shown
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_scenario(seed: int) -> None:
+    a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
+    # The large credit, and every feature: what a twin without a line has.
+    settings = Settings(a, d, credit=0xFFFF, features=0x3F, window=(8, 1, 32)[seed % 3], safe=SAFE)
+    twin, reference = twin_of(settings), reference_of(settings)
+    for number, step in enumerate(Scenario(seed, settings)):
+        told = ask(twin, step)
+        expected = reference.feed(step)
+        assert without_clock(told) == without_clock(expected), (
+            f"step {number} of seed {seed}: {step.hex(' ')}"
+        )
+    for address in range(0x38):
+        assert twin.get(address) == reference.bus.words.get(address, 0)
+
+
+def test_the_dead_man_at_its_tick() -> None:
+    settings = Settings(credit=0xFFFF, features=0x3F, safe=SAFE)
+    twin = twin_of(settings)
+    tick = settings.clock_hz // settings.base_hz
+    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
+    ask(twin, Frame(p.REQUEST_KIND_WRITE, field((0, 2), (0x10, 2), (9, 4))).encode(5))
+    deadman = field((1, 2), (p.CONTROL_DEADMAN_TICKS, 2), (3, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(5))
+    due = (twin.clock // tick + 3) * tick
+    twin.run_until(due - 1)
+    assert twin.get(0x10) == 9
+    twin.run_until(due)
+    assert (twin.get(0x10), twin.get(0x11)) == (0, 0xFFFF)
+    denied = ask(twin, Frame(p.REQUEST_KIND_WRITE, field((2, 2), (0x10, 2), (9, 4))).encode(5))
+    assert denied[0] == p.DEVICE_KIND_REPLY + p.REPLY_STATUS_DENIED
+
+
+def test_publishes_carry_sequence_and_clock() -> None:
+    settings = Settings(credit=0xFFFF, features=0x3F)
+    twin = twin_of(settings)
+    tick = settings.clock_hz // settings.base_hz
+    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
+    define = field((0, 2), (1, 1), (2, 4), (0, 1), (2, 1), (0x10, 2), (0x11, 2))
+    ask(twin, Frame(p.REQUEST_KIND_DEFINE_GROUP, define).encode(5))
+    begun = twin.clock
+    published = ask(
+        twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, field((1, 2), (p.CONTROL_PUBLISH, 2), (1, 4))).encode(5), 0
+    )
+    twin.run_until(begun + 7 * tick)
+    published += twin.take()
+    frames = [frame for piece in Borders().feed(published) if (frame := Frame.decode(piece, 5))]
+    found = [frame.payload for frame in frames if frame.kind == p.DEVICE_KIND_PUBLISH]
+    assert [payload[:3] for payload in found] == [field((1, 1), (n, 2)) for n in range(3)]
+    clocks = [int.from_bytes(payload[3:7], "big") for payload in found]
+    assert [later - earlier for earlier, later in pairwise(clocks)] == [2 * tick, 2 * tick]
+
+
+def test_a_session_locks_the_classic_side() -> None:
+    settings = Settings(credit=0xFFFF, features=0x3F)
+    twin = twin_of(settings)
+    assert ask(twin, b"#W:001000000007\n") == b"#S_W\n"
+    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
+    assert ask(twin, b"#R:0010\n\0") == b"#S_R:00000007\n"
+    assert ask(twin, b"#W:001000000008\n\0") == b"#?E_FBW\n"
+    assert ask(twin, b"#EPS\n\0") == b"#?E_ICC\n"
+    ask(twin, Frame(p.REQUEST_KIND_CLOSE, field((0, 2))).encode(5))
+    assert ask(twin, b"#W:001000000008\n\0") == b"#S_W\n"
