@@ -372,7 +372,7 @@ nb::dict configuration(const Link& link) {
 
 void bind_link(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect);
+  nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect).def("post", &Mailbox::post, "ticket"_a);
   module.def("mailbox", [] { return std::make_shared<Mailbox>(); });
   nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a).def("withdraw", &Pending::withdraw, "link"_a);
   nb::class_<Link>(module, "NativeLink")

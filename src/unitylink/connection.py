@@ -17,10 +17,12 @@ def connect(url: str) -> Link:
 
         connect("serial:/dev/ttyUSB0?baud=3000000")
         connect("tcp://192.168.1.10:5555?crc=1&fifo=1024")
+        connect("mmap:/dev/uio0?size=4096")                    # registers that are memory here
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
-    Options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
+    `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
+    options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
     buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,
     `trace=FILE` (a capture of all bytes, for `unitylink decode` and Wireshark).
     Where gateware has no RLC also `address_bytes= data_bytes= read_many= publish_mode= base_hz= groups=
@@ -53,6 +55,8 @@ def open_driver(url: str) -> Iterator[Driver]:
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout.
     """
     scheme = scheme_of(url)
+    if not scheme.stream:
+        raise UrlError(f"link URL {url!r}: {scheme.what} has no bytes, only registers")
     device, driver_url = (None, url) if scheme.make is None else scheme.make(url)
     try:
         with Driver(driver_url) as driver:

@@ -26,6 +26,7 @@ class Scheme:
 
     `make` returns what the URL names and the URL under which the native core reaches it; None: the core opens
     the URL itself. `virtual`: there is no port and no hardware behind it, and the URL names a spec.
+    `stream`: bytes go there; else layer 2 reaches the registers itself, with no protocol between.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Scheme:
     what: str
     make: Callable[[str], tuple[Device, str]] | None = None
     virtual: bool = False
+    stream: bool = True
 
 
 def _simulated(url: str) -> tuple[Device, str]:
@@ -47,6 +49,7 @@ SCHEMES = {
         Scheme("serial", "serial:/dev/ttyUSB0?baud=3000000", "a serial port"),
         Scheme("tcp", "tcp://HOST:PORT", "a board on the network, or `unitylink simulate`"),
         Scheme("udp", "udp://HOST:PORT", "the same over UDP"),
+        Scheme("mmap", "mmap:/dev/uio0", "registers that are memory: UIO, a PCIe BAR", stream=False),
         Scheme("fd", "fd:NUMBER", "an open descriptor, which the link takes over"),
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),

@@ -16,7 +16,8 @@ Values are raw unsigned words; names, signs and units are layer 4's.
 from __future__ import annotations
 
 from .configuration import Configuration, Statistics
+from .engine import Times, Words
 from .link import Link
-from .subscription import PublishCallback, Subscription, Times, Words
+from .subscription import PublishCallback, Subscription
 
 __all__ = ["Configuration", "Link", "PublishCallback", "Statistics", "Subscription", "Times", "Words"]

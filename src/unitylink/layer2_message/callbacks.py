@@ -7,8 +7,9 @@ import logging
 import threading
 from typing import Protocol
 
-from unitylink import _native
 from unitylink.errors import LinkError
+
+from .engine import Engine
 
 _PATIENCE_NS = 200_000_000
 
@@ -25,7 +26,7 @@ class Deliverable(Protocol):
 class CallbackThread:
     """One thread per link that calls callbacks; it lives while a subscription has one."""
 
-    def __init__(self, native: _native.NativeLink) -> None:
+    def __init__(self, native: Engine) -> None:
         self._native = native
         self._subscriptions: tuple[Deliverable, ...] = ()
         self._lock = threading.Lock()

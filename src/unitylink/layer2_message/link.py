@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from unitylink import _native
-
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
+from .engine import Words, open_engine
 from .mailbox import LoopMailbox
-from .subscription import Subscription, Words
+from .subscription import Subscription
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -57,7 +56,7 @@ class Link:
 
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
-        self._native = _native.open_link(url)
+        self._native = open_engine(url)
         self.url = url
         self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, whose maker puts it here
         told = self._native.configuration

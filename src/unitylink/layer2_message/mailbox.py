@@ -9,16 +9,18 @@ from typing import Any
 
 from unitylink import _native
 
+from .engine import Engine, Request
+
 
 class LoopMailbox:
     """One per event loop and link: the loop watches its descriptor."""
 
-    def __init__(self, native: _native.NativeLink, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, native: Engine, loop: asyncio.AbstractEventLoop) -> None:
         self._native = native
         self._loop = loop
         self._mailbox = _native.mailbox()
         self._tickets = itertools.count(1)
-        self._waiting: dict[int, tuple[_native.Pending, asyncio.Future[Any]]] = {}
+        self._waiting: dict[int, tuple[Request, asyncio.Future[Any]]] = {}
         self._retired = False
         loop.add_reader(self._mailbox.descriptor, self._collect)
 

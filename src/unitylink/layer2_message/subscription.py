@@ -9,20 +9,17 @@ from collections.abc import AsyncIterator, Callable
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from unitylink import _native
 from unitylink.errors import LinkClosed
 from unitylink.protocol import GROUPS_MAX
+
+from .engine import Times, Words
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
     from .link import Link
 
-Words = npt.NDArray[np.uint32]
-Times = npt.NDArray[np.float64]
 PublishCallback = Callable[[float, tuple[int, ...]], None]
 
 _log = logging.getLogger("unitylink.link")

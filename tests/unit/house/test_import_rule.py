@@ -111,6 +111,7 @@ NATIVE_MAY_INCLUDE = {
     "layer1_stream": {"layer1_stream"},
     "layer2_message": set(LAYERS),
     "abi": {"abi", *LAYERS},
+    "mapped_memory": {"mapped_memory", "layer0_driver"},
     "device": {"device", "layer1_stream", "layer0_driver"},
 }
 

@@ -29,7 +29,7 @@ def test_the_native_core_knows_what_the_table_leaves_to_it() -> None:
     with pytest.raises(UrlError) as raised:
         Driver("none:")
     for name, scheme in SCHEMES.items():
-        assert (f"{name}:" in str(raised.value)) == (scheme.make is None)
+        assert (f"{name}:" in str(raised.value)) == (scheme.make is None and scheme.stream)
 
 
 def test_bytes_alone_reach_a_virtual_board() -> None:

@@ -23,6 +23,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "sync-read": ("sync_read", "measure"),
     "litex-single": ("litex", "measure_single"),
     "litex-block": ("litex", "measure_block"),
+    "mmap": ("mapped", "measure"),
     "in-flight": ("in_flight", "measure"),
     "publish": ("publish", "measure_stream"),
     "callbacks": ("publish", "measure_callbacks"),

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a Link stands on: the native engine, which speaks a protocol, or mapped memory, which needs none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from unitylink import _native
+
+Words = npt.NDArray[np.uint32]
+Times = npt.NDArray[np.float64]
+Integers = Sequence[int] | npt.NDArray[Any]
+
+
+class Request(Protocol):
+    """An asynchronous request under way; its ticket is posted to the mailbox when it is done."""
+
+    def withdraw(self, link: Any, /) -> None: ...
+    def result(self, link: Any, /) -> Any: ...
+
+
+class Engine(Protocol):
+    """Requests and publishes of one device, as words at addresses; thread-safe. Errors as of `Link`.
+
+    `start` posts `ticket` to `mailbox` when what it began is done. Subscriptions are known by numbers, whose
+    remainder modulo 256 is their group. `wait_publishes` returns how many publishes have come, once they are
+    more than `seen`, after `timeout_ns` at the latest. `notify_publishes` has 1 written to an eventfd for
+    every publish and at the end. `check_alive` raises why the device went away by itself.
+    """
+
+    def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None, /) -> int: ...
+    def write(
+        self, address: int, value: int, checked: bool | None, repeat: bool, timeout_s: float | None, /
+    ) -> None: ...
+    def read_many(
+        self,
+        addresses: Integers,
+        atomic: bool,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+        /,
+    ) -> Words: ...
+    def read_each(
+        self, addresses: Integers, checked: bool | None, repeat: bool, timeout_s: float | None, /
+    ) -> Words: ...
+    def write_many(
+        self,
+        addresses: Integers,
+        values: Integers,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+        /,
+    ) -> None: ...
+    def start(  # noqa: PLR0917 (as the native engine has it)
+        self,
+        mailbox: _native.Mailbox,
+        ticket: int,
+        addresses: Integers,
+        values: Integers | None,
+        atomic: bool,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+        /,
+    ) -> Request: ...
+    def subscribe(  # noqa: PLR0917
+        self,
+        addresses: Integers,
+        divisor: int,
+        on_event: bool,
+        verify: bool,
+        ring: int,
+        group: int | None,
+        /,
+    ) -> int: ...
+    def unsubscribe(self, id: int, /) -> None: ...
+    def drain(self, id: int, words: int, /) -> tuple[Times, Words]: ...
+    def wait(self, id: int, timeout_s: float, /) -> bool: ...
+    def available(self, id: int, /) -> int: ...
+    def lost(self, id: int, /) -> int: ...
+    def wait_publishes(self, seen: int, timeout_ns: int, /) -> int: ...
+    def notify_publishes(self, descriptor: int, /) -> None: ...
+    def forget_notification(self, descriptor: int, /) -> None: ...
+    def statistics(self) -> dict[str, int]: ...
+    def check_alive(self) -> None: ...
+    def disown(self) -> None: ...
+    @property
+    def configuration(self) -> dict[str, Any]: ...
+    @property
+    def usable_group_size(self) -> int: ...
+    @property
+    def warning(self) -> str: ...
+    @property
+    def closed(self) -> bool: ...
+    def close(self) -> None: ...
+
+
+def open_engine(url: str) -> Engine:
+    """Return the engine that the scheme of `url` needs. Raises what Link does."""
+    if url.startswith("mmap:"):
+        from .mapped_engine import MappedEngine
+
+        return MappedEngine(url)
+    return _native.open_link(url)

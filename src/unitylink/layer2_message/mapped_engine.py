@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The engine of `mmap:` links: registers that are memory, with no protocol between."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from unitylink import _native
+from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
+from unitylink.protocol import GROUP_SIZE_MAX, GROUPS_MAX, RATE_BYTES_MAX, READ_MANY_MAX
+
+from .configuration import Statistics
+from .engine import Integers, Times, Words
+from .mapped_url import WORD_BYTES, parse_mapped_url
+from .polled_publishes import PolledPublishes
+
+_PASSES = 8  # reads of some words in a row before they count as never at rest
+
+
+class MappedEngine:
+    """Words of mapped memory; see `Engine` for what each method is.
+
+    `checked`, `repeat` and `timeout_s` mean nothing here: nothing is sent, and an access is over at once.
+    Words that are to be of one moment are read until two passes agree.
+    """
+
+    warning = ""
+    usable_group_size = GROUP_SIZE_MAX
+
+    def __init__(self, url: str) -> None:
+        place = parse_mapped_url(url)
+        self.configuration: dict[str, Any] = {
+            "address_bytes": place.address_bytes,
+            "data_bytes": WORD_BYTES,
+            "read_many": READ_MANY_MAX,
+            "publish_mode": 1,
+            "base_hz": place.base_hz,
+            "groups": GROUPS_MAX,
+            "group_size": GROUP_SIZE_MAX,
+            "rate_bytes": RATE_BYTES_MAX,
+            "discovered": False,
+        }
+        self._memory = _native.map_memory(place.path, place.offset, place.size)
+        self._publishes = PolledPublishes(self._poll)
+        self._requests = 0
+        self._unsettled = 0
+
+    def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None) -> int:
+        self._requests += 1
+        return self._memory.read(address)
+
+    def write(
+        self, address: int, value: int, checked: bool | None, repeat: bool, timeout_s: float | None
+    ) -> None:
+        self._requests += 1
+        self._memory.write(address, value)
+
+    def read_many(
+        self,
+        addresses: Integers,
+        atomic: bool,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+    ) -> Words:
+        self._requests += 1
+        if not atomic:
+            return self._memory.read_many(addresses)
+        if not repeat:
+            raise DeviceMismatch(
+                "mapped memory gives words of one moment by reading them twice, and these may not be"
+            )
+        words, settled = self._memory.read_settled(addresses, _PASSES)
+        if not settled:
+            raise DeviceMismatch(
+                f"{len(words)} words changed during each of {_PASSES} readings: mapped memory cannot give "
+                "them as of one moment; read them apart, or let the device hold them"
+            )
+        return words
+
+    def read_each(
+        self, addresses: Integers, checked: bool | None, repeat: bool, timeout_s: float | None
+    ) -> Words:
+        return self.read_many(addresses, False, checked, repeat, timeout_s)
+
+    def write_many(
+        self,
+        addresses: Integers,
+        values: Integers,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+    ) -> None:
+        if len(addresses) != len(values):
+            raise ValueRangeError(f"{len(addresses)} addresses and {len(values)} values")
+        for address, value in zip(addresses, values, strict=True):
+            self.write(address, value, checked, repeat, timeout_s)
+
+    def start(  # noqa: PLR0917 (as the native engine has it)
+        self,
+        mailbox: _native.Mailbox,
+        ticket: int,
+        addresses: Integers,
+        values: Integers | None,
+        atomic: bool,
+        checked: bool | None,
+        repeat: bool,
+        timeout_s: float | None,
+    ) -> _Done:
+        """Do the request at once; only its result waits for the event loop."""
+        try:
+            done = _Done()
+            if values is None:
+                done.words = self.read_many(addresses, atomic, checked, repeat, timeout_s)
+            else:
+                self.write_many(addresses, values, checked, repeat, timeout_s)
+        except (LinkError, ValueRangeError) as error:
+            done.error = error
+        mailbox.post(ticket)
+        return done
+
+    def subscribe(  # noqa: PLR0917
+        self,
+        addresses: Integers,
+        divisor: int,
+        on_event: bool,
+        verify: bool,
+        ring: int,
+        group: int | None,
+    ) -> int:
+        if on_event:
+            raise DeviceMismatch("mapped memory has no events: publish at a rate, which is polled")
+        most = (1 << 8 * RATE_BYTES_MAX) - 1
+        if not 1 <= divisor <= most:
+            raise ValueRangeError(f"divisor {divisor} is not in 1..{most}")
+        if not 1 <= len(addresses) <= GROUP_SIZE_MAX:
+            raise DeviceMismatch(f"a group has 1 to {GROUP_SIZE_MAX} words, and {len(addresses)} are asked")
+        if ring < 1:
+            raise ValueRangeError(f"ring {ring} is not above 0")
+        words = tuple(int(address) for address in addresses)
+        if verify:
+            self._memory.read_many(words)
+        return self._publishes.add(words, divisor / self.configuration["base_hz"], ring, group)
+
+    def unsubscribe(self, id: int) -> None:
+        self._publishes.remove(id)
+
+    def drain(self, id: int, words: int) -> tuple[Times, Words]:
+        return self._publishes.drain(id, words)
+
+    def wait(self, id: int, timeout_s: float) -> bool:
+        return self._publishes.wait(id, timeout_s)
+
+    def available(self, id: int) -> int:
+        return self._publishes.available(id)
+
+    def lost(self, id: int) -> int:
+        return self._publishes.lost(id)
+
+    def wait_publishes(self, seen: int, timeout_ns: int) -> int:
+        return self._publishes.wait_for_more_than(seen, timeout_ns * 1e-9)
+
+    def notify_publishes(self, descriptor: int) -> None:
+        self._publishes.watch(descriptor)
+
+    def forget_notification(self, descriptor: int) -> None:
+        self._publishes.forget(descriptor)
+
+    def statistics(self) -> dict[str, int]:
+        counted = dict.fromkeys((field.name for field in fields(Statistics)), 0)
+        counted["requests"] = counted["replies"] = self._requests
+        counted["publishes"] = self._publishes.received
+        counted["overruns"] = self._publishes.overruns
+        counted["mismatched_publishes"] = self._unsettled
+        return counted
+
+    def check_alive(self) -> None:
+        """Do nothing: memory does not go away by itself, or nobody is told."""
+
+    @property
+    def closed(self) -> bool:
+        return self._memory.closed
+
+    def close(self) -> None:
+        self._memory.close()
+        self._publishes.close()
+
+    def disown(self) -> None:
+        self._publishes.disown()
+        self._memory.close()
+
+    def _poll(self, addresses: tuple[int, ...]) -> list[int]:
+        words, settled = self._memory.read_settled(addresses, _PASSES)
+        self._unsettled += not settled
+        return [int(word) for word in words]
+
+
+class _Done:
+    """A request that is over."""
+
+    words: Words | None = None
+    error: Exception | None = None
+
+    def withdraw(self, link: object) -> None:
+        """Do nothing: it is done."""
+
+    def result(self, link: object) -> Words | None:
+        if self.error is not None:
+            raise self.error
+        return self.words
