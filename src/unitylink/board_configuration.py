@@ -22,6 +22,9 @@ from unitylink.protocol import (
 from unitylink.safe_words import safe_words
 from unitylink.spec.model import Instance, Spec
 
+PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync")  # gateware/physical
+SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg
+
 
 @dataclass(frozen=True)
 class TosnetNode:
@@ -126,6 +129,8 @@ class BoardConfiguration:
     edge_event_groups: tuple[
         int, ...
     ] = ()  # groups whose event input is edge-triggered; the others' level counts
+    physical: str = "uart"  # "ft245_async", "ft245_sync": a chip with flow control, and no baud_hz
+    send_immediate: str = "both"  # of such a chip: "never", "publishes", "replies" or "both"
     fifo: int = 0
     baud_hz: int = 0
     fifo_latency: int = 0  # clock cycles through each physical FIFO
@@ -149,6 +154,15 @@ class BoardConfiguration:
         if self.checksum not in ("crc8", "xor", "none"):
             raise ValueRangeError(
                 f"board configuration: checksum is {self.checksum!r}; choose 'crc8', 'xor' or 'none'"
+            )
+        for name, choices in (("physical", PHYSICAL_LAYERS), ("send_immediate", SEND_IMMEDIATE)):
+            if getattr(self, name) not in choices:
+                raise ValueRangeError(
+                    f"board configuration: {name} is {getattr(self, name)!r}; choose {', '.join(choices)}"
+                )
+        if self.baud_hz and self.physical != "uart":
+            raise ValueRangeError(
+                f"board configuration: {self.physical} has no baud rate; leave out baud_hz={self.baud_hz}"
             )
         if self.baud_hz < 0 or self.baud_hz > self.clock_hz:
             raise ValueRangeError(

@@ -67,6 +67,11 @@ DESIGNS = {
         "public a() { @x = 0x0: signed READ(); @y = 0x1: WRITE(); }",
         {"data_bits": 12, "publish_mode": 0},
     ),
+    "ft245_async": (ROOT / "examples" / "servo" / "servo.ul", {"physical": "ft245_async"}),
+    "ft245_sync": (
+        ROOT / "examples" / "servo" / "servo.ul",
+        {"physical": "ft245_sync", "send_immediate": "publishes"},
+    ),
     "reads": ("public a() { @x = 0x7: READ(); }", {"groups": 2, "read_many": 0, "checksum": "xor"}),
     "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_event_groups": (0, 15)}),
     "one_group": ("public a() { @x = 0x7: READ(PUBLISH(10 Hz)); }", {"groups": 1}),

@@ -17,6 +17,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.spec.model import Spec
 
@@ -44,21 +45,31 @@ ARTEFACTS: Mapping[str, Callable[[Spec], dict[str, str]]] = MappingProxyType(
 DEFAULT = ("python",)  # made where nobody says what: what a program needs
 
 
-def generate(spec: Spec, only: str | None = None) -> dict[str, str]:
-    """Return {file name: text} of the default artefacts, or of one; a spec always gives the same text."""
+def generate(
+    spec: Spec, only: str | None = None, configuration: BoardConfiguration | None = None
+) -> dict[str, str]:
+    """Return {file name: text} of the default artefacts, or of one; a spec always gives the same text.
+
+    `configuration` is what gateware the VHDL is, by default what the spec asks for.
+    """
     if only is not None and only not in ARTEFACTS:
         raise BindingError(f"no artefact is called {only!r}; there are: {', '.join(ARTEFACTS)}")
     files: dict[str, str] = {}
     for name, planner in ARTEFACTS.items():
         if name == only or (only is None and name in DEFAULT):
-            files.update(planner(spec))
+            files.update(generate_vhdl(spec, configuration) if name == "vhdl" else planner(spec))
     return files
 
 
-def stale(spec: Spec, folder: str | Path, only: str | None = None) -> list[str]:
+def stale(
+    spec: Spec,
+    folder: str | Path,
+    only: str | None = None,
+    configuration: BoardConfiguration | None = None,
+) -> list[str]:
     """Say what in `folder` is not what the spec gives now; empty when all is up to date."""
     problems = []
-    for name, text in generate(spec, only).items():
+    for name, text in generate(spec, only, configuration).items():
         present = _present(Path(folder) / name)
         if present is None:
             problems.append(f"{Path(folder) / name} is missing")
@@ -68,14 +79,19 @@ def stale(spec: Spec, folder: str | Path, only: str | None = None) -> list[str]:
     return problems
 
 
-def write(spec: Spec, folder: str | Path, only: str | None = None) -> list[Path]:
+def write(
+    spec: Spec,
+    folder: str | Path,
+    only: str | None = None,
+    configuration: BoardConfiguration | None = None,
+) -> list[Path]:
     """Write what has changed into `folder`, each file whole or not at all; return what was written.
 
     Raises BindingError, before anything is written, where a file there is not a generated one.
     """
     folder = Path(folder)
     changed = {}
-    for name, text in generate(spec, only).items():
+    for name, text in generate(spec, only, configuration).items():
         present = _present(folder / name)
         if present is not None and MARK not in present:
             raise BindingError(

@@ -15,9 +15,27 @@ from .failure import Failure
     "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1."
 )
 @click.option(
+    "--physical",
+    metavar="LAYER",
+    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync.",
+)
+@click.option(
+    "--send-immediate",
+    metavar="MODE",
+    help="Behind which messages an FT245 sends at once: never, publishes, replies, both (the default).",
+)
+@click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
 )
-def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
+def command(
+    *,
+    spec_file: str,
+    out: str,
+    only: str | None,
+    physical: str | None,
+    send_immediate: str | None,
+    check: bool,
+) -> None:
     """Make from a spec what both ends need: typed Python classes, and a gateware design in VHDL.
 
     The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder
@@ -32,8 +50,10 @@ def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
     Examples:
       unitylink generate arm.ul --out .
       unitylink generate arm.ul --out build --only python,vhdl
+      unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate arm.ul --out . --check
     """
+    from unitylink.board_configuration import BoardConfiguration
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write
     from unitylink.spec import load
 
@@ -43,17 +63,23 @@ def command(spec_file: str, out: str, only: str | None, check: bool) -> None:
             raise click.UsageError(
                 f"--only {name}: there is no such artefact; there are: {', '.join(ARTEFACTS)}"
             )
+    given = {"--physical": physical, "--send-immediate": send_immediate}
+    chosen = {option[2:].replace("-", "_"): value for option, value in given.items() if value is not None}
+    if chosen and "vhdl" not in artefacts:
+        raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     spec = load(spec_file)
+    configuration = BoardConfiguration.for_spec(spec, **chosen) if chosen else None
     if check:
-        problems = [problem for name in artefacts for problem in stale(spec, out, name)]
+        problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]
         if problems:
             again = f"{spec_file} --out {out}" + (f" --only {only}" if only is not None else "")
+            again += "".join(f" {option} {value}" for option, value in given.items() if value is not None)
             raise Failure("; ".join(problems), f"`unitylink generate {again}` brings them up to date")
         click.echo(f"{out}: up to date with {spec_file}")
         return
-    written = [path for name in artefacts for path in write(spec, out, name)]
+    written = [path for name in artefacts for path in write(spec, out, name, configuration)]
     for path in written:
         click.echo(f"wrote {path}")
-    unchanged = sum(len(generate(spec, name)) for name in artefacts) - len(written)
+    unchanged = sum(len(generate(spec, name, configuration)) for name in artefacts) - len(written)
     if unchanged:
         click.echo(f"{unchanged} file{'s' if unchanged > 1 else ''} already up to date")

@@ -12,8 +12,8 @@
 --   to_pc.trips <= ...
 --   ... <= from_pc.lamp;
 --
--- Generics  clock_hz: the frequency of clock. baud_hz: of the line, 8 data bits, 1 stop bit, no parity. fifo_bytes: buffers of
---           the UART each way, a power of two; tell the PC (link option fifo=) if it is not 16.
+-- Generics  clock_hz: the frequency of clock. baud_hz: of the line, 8 data bits, 1 stop bit, no parity. fifo_bytes: buffers each way,
+--           a power of two; tell the PC (link option fifo=) if it is not 16.
 -- Ports     reset: high starts anew; asynchronous, may stay low for ever, for the design resets itself at power-up.
 --           rx_line, tx_line: asynchronous, idle high. user_reset: the reset of the design, for your logic.
 --           to_pc, from_pc, written, events: synchronous to clock. See servo_user_pkg.
@@ -26,9 +26,9 @@ library ieee;
 
 entity servo_top is
   generic (
-    clock_hz   : positive := 50000000;
     baud_hz    : positive := 1000000;
-    fifo_bytes : positive := 16
+    fifo_bytes : positive := 16;
+    clock_hz   : positive := 50000000
   );
   port (
     clock      : in  std_ulogic;
@@ -55,6 +55,8 @@ architecture generated of servo_top is
   signal rx_error           : receive_error_t;
   signal tx_valid, tx_ready : std_ulogic;
   signal tx_data            : std_ulogic_vector(7 downto 0);
+  signal tx_last            : std_ulogic;
+  signal tx_publish         : std_ulogic;
   signal read_words         : std_ulogic_vector(63 downto 0);
   signal write_words        : std_ulogic_vector(31 downto 0);
   signal written_words      : std_ulogic_vector(0 downto 0);
@@ -67,8 +69,12 @@ begin
   uart : entity work.uart
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, rx_depth => fifo_bytes, tx_depth => fifo_bytes)
     port map (
-      clock => clock, reset => synchronous_reset, rx_line => rx_line, tx_line => tx_line, line_break => open,
-      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      clock => clock, reset => synchronous_reset,
+      rx_line => rx_line,
+      tx_line => tx_line,
+      line_break => open,
+      rx_error => rx_error,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
 
   bridge : entity work.servo_design
@@ -76,7 +82,7 @@ begin
     port map (
       clock => clock, reset => synchronous_reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
       read_words => read_words,
       write_words => write_words, written => written_words,
       drive_pins => drive_pins,

@@ -10,11 +10,12 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.board_configuration import BoardConfiguration
-from unitylink.errors import BindingError
+from unitylink.board_configuration import PHYSICAL_LAYERS, BoardConfiguration
+from unitylink.errors import BindingError, ValueRangeError
 from unitylink.generate import generate, generate_vhdl
 from unitylink.generate.vhdl import blocks as plan_blocks
 from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
@@ -22,6 +23,7 @@ from unitylink.generate.vhdl.blocks import WINDOW, blocks
 from unitylink.generate.vhdl.names import KEYWORDS, Names, remark
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
+from unitylink.tools.generate import command
 
 ROOT = Path(__file__).resolve().parents[3]
 GOLDEN = ROOT / "tests" / "golden"
@@ -229,3 +231,27 @@ def test_what_is_published_on_change_is_given_by_the_user() -> None:
 def test_the_examples_of_the_docstrings() -> None:
     for module in (names, words, plan_blocks, value_types, planner):
         assert doctest.testmod(module).failed == 0
+
+
+@pytest.mark.parametrize("physical", PHYSICAL_LAYERS)
+def test_the_command_makes_a_top_level_on_each_physical_layer(physical: str, tmp_path: Path) -> None:
+    made = [str(SPECS[1]), "--out", str(tmp_path), "--only", "vhdl", "--physical", physical]
+    assert CliRunner().invoke(command, made).exit_code == 0
+    text = (tmp_path / "vhdl" / "servo_top.vhd").read_text(encoding="utf-8")
+    entity = (ROOT / "gateware" / "physical" / f"{physical}.vhd").read_text(encoding="utf-8")
+    instance = text.partition(f"  {physical} : entity work.{physical}\n")[2].partition(");")[0]
+    ports = re.findall(r"^    (\w+) +: (?:in|out)", entity.partition("port (")[2], re.MULTILINE)
+    assert [port for port in ports if f" {port} => " not in instance] == []
+    assert CliRunner().invoke(command, [*made, "--check"]).exit_code == 0
+    other = "never" if physical != "uart" else "both"
+    found = CliRunner().invoke(command, [*made, "--check", "--send-immediate", other])
+    assert found.exit_code == (0 if physical == "uart" else 1)
+
+
+def test_a_physical_layer_is_of_vhdl_only(tmp_path: Path) -> None:
+    arguments = [str(SPECS[1]), "--out", str(tmp_path), "--physical"]
+    found = CliRunner().invoke(command, [*arguments, "ft245_async"])
+    assert found.exit_code == 2
+    assert "--physical: of VHDL only; add --only vhdl" in found.output
+    found = CliRunner().invoke(command, [*arguments, "usb", "--only", "vhdl"])
+    assert isinstance(found.exception, ValueRangeError)

@@ -9,6 +9,7 @@ from functools import cached_property
 from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
 
 from .functions import Function
+from .physical import PhysicalLayer
 from .records import Tree
 from .value_types import Declaration
 from .words import WordMap
@@ -121,7 +122,7 @@ class Plan:
     hash: str
     configuration: BoardConfiguration
     baud_hz: int
-    fifo_bytes: int
+    layer: PhysicalLayer
     generics: tuple[Constant, ...]
     addresses: tuple[Constant, ...]
     words: WordMap

@@ -17,6 +17,7 @@ from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
 from .link_slaves import LinkSlave, link_slaves
 from .names import Names, identifier, remark
+from .physical import physical_layer
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
@@ -24,11 +25,12 @@ from .words import PlacedComponent, components_of, tosnet_range, word_map
 
 # What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
 _ONLY_ON_THE_TWIN = ("bench_memory", "bus_error_ranges", "silent_ranges")
-# Of the UART, where the configuration does not say.
+# Of a UART, where neither configuration nor spec say.
 _BAUD_HZ = 3_000_000
-_FIFO_BYTES = 16
 # Ports that every design or top level may have.
 _PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo_bytes", "rx_line", "tx_line"]
+_PORTS += ["send_immediate", "ft245_clkout", "ft245_rxf_n", "ft245_txe_n", "ft245_oe_n", "ft245_rd_n"]
+_PORTS += ["ft245_wr_n", "ft245_siwu_n", "ft245_data_in", "ft245_data_out", "ft245_data_drive"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc"]
@@ -88,13 +90,14 @@ class _Planner:
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
         )
+        baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ
         return Plan(
             name=identifier(self.spec.name),
             source=remark(self.spec.source),
             hash=self.spec.hash,
             configuration=self.configuration,
-            baud_hz=self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ,
-            fifo_bytes=self.configuration.fifo or _FIFO_BYTES,
+            baud_hz=baud_hz,
+            layer=physical_layer(self.configuration, baud_hz),
             generics=_generics(self.configuration),
             addresses=self._address_constants(),
             words=self.words,
