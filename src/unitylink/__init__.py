@@ -11,8 +11,9 @@ Names are loaded when they are first used, so that a command that needs no link 
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from unitylink.lazy import load_name
 
 if TYPE_CHECKING:
     from unitylink.connection import connect
@@ -65,7 +66,7 @@ __all__ = [
     "connect",
 ]
 
-_HOME = {
+_HOMES = dict.fromkeys((name for name in __all__ if name != "__version__"), "errors") | {
     "Configuration": "layer2_message",
     "Link": "layer2_message",
     "Statistics": "layer2_message",
@@ -75,11 +76,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> object:
-    if name not in __all__:
-        raise AttributeError(f"module 'unitylink' has no attribute {name!r}")
-    value = getattr(import_module(f"unitylink.{_HOME.get(name, 'errors')}"), name)
-    globals()[name] = value
-    return value
+    return load_name(__name__, _HOMES, name)
 
 
 def __dir__() -> list[str]:

@@ -3,11 +3,18 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from unitylink.errors import ToolError
 
 _PACKAGE = Path(__file__).resolve().parent
+
+
+def cache_folder(name: str) -> Path:
+    """Return where what can be made again is kept: $XDG_CACHE_HOME/unitylink/`name`, else below ~/.cache."""
+    base = os.environ.get("XDG_CACHE_HOME") or ""
+    return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / name
 
 
 def resource_folder(name: str) -> Path:

@@ -6,13 +6,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-
-import jinja2
 
 from unitylink.errors import BoardError
 from unitylink.generate import generate
+from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import FOLDER, Leaf, component_ports, design_name, plan
 from unitylink.generate.vhdl.names import Names
 from unitylink.spec.model import Spec
@@ -124,8 +122,10 @@ def pin_logic(spec: Spec, wished: set[str], folder: Path, name: str) -> Logic:
     inputs, quiet = _words(design.to_pc.leaves, names, wished)
     outputs, _ = _words(design.from_pc.leaves, names, wished)
     top = name.removesuffix(".vhd")
-    text = _template().render(
-        plan=design, top=top, inputs=inputs, outputs=outputs, quiet=quiet, components=design.ports
+    text = (
+        environment(Path(__file__).parent)
+        .get_template("board.vhd.jinja")
+        .render(plan=design, top=top, inputs=inputs, outputs=outputs, quiet=quiet, components=design.pins)
     )
     path = folder / name
     path.write_text(text, encoding="utf-8")
@@ -157,16 +157,3 @@ def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list
 
 def _plain(file: Path) -> str:
     return re.sub(r"--.*", "", file.read_text(encoding="utf-8", errors="replace"))
-
-
-@cache
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # the result is VHDL; all names in it are identifiers
-    )
-    return environment.get_template("board.vhd.jinja")

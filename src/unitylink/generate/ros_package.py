@@ -4,11 +4,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
-
-import jinja2
 
 from unitylink.errors import BindingError
 from unitylink.ros.definitions import SERVICES, definition
@@ -19,6 +16,7 @@ from unitylink.spec.model import Instance, Spec
 from .python import generate_python
 from .python.planner import plan
 from .python.text import quoted
+from .templates import environment
 
 FOLDER = Path(__file__).parent
 
@@ -76,41 +74,43 @@ def proxies(package: Package, folder: str) -> dict[str, str]:
 
 def rendered(package: Package, templates: dict[str, str], artefact: str, folder: str) -> dict[str, str]:
     """Return {file: text} of {file: template}, templates being in the folder of the artefact."""
-    environment = _environment(artefact)
+    templates_of = environment(FOLDER / artefact, FOLDER / "ros_common")
     return {
-        f"{folder}/{file}": environment.get_template(template).render(package=package, mark=package.mark)
+        f"{folder}/{file}": templates_of.get_template(template).render(package=package, mark=package.mark)
         for file, template in templates.items()
     }
 
 
-@cache
-def _environment(artefact: str) -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader([FOLDER / artefact, FOLDER / "ros_common"]),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # names are the mapping's, which lets only letters, digits and underscores through
-    )
-
-
 def literal(value: Any, indent: int) -> str:
     """Return a frozen dataclass as Python: what is as by default left out, one argument a line if long."""
-    if is_dataclass(value) and not isinstance(value, type):
-        given = [
-            (f.name, getattr(value, f.name)) for f in fields(value) if getattr(value, f.name) != f.default
-        ]
-        parts = [(f"{name}=", item) for name, item in given]
-        head, tail = f"{type(value).__name__}(", ")"
-    elif isinstance(value, tuple):
-        parts = [("", item) for item in value]
+    return _laid_out(_parsed(value), indent)
+
+
+@dataclass(frozen=True)
+class _Text:
+    """Python on one line, and the parts from which it is laid out on several."""
+
+    flat: str
+    head: str = ""
+    parts: tuple[tuple[str, _Text], ...] = ()
+
+
+def _parsed(value: Any) -> _Text:
+    if isinstance(value, tuple):
+        parts = tuple(("", _parsed(item)) for item in value)
         head, tail = "(", ",)" if len(value) == 1 else ")"
+    elif is_dataclass(value) and not isinstance(value, type):
+        given = [(f.name, getattr(value, f.name), f.default) for f in fields(value)]
+        parts = tuple((f"{name}=", _parsed(item)) for name, item, default in given if item != default)
+        head, tail = f"{type(value).__name__}(", ")"
     else:
-        return quoted(value) if isinstance(value, str) else repr(value)
-    flat = head + ", ".join(key + literal(item, 0) for key, item in parts) + tail
-    if "\n" not in flat and indent + len(flat) <= 96:
-        return flat
+        return _Text(quoted(value) if isinstance(value, str) else repr(value))
+    return _Text(head + ", ".join(key + item.flat for key, item in parts) + tail, head, parts)
+
+
+def _laid_out(text: _Text, indent: int) -> str:
+    if not text.parts or indent + len(text.flat) <= 96:
+        return text.flat
     room = " " * (indent + 4)
-    body = "".join(f"{room}{key}{literal(item, indent + 4)},\n" for key, item in parts)
-    return f"{head}\n{body}{' ' * indent})"
+    body = "".join(f"{room}{key}{_laid_out(item, indent + 4)},\n" for key, item in text.parts)
+    return f"{text.head}\n{body}{' ' * indent})"

@@ -18,12 +18,11 @@ from unitylink.layer3_hardware import (
     TosNetProxy,
 )
 
+from .names import BINDING_VERSION
 from .publishing import Publisher
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
-
-BINDING_VERSION = 2  # what generated code expects of this layer; raised when that changes
 
 
 def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> None:

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spec names as Python attributes: the same rule for generated classes and for trees made at run time."""
+"""What generated code is built on, and trees made at run time too: names of attributes, and the version."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from unitylink import values
+from unitylink.spec.model import Element, Group, Instance, Spec
+
+BINDING_VERSION = 2  # what generated code expects of this layer; raised when that changes
 
 # The public names of Node; a test compares. A spec may use them: its attribute then ends in "_".
 NODE_NAMES = frozenset(
@@ -53,3 +56,20 @@ ATTRIBUTE_NAMES = NODE_NAMES | MODULE_NAMES | {"bool", "float", "int", "str", "t
 def python_names(names: Iterable[str], reserved: Iterable[str] = ATTRIBUTE_NAMES) -> dict[str, str]:
     """Map spec names to attributes of a Node, as `values.python_names` does."""
     return values.python_names(names, reserved)
+
+
+def attribute_of(member: Instance | Element | Group) -> str:
+    """Return the name under which a node has a member: for one of an array that of the array."""
+    return member.name if isinstance(member, Group) else member.array or member.name
+
+
+def event_lines(spec: Spec, root: Instance) -> dict[str, int]:
+    """Return the event line of each value that an event publishes, by path."""
+    return {
+        element.path: group.number
+        for device in spec.devices
+        if device.root == root.name
+        for group in device.groups
+        if group.trigger != "rate"
+        for element in group.elements
+    }

@@ -11,7 +11,7 @@ from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
 
 from .binding import Tree
-from .names import python_names
+from .names import attribute_of, event_lines, python_names
 from .node import Node
 from .read_value import ReadClearValue, ReadValue
 from .value import Value
@@ -137,20 +137,3 @@ KINDS_OF_ACCESS: dict[str, type[Value[Any]]] = {
     "W1C": ClearValue,
     "PULSE": PulseValue,
 }
-
-
-def attribute_of(member: Instance | Element | Group) -> str:
-    """Return the name under which a node has a member: for one of an array that of the array."""
-    return member.name if isinstance(member, Group) else member.array or member.name
-
-
-def event_lines(spec: Spec, root: Instance) -> dict[str, int]:
-    """Return the event line of each value that an event publishes, by path."""
-    return {
-        element.path: group.number
-        for device in spec.devices
-        if device.root == root.name
-        for group in device.groups
-        if group.trigger != "rate"
-        for element in group.elements
-    }

@@ -10,6 +10,7 @@ from pathlib import Path, PurePath
 
 from ..errors import SpecError
 from .checks import check_model
+from .collector import collector_paused
 from .declared import Declared
 from .diagnostics import Diagnostic, Reporter, render
 from .fingerprint import fingerprint
@@ -40,6 +41,7 @@ class Result:
         return len(self.diagnostics) - self.errors
 
 
+@collector_paused()
 def compile_text(
     text: str | bytes, file: str = "<text>", include: Sequence[str | os.PathLike[str]] = ()
 ) -> Result:

@@ -54,7 +54,7 @@ def command(
       unitylink generate arm.ul --out . --check
     """
     from unitylink.board_configuration import BoardConfiguration
-    from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write
+    from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
     from unitylink.spec import load
 
     artefacts = [name.strip() for name in only.split(",")] if only is not None else list(DEFAULT)
@@ -77,9 +77,12 @@ def command(
             raise Failure("; ".join(problems), f"`unitylink generate {again}` brings them up to date")
         click.echo(f"{out}: up to date with {spec_file}")
         return
-    written = [path for name in artefacts for path in write(spec, out, name, configuration)]
-    for path in written:
-        click.echo(f"wrote {path}")
-    unchanged = sum(len(generate(spec, name, configuration)) for name in artefacts) - len(written)
+    unchanged = 0
+    for name in artefacts:
+        files = generate(spec, name, configuration)
+        written = write_files(files, out)
+        unchanged += len(files) - len(written)
+        for path in written:
+            click.echo(f"wrote {path}")
     if unchanged:
         click.echo(f"{unchanged} file{'s' if unchanged > 1 else ''} already up to date")

@@ -6,11 +6,10 @@ from __future__ import annotations
 import math
 import operator
 import struct
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from unitylink.errors import UnexpectedValue, ValueRangeError
 from unitylink.spec.types import ValueType
@@ -19,9 +18,11 @@ from .classes import enum_class, field_names, member_names, record_class
 from .quantity import Quantity, format_value
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 _FLOATS = {16: "e", 32: "f", 64: "d"}
+_FLOAT_MAX = {16: 65504.0, 32: float.fromhex("0x1.fffffep+127"), 64: sys.float_info.max}
 
 
 class Codec:
@@ -191,7 +192,7 @@ class Codec:
 
     def _make_bool(self) -> None:
         def encode(value: Any) -> int:
-            if isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1)):
+            if _is_bool(value) or (isinstance(value, int) and value in (0, 1)):
                 return int(value)
             raise ValueRangeError(f"{self.name}: {value!r} is neither true nor false; nothing was sent")
 
@@ -199,7 +200,7 @@ class Codec:
         self._decode = bool
 
     def _float_max(self) -> float:
-        return float(np.finfo(f"f{self.width // 8}").max)
+        return _FLOAT_MAX[self.width]
 
     def _make_float(self) -> None:
         code, whole = f"<{_FLOATS[self.width]}", f"<{ {16: 'H', 32: 'I', 64: 'Q'}[self.width] }"
@@ -315,10 +316,13 @@ class Codec:
     def decode_array(self, raws: NDArray[np.uint64]) -> NDArray[Any]:
         """Return the values of many raw numbers: float64, bool, int64, uint64; of packed ones the numbers.
 
+        >>> import numpy as np
         >>> half = Codec("x", Quantity(ValueType("int", 8), scale=0.5), 32)
         >>> half.decode_array(np.array([1, 255], np.uint64))
         array([ 0.5, -0.5])
         """
+        import numpy as np
+
         raws = raws & np.uint64(self.mask)
         kind, quantity = self.type.kind, self.quantity
         if kind == "float":
@@ -333,6 +337,12 @@ class Codec:
         elif self.width < 64:
             numbers = raws.astype(np.int64)
         return np.asarray(numbers * self._factor + quantity.offset) if quantity.scaled else numbers
+
+
+def _is_bool(value: Any) -> bool:
+    """Is this a truth value, of Python or of numpy? One of numpy's there is only where that is loaded."""
+    numpy = sys.modules.get("numpy")
+    return isinstance(value, bool) or (numpy is not None and isinstance(value, numpy.bool_))
 
 
 def member_text(type_: ValueType, value: Any) -> str:

@@ -18,6 +18,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "protocol": set(),
     "_native": set(),
     "program": {"errors"},
+    "lazy": set(),
     "isochrony": SHARED,
     # How late a publish can be counts in the budget.
     "spec": {"isochrony", *SHARED},
@@ -25,13 +26,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     "safe_words": {"values", "spec", *SHARED},
     "board_configuration": {"safe_words", "spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
-    "generate": {"board_configuration", "ros", "spec", "values", "layer4_data", *SHARED},
+    "generate": {"board_configuration", "resources", "ros", "spec", "values", "layer4_data", *SHARED},
     "layer0_driver": {"_native", *SHARED},
     "layer1_stream": {"layer0_driver", "_native", *SHARED},
     "layer2_message": {"layer1_stream", "_native", *SHARED},
     "layer3_hardware": {"layer2_message", *SHARED},
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
-    "layer4_data": {"layer3_hardware", "layer2_message", "spec", "values", *SHARED},
+    "layer4_data": {"lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
     # The RTL board compiles what the VHDL generator makes; a recording is played as a plant.
     "simulate": {
         "board_configuration",

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from unitylink.errors import ToolError
+from unitylink.resources import cache_folder
 from unitylink.simulate.rtl import cache
-from unitylink.simulate.rtl.cache import cache_folder, cached
+from unitylink.simulate.rtl.cache import cached
 
 
 class Builder:
@@ -34,7 +35,7 @@ def test_built_once() -> None:
     build = Builder()
     first = cached("key", build)
     assert first.read_bytes() == b"library"
-    assert first.parent == cache_folder()
+    assert first.parent == cache_folder("rtl")
     assert cached("key", build) == first
     assert build.builds == 1
     assert cached("other", build) != first
@@ -46,7 +47,7 @@ def test_damaged_is_built_anew(damage: bytes) -> None:
     cached("key", build).write_bytes(damage)
     assert cached("key", build).read_bytes() == b"library"
     assert build.builds == 2
-    assert len(list(cache_folder().glob("*.so"))) == 1
+    assert len(list(cache_folder("rtl").glob("*.so"))) == 1
 
 
 def test_build_that_fails_leaves_nothing() -> None:
@@ -56,7 +57,7 @@ def test_build_that_fails_leaves_nothing() -> None:
 
     with pytest.raises(ToolError, match="verilator"):
         cached("key", fail)
-    assert [path.name for path in cache_folder().iterdir()] == ["lock"]
+    assert [path.name for path in cache_folder("rtl").iterdir()] == ["lock"]
     assert cached("key", Builder()).read_bytes() == b"library"
 
 
@@ -84,8 +85,8 @@ def test_least_used_go(monkeypatch: pytest.MonkeyPatch) -> None:
     build = Builder()
     for key in ("a", "b", "c"):
         cached(key, build)
-    assert len(list(cache_folder().glob("*.so"))) == 2
-    assert list(cache_folder().glob("c-*.so"))
+    assert len(list(cache_folder("rtl").glob("*.so"))) == 2
+    assert list(cache_folder("rtl").glob("c-*.so"))
 
 
 def test_folder_that_cannot_be_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -97,4 +98,4 @@ def test_folder_that_cannot_be_made(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 
 def test_relative_cache_home_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
-    assert cache_folder() == Path.home() / ".cache" / "unitylink" / "rtl"
+    assert cache_folder("rtl") == Path.home() / ".cache" / "unitylink" / "rtl"

@@ -5,24 +5,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jinja2
-
 from unitylink.spec.model import Spec
 
+from ..kept import kept
+from ..templates import environment
 from .planner import plan
 
 __all__ = ["generate_python"]
 
+_HERE = Path(__file__).parent
+
 
 def generate_python(spec: Spec) -> dict[str, str]:
     """Return {file name: text} of the module with one class per constructor of the spec."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # the result is Python, quoted by the planner
-    )
-    module = plan(spec)
-    return {module.file: environment.get_template("proxies.py.jinja").render(module=module)}
+    return {plan(spec).file: _text(spec)}
+
+
+@kept
+def _text(spec: Spec) -> str:
+    return environment(_HERE).get_template("proxies.py.jinja").render(module=plan(spec))

@@ -9,14 +9,20 @@ import re
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 
-from unitylink.layer4_data.binding import BINDING_VERSION
-from unitylink.layer4_data.names import ATTRIBUTE_NAMES, MODULE_NAMES, python_names
-from unitylink.layer4_data.tree import attribute_of, event_lines
+from unitylink.layer4_data.names import (
+    ATTRIBUTE_NAMES,
+    BINDING_VERSION,
+    MODULE_NAMES,
+    attribute_of,
+    event_lines,
+    python_names,
+)
 from unitylink.spec.model import Element, Group, Instance, LinkBinding, Publish, Spec
 from unitylink.spec.model import Member as SpecMember
 from unitylink.spec.types import INT32, UINT32
 from unitylink.values import Quantity
 
+from ..kept import kept
 from .said import places as _places
 from .said import shown as _shown
 from .said import value_facts
@@ -78,6 +84,7 @@ class Module:
     classes: tuple[Class, ...]
 
 
+@kept
 def plan(spec: Spec) -> Module:
     """Plan the module of a spec."""
     return _Planner(spec).module()

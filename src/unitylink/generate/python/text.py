@@ -17,8 +17,9 @@ def quoted(text: str) -> str:
     "joint 1" 'say "x"' "a\\b\n"
     """
     quote = "'" if text.count('"') > text.count("'") else '"'
-    body = "".join(_escaped(character, quote) for character in text)
-    return f"{quote}{body}{quote}"
+    if not text.isprintable() or "\\" in text or quote in text:
+        text = "".join(_escaped(character, quote) for character in text)
+    return f"{quote}{text}{quote}"
 
 
 def _escaped(character: str, quote: str) -> str:
@@ -64,8 +65,9 @@ def docstring(indent: int, *paragraphs: str) -> str:
 
 def _clean(text: str) -> str:
     """Keep text from ending the docstring or being read as an escape."""
-    printable = "".join(c if c.isprintable() else " " for c in text)
-    return " ".join(printable.replace("\\", "\\\\").replace('"""', "'''").split())
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(text.replace("\\", "\\\\").replace('"""', "'''").split())
 
 
 @dataclass(frozen=True)

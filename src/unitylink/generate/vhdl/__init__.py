@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
-
-import jinja2
 
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
+from ..templates import environment
 from .names import identifier
 from .plan import Plan
 from .planner import plan
@@ -20,6 +18,7 @@ from .words import WordMap, word_map
 __all__ = ["Leaf", "Plan", "WordMap", "component_ports", "design_name", "generate_vhdl", "plan", "word_map"]
 
 FOLDER = "vhdl"
+_HERE = Path(__file__).parent
 _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 
 
@@ -31,7 +30,7 @@ def generate_vhdl(spec: Spec, configuration: BoardConfiguration | None = None) -
     """
     design = plan(spec, configuration)
     return {
-        f"{FOLDER}/{design.name}_{part}": _environment().get_template(f"{part}.jinja").render(plan=design)
+        f"{FOLDER}/{design.name}_{part}": environment(_HERE).get_template(f"{part}.jinja").render(plan=design)
         for part in _PARTS
     }
 
@@ -43,16 +42,6 @@ def design_name(spec: Spec) -> str:
 
 def component_ports(spec: Spec) -> dict[str, str]:
     """Return the ports of `NAME_top` that are pins of components: {port: entity of the component}."""
-    return {port: part.entity for part in plan(spec).components for _, port in part.pins}
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # the result is VHDL; the planner lets nothing through that is not a name
-    )
+    design = plan(spec)
+    pins = {port.name for port in design.pins}
+    return {port: part.entity for part in design.components for _, port in part.pins if port in pins}

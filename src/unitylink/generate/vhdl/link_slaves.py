@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from unitylink.spec.model import Instance, Spec
 
-# Port of the entity -> direction and type ({high}: the highest bit of a word, {last}: the last word), or what
-# an input is tied to where the spec never uses it.
+# Port of the entity -> direction, type ({high}: the highest bit of a word, {last}: the last word), and what
+# an input is where nobody drives it.
 _PINS = {
     "fifo": {
         "to_pc_valid": ("in", "std_ulogic", "'0'"),
@@ -35,12 +35,13 @@ _NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("RE
 
 @dataclass(frozen=True)
 class Pin:
-    """A port of a slave: as a port of the design, or (`tied`) a constant that an input has."""
+    """A port of a slave: one of the design if it is `used`; an input has a `default`, "" is an output."""
 
     name: str
     direction: str
     type: str
-    tied: str = ""
+    default: str
+    used: bool
 
 
 @dataclass(frozen=True)
@@ -76,15 +77,14 @@ class LinkSlave:
         return {"depth": str(self.size), "remind_clocks": "maximum(4, clock_hz / 50)"}
 
     def pins(self, data_bits: int) -> Iterator[Pin]:
-        """Yield its ports for the user's logic; a side that the spec never uses has none."""
-        for name, (direction, kind, tied) in _PINS[self.kind].items():
+        """Yield its ports for the user's logic; of a side that the spec never uses the inputs only."""
+        for name, (direction, kind, default) in _PINS[self.kind].items():
             used = all(
                 not name.startswith(side) or self.accesses & set(needed) for side, needed in _NEEDED.items()
             )
-            if used:
-                yield Pin(name, direction, kind.format(high=data_bits - 1, last=self.size - 1))
-            elif tied:
-                yield Pin(name, direction, "", tied)
+            if used or default:
+                text = kind.format(high=data_bits - 1, last=self.size - 1)
+                yield Pin(name, direction, text, default, used)
 
 
 def link_slaves(spec: Spec) -> tuple[LinkSlave, ...]:

@@ -79,11 +79,12 @@ class Range:
 
 @dataclass(frozen=True)
 class Port:
-    """A pin of a component as a port of the design."""
+    """A port of a component or a link's slave as one of the design; `pin`: it leaves the chip."""
 
     name: str
     direction: str
     type: str
+    pin: bool = True
 
 
 @dataclass(frozen=True)
@@ -150,6 +151,11 @@ class Plan:
     def address_width(self) -> int:
         """Characters of the longest address's name."""
         return max(len(address.name) for address in self.addresses)
+
+    @property
+    def pins(self) -> tuple[Port, ...]:
+        """The ports of components that leave the chip; the others are for the user's logic."""
+        return tuple(port for port in self.ports if port.pin)
 
     @property
     def declarations(self) -> tuple[Declaration, ...]:

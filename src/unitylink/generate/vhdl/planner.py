@@ -191,10 +191,11 @@ class _Planner:
     def _link_slave(self, number: int, slave: LinkSlave, ports: Names) -> Placed:
         pins = []
         for pin in slave.pins(self.configuration.data_bits):
-            name = pin.tied or ports.claim(f"{slave.path}_{pin.name}")
+            name = ports.claim(f"{slave.path}_{pin.name}") if pin.used else pin.default
             pins.append((pin.name, name))
-            if not pin.tied:
-                self.ports.append(Port(name, pin.direction, pin.type))
+            if pin.used:
+                default = f" := {pin.default}" if pin.default else ""
+                self.ports.append(Port(name, pin.direction, pin.type + default, pin=False))
         width = f"{identifier(self.spec.name)}_config_pkg.data_width"
         return Placed(
             number=number,

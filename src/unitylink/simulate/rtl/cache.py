@@ -11,14 +11,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from unitylink.errors import ToolError
+from unitylink.resources import cache_folder
 
 KEPT = 64  # models, the least used of which go; one has 1 to 5 MB
-
-
-def cache_folder() -> Path:
-    """Return $XDG_CACHE_HOME/unitylink/rtl, by default below ~/.cache."""
-    base = os.environ.get("XDG_CACHE_HOME") or ""
-    return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / "rtl"
 
 
 def cached(key: str, build: Callable[[Path], None], say: Callable[[str], None] = lambda text: None) -> Path:
@@ -28,7 +23,7 @@ def cached(key: str, build: Callable[[Path], None], say: Callable[[str], None] =
     one that was cut short or changed is seen before it is loaded. Raises ToolError when the folder cannot be
     written.
     """
-    folder = cache_folder()
+    folder = cache_folder("rtl")
     try:
         if (kept := _find(folder, key)) is not None:
             return kept
