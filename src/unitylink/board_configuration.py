@@ -22,7 +22,7 @@ from unitylink.protocol import (
 from unitylink.safe_words import safe_words
 from unitylink.spec.model import Instance, Spec
 
-PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync")  # gateware/physical
+PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi")  # gateware/physical
 SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg
 
 
@@ -129,7 +129,7 @@ class BoardConfiguration:
     edge_event_groups: tuple[
         int, ...
     ] = ()  # groups whose event input is edge-triggered; the others' level counts
-    physical: str = "uart"  # "ft245_async", "ft245_sync": a chip with flow control, and no baud_hz
+    physical: str = "uart"  # "ft245_async", "ft245_sync", "spi": no baud_hz
     send_immediate: str = "both"  # of such a chip: "never", "publishes", "replies" or "both"
     fifo: int = 0
     baud_hz: int = 0

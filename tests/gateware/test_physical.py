@@ -40,6 +40,19 @@ def test_uart_both_ways_and_errors_in_their_place(ghdl: Any, parity: str, baud_h
     ghdl.run("uart_tb", parity=parity, baud_hz=baud_hz, bytes=100 if baud_hz == 1_000_000 else 300)
 
 
+@pytest.mark.parametrize(
+    ("clock_hz", "sck_hz"),
+    [(25_000_000, 25_000_000), (50_000_000, 25_000_000), (100_000_000, 25_000_000), (12_000_000, 1_000_000)],
+)
+def test_spi_slave(ghdl: Any, clock_hz: int, sck_hz: int) -> None:
+    size = 1500 if sck_hz > 1_000_000 else 300
+    ghdl.run("spi_slave_tb", clock_hz=clock_hz, sck_hz=sck_hz, bytes=size, seed=clock_hz // 1_000_000)
+
+
+def test_spi_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("spi_slave", tmp_path, bytes=300)
+
+
 def test_rates(ghdl: Any) -> None:
     ghdl.run("rate_pkg_tb")
 

@@ -17,7 +17,7 @@ from .failure import Failure
 @click.option(
     "--physical",
     metavar="LAYER",
-    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync.",
+    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync, spi.",
 )
 @click.option(
     "--send-immediate",

@@ -47,6 +47,8 @@ def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalL
     """Return the layer that `configuration` names; `baud_hz` is that of a line."""
     if configuration.physical == "uart":
         return _uart(configuration.fifo or _LINE_FIFO_BYTES, baud_hz)
+    if configuration.physical == "spi":
+        return _spi(configuration.fifo or _BUS_FIFO_BYTES)
     return _ft245(configuration, synchronous=configuration.physical == "ft245_sync")
 
 
@@ -75,6 +77,22 @@ def _uart(fifo_bytes: int, baud_hz: int) -> PhysicalLayer:
         ports_manual="rx_line, tx_line: asynchronous, idle high.",
         example="rx_line => usb_rx, tx_line => usb_tx",
         example_generics=", baud_hz => 3_000_000",
+    )
+
+
+def _spi(fifo_bytes: int) -> PhysicalLayer:
+    names = {"sck": "in", "cs_n": "in", "mosi": "in", "miso": "out", "miso_drive": "out", "waiting": "out"}
+    ports = tuple(Item(f"spi_{name}", f"{way:<3} std_ulogic", name) for name, way in names.items())
+    return PhysicalLayer(
+        entity="spi_slave",
+        what="an SPI master",
+        generics=(_fifo(fifo_bytes),),
+        generic_map=_DEPTHS,
+        ports=ports,
+        more=("rx_error => rx_error", "tx_last => tx_last"),
+        generics_manual=_fifo_manual(fifo_bytes),
+        ports_manual="spi_*: mode 0; spi_waiting is high while there is something for the PC.",
+        example=", ".join(f"{port.name} => {port.name}" for port in ports),
     )
 
 

@@ -1,0 +1,219 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- SPI slave physical layer: the PC's adapter is the master and clocks a byte each way at once. Mode 0, most significant bit first.
+--
+--   cs_n  ‾‾\________________________________/‾‾     sampled at rising edges of sck,
+--   sck   _____/‾\_/‾\_/‾\_ … _/‾\_/‾\__________     changed at falling edges
+--   mosi  -----< 7 X 6 X 5 X … X 1 X 0 >--------
+--   miso  -----< 7 X 6 X 5 X … X 1 X 0 >--------     filler where there is nothing to send
+--
+-- Clocks    sck clocks the bits itself, up to 25 MHz and beyond; clock must be as fast as sck or faster. sck belongs on a
+--           clock net. A byte crosses behind a toggle that two flip-flops take over; it stands still meanwhile.
+-- Filler    Either side sends filler where it has nothing: zero, which framed messages have at their ends and classic ones not
+--           at all. Filler must not stand inside a framed message: so a message goes when it is whole in the buffer, or when
+--           the buffer is full. What the PC sends as filler reaches rx_data like any byte.
+-- Waiting   `waiting` is high while there is something for the PC: a line it may poll or be interrupted by.
+-- Latency   Last edge of a byte to rx_valid: 5 clocks. A byte that is ready is sent as the next byte but one.
+-- Errors    A byte with no room (rx_depth + 2 wait) is lost; an overrun stands in its place: rx_error as of uart. The
+--           others never occur. A transfer that ends within a byte: the PC's is dropped, and ours is sent again.
+-- Pressure  tx_ready is low while the buffer is full.
+-- Reset     Empties the buffers; a byte that is already offered to sck is still sent.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.physical_pkg.all;
+
+entity spi_slave is
+  generic (
+    rx_depth : positive := 64; -- bytes, a power of two
+    tx_depth : positive := 64; -- bytes, a power of two; the longest message, if filler must never stand inside one
+    filler   : std_ulogic_vector(7 downto 0) := x"00"
+  );
+  port (
+    clock : in std_ulogic;
+    reset : in std_ulogic; -- synchronous
+
+    sck        : in  std_ulogic;
+    cs_n       : in  std_ulogic;
+    mosi       : in  std_ulogic;
+    miso       : out std_ulogic;
+    miso_drive : out std_ulogic; -- for a pad on a shared line
+    waiting    : out std_ulogic;
+
+    rx_valid : out std_ulogic;
+    rx_ready : in  std_ulogic;
+    rx_data  : out std_ulogic_vector(7 downto 0);
+    rx_error : out receive_error_t;
+
+    tx_valid : in  std_ulogic;
+    tx_ready : out std_ulogic;
+    tx_data  : in  std_ulogic_vector(7 downto 0);
+    tx_last  : in  std_ulogic := '1'
+  );
+end entity;
+
+architecture rtl of spi_slave is
+
+  subtype byte_t is std_ulogic_vector(7 downto 0);
+
+  -- In the clock of sck.
+  signal place       : unsigned(2 downto 0) := "000";   -- of the bit on the lines, 0 is the highest
+  signal shift       : std_ulogic_vector(6 downto 0);   -- what came of this byte
+  signal came        : byte_t := (others => '0');       -- the last whole byte
+  signal came_toggle : std_ulogic := '0';               -- turned with it
+  signal goes        : byte_t := filler;                -- the byte on miso
+  signal took_toggle : std_ulogic := '0';               -- as offer_toggle, of the offer that was taken
+  signal goes_one    : std_ulogic := '0';               -- … and it is no filler
+  signal offer_1, offer_2 : std_ulogic := '0';
+
+  -- In the clock of the streams.
+  signal offer        : byte_t := (others => '0');
+  signal offer_toggle : std_ulogic := '0';
+  signal took_1, took_2 : std_ulogic := '0';
+  signal one_1, one_2   : std_ulogic := '0';
+  signal came_1, came_2, came_3 : std_ulogic := '0';
+
+  signal item_valid, item_room : std_ulogic := '0';
+  signal item                  : std_ulogic_vector(8 downto 0); -- a byte, or above it an overrun
+  signal lost                  : std_ulogic := '0';
+  signal got_valid, got_ready  : std_ulogic;
+  signal got                   : std_ulogic_vector(8 downto 0);
+
+  signal said, send            : std_ulogic_vector(8 downto 0); -- the byte; above it: the last of a message
+  signal room, may_go          : std_ulogic;
+  signal send_valid, send_take : std_ulogic;
+  signal whole                 : natural range 0 to tx_depth + 1 := 0; -- messages in the buffer
+  signal inside                : std_ulogic := '0';              -- one is on its way
+
+begin
+
+  miso       <= goes(7 - to_integer(place));
+  miso_drive <= not cs_n;
+
+  receive_bits : process (sck) is
+  begin
+    if rising_edge(sck) then
+      offer_1 <= offer_toggle;
+      offer_2 <= offer_1;
+      shift   <= shift(5 downto 0) & mosi;
+      if place = 7 then
+        came        <= shift & mosi;
+        came_toggle <= not came_toggle;
+      end if;
+    end if;
+  end process;
+
+  count_bits : process (sck, cs_n) is
+  begin
+    if cs_n = '1' then
+      place <= "000";
+    elsif falling_edge(sck) then
+      place <= place + 1;
+    end if;
+  end process;
+
+  next_byte : process (sck) is
+  begin
+    if falling_edge(sck) then
+      if place = 7 then
+        goes     <= filler;
+        goes_one <= '0';
+        if offer_2 /= took_toggle then
+          goes        <= offer;
+          goes_one    <= '1';
+          took_toggle <= offer_2;
+        end if;
+      end if;
+    end if;
+  end process;
+
+  -- From the PC.
+
+  take_over : process (clock) is
+    variable new_byte : std_ulogic;
+  begin
+    if rising_edge(clock) then
+      came_1   <= came_toggle;
+      came_2   <= came_1;
+      came_3   <= came_2;
+      new_byte := came_2 xor came_3;
+
+      if item_room = '1' then
+        item_valid <= new_byte or lost;
+        item       <= lost & came;
+        lost       <= '0'; -- a byte that comes in this clock shares the overrun
+      elsif item_valid = '1' then
+        lost <= lost or new_byte;
+      else
+        item_valid <= new_byte;
+        item       <= '0' & came;
+      end if;
+
+      if reset = '1' then
+        item_valid <= '0';
+        lost       <= '0';
+      end if;
+    end if;
+  end process;
+
+  receive_buffer : entity work.fifo
+    generic map (width => 9, depth => rx_depth)
+    port map (
+      clock => clock, reset => reset,
+      write_valid => item_valid, write_ready => item_room, write_data => item,
+      read_valid => got_valid, read_ready => got_ready, read_data => got);
+
+  rx_valid  <= got_valid and not got(8);
+  rx_data   <= got(7 downto 0);
+  got_ready <= rx_ready or got(8);
+  rx_error  <= (overrun_error_bit => got_valid and got(8), others => '0');
+
+  -- To the PC.
+
+  said     <= tx_last & tx_data;
+  tx_ready <= room;
+
+  transmit_buffer : entity work.fifo
+    generic map (width => 9, depth => tx_depth)
+    port map (
+      clock => clock, reset => reset,
+      write_valid => tx_valid, write_ready => room, write_data => said,
+      read_valid => send_valid, read_ready => send_take, read_data => send);
+
+  may_go    <= '1' when whole > 0 or inside = '1' or room = '0' else '0';
+  send_take <= '1' when send_valid = '1' and took_2 = offer_toggle and may_go = '1' else '0';
+  waiting   <= '1' when one_2 = '1' or took_2 /= offer_toggle or send_take = '1' else '0';
+
+  give : process (clock) is
+    variable comes, goes_away : natural range 0 to 1;
+  begin
+    if rising_edge(clock) then
+      took_1 <= took_toggle;
+      took_2 <= took_1;
+      one_1  <= goes_one;
+      one_2  <= one_1;
+
+      comes     := 0;
+      goes_away := 0;
+      if tx_valid = '1' and room = '1' and tx_last = '1' then
+        comes := 1;
+      end if;
+      if send_take = '1' then
+        offer        <= send(7 downto 0);
+        offer_toggle <= not offer_toggle;
+        inside       <= not send(8);
+        if send(8) = '1' then
+          goes_away := 1;
+        end if;
+      end if;
+      whole <= whole + comes - goes_away;
+
+      if reset = '1' then
+        whole  <= 0;
+        inside <= '0';
+      end if;
+    end if;
+  end process;
+
+end architecture;
