@@ -2,6 +2,7 @@
 # One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
 #   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
+#   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
@@ -23,9 +24,9 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 
-.PHONY: wheel demo demo-walker demo-pa10 test check bench boards coverage synth formal docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz build native-tests unit clean help
 help:
-	@sed -n '2,18s/^# //p' Makefile
+	@sed -n '2,19s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -45,6 +46,10 @@ demo-pa10: $(VENV)/.built
 	@tools/setup.sh group demo
 	@$(if $(RTL),tools/setup.sh rtl)
 	$(BIN)/python examples/pa10/run.py $(if $(RTL),--rtl) --picture build/pa10.png
+
+demo-ros: $(VENV)/.built
+	@tools/setup.sh ros
+	@tools/demo_ros.sh
 
 test: $(VENV)/.built
 	@tools/setup.sh group test

@@ -4,6 +4,7 @@
 #   setup.sh build          virtual environment, build tools, the library with its native core
 #   setup.sh group NAME     the packages of a dependency group of pyproject.toml
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
+#   setup.sh ros            Debian packages of ROS 1
 #   setup.sh system         Debian packages that only the tests need, and those
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
@@ -63,6 +64,12 @@ need_formal() {
   need z3 z3 command -v z3                                             # searches the model
 }
 
+need_ros() {                              # the generated nodes run on the real thing
+  need "ROS 1" ros-base command -v roslaunch
+  need catkin ros-base-dev eval 'command -v catkin_make && test -e /usr/include/ros/ros.h'
+  need rospy ros-base-python-dev /usr/bin/python3 -c 'import rospy, diagnostic_msgs.msg, sensor_msgs.msg, std_srvs.srv'
+}
+
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     echo "installing ${packages[*]}"
@@ -73,7 +80,7 @@ install_missing() {
   fi
 }
 
-case "${1:?usage: setup.sh build|group|rtl|boards|formal|system|native}" in
+case "${1:?usage: setup.sh build|group|rtl|ros|boards|formal|system|native}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -105,6 +112,7 @@ build)
   ;;
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
+ros) need_ros; install_missing ;;
 formal) need_formal; install_missing ;;
 boards)
   need_rtl
@@ -119,9 +127,7 @@ system)
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
-  need "ROS 1" ros-base command -v roslaunch                           # the generated nodes run on the real thing
-  need catkin ros-base-dev eval 'command -v catkin_make && test -e /usr/include/ros/ros.h'
-  need rospy ros-base-python-dev /usr/bin/python3 -c 'import rospy, diagnostic_msgs.msg, sensor_msgs.msg, std_srvs.srv'
+  need_ros
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
   install_missing
   ;;

@@ -43,6 +43,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "watch": ("watch", "Watch items change, live."),
     "plot": ("plot", "Draw items: a picture, or live in the terminal."),
     "record": ("record", "Record items to MCAP or CSV."),
+    "bridge": ("bridge", "Put a robot on the topics of ROS 1 or ROS 2."),
     "replay": ("replay", "Serve a recording as a device."),
     "discover": ("discover", "List the ports of this machine, and what answers on them."),
     "doctor": ("doctor", "Find what stands between you and a board, and what mends it."),

@@ -27,7 +27,6 @@ SPECS = {
     "walker18": ROOT / "examples" / "walker18" / "walker18_si.ul",
     "rig": HERE / "rig.ul",
 }
-DEBIAN = Path("/usr/lib/python3/dist-packages")
 PATIENCE_S = 60.0
 
 
@@ -63,14 +62,10 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     """The packages of all specs, built as their README says, in an environment as their README says."""
     assert shutil.which("catkin_make"), "ROS 1 is missing: tools/setup.sh system"
     folder = tmp_path_factory.mktemp("catkin")
-    python = folder / "env" / "bin" / "python3"
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "env"], check=True)
-    (site,) = (folder / "env" / "lib").glob("python3*/site-packages")
-    here = next(path for path in sys.path if path.endswith("site-packages"))
-    # What --system-site-packages does where ROS and unitylink are of one Python.
-    (site / "ros.pth").write_text(f"import site; site.addsitedir({here!r})\n{DEBIAN}\n")
-    for path in SPECS.values():
-        write(load(path), folder / "src", "ros1")
+    made_by = [sys.executable, ROOT / "tools" / "ros_environment.py", folder / "env"]
+    python = Path(subprocess.run(made_by, check=True, capture_output=True, text=True).stdout.strip())
+    for name in ("scara", "rig"):
+        write(load(SPECS[name]), folder / "src", "ros1")
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("ROS", "CATKIN", "PYTHON", "CMAKE_P"))}
     environment = clean | {
         "PATH": f"{python.parent}:{clean['PATH']}",
@@ -78,6 +73,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
         "ROS_LOG_DIR": str(folder / "log"),
         "ROS_IP": "127.0.0.1",
         "PYTHONUNBUFFERED": "1",
+        "CMAKE_POLICY_VERSION_MINIMUM": "3.5",  # catkin is older than CMake 4
         "ROS_LANG_DISABLE": "geneus:genlisp:gennodejs",  # messages in C++ and Python are enough here
     }
     done = subprocess.run(

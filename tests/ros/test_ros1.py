@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from unitylink.simulate import Board
 Ros = Any  # of conftest.py
 
 MakeBoard = Callable[..., Board]
+SPECS = {"walker18": Path(__file__).parents[2] / "examples" / "walker18" / "walker18_si.ul"}
 NODES = ["node.py"]
 
 
@@ -100,12 +102,12 @@ def test_node_waits_for_the_device_and_survives_its_loss(ros: Ros, board: MakeBo
     assert third.registers[0x12] == 250, "safe before the first publish"
 
 
-def test_rosbag_keeps_what_was_published(ros: Ros, board: MakeBoard) -> None:
-    """The walker's 18 joints in one message, recorded by rosbag and read without ROS by rosbags."""
+def test_bridge_and_rosbag(ros: Ros, board: MakeBoard) -> None:
+    """The walker's 18 joints with nothing generated: recorded by rosbag, read without ROS by rosbags."""
     from rosbags.highlevel import AnyReader
 
     device = board("walker18", "ramp")
-    launch(ros, "walker18", device.url, "node.py")
+    ros.start("python3", "-m", "unitylink", "bridge", "ros1", device.url, str(SPECS["walker18"]))
     echo(ros, "/walker18/joint_states")
     bag = ros.folder / "walk.bag"
     ros.run("rosbag", "record", "-O", str(bag), "-l", "5", "/walker18/joint_states")
@@ -115,3 +117,5 @@ def test_rosbag_keeps_what_was_published(ros: Ros, board: MakeBoard) -> None:
     for message in messages:
         assert len(message.name) == len(message.position) == 18
         assert message.name[0] == "leg_0_hip"
+    ros.publish("/walker18/joint_commands", "sensor_msgs/JointState", "{name: [leg_5_foot], position: [0.5]}")
+    ros.until(lambda: device.registers[0x186] == 500)

@@ -26,6 +26,7 @@ from .html import generate_html
 from .json import generate_json
 from .python import generate_python
 from .ros1 import generate_ros1
+from .ros2 import generate_ros2
 from .vhdl import generate_vhdl
 
 __all__ = [
@@ -51,6 +52,7 @@ ARTEFACTS: Mapping[str, Callable[[Spec], dict[str, str]]] = MappingProxyType(
         "json": generate_json,
         "html": generate_html,
         "ros1": generate_ros1,
+        "ros2": generate_ros2,
     }
 )
 DEFAULT = ("python",)  # made where nobody says what: what a program needs

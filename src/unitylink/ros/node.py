@@ -37,7 +37,6 @@ class Options:
     command_timeout_s: float = 0.0
     safe_at_exit: bool = True
     armed: bool = True
-    services: bool = True
     retry_s: float = 1.0
 
 
@@ -55,6 +54,8 @@ class RobotNode:
         connect: Callable[[], Link],
         build: Callable[[Link], Node],
         options: Options | None = None,
+        *,
+        services: bool = True,
     ) -> None:
         self.interface = interface
         self.options = options if options is not None else Options()
@@ -70,7 +71,7 @@ class RobotNode:
             plane.subscribe(topic, self._taker(receiver(interface, topic)))
         plane.serve("set_safe", TRIGGER, self.set_safe)
         plane.serve("arm", SET_BOOL, self.arm)
-        if self.options.services:
+        if services:  # their types are those of a generated package
             plane.serve("read", READ, self.read)
             plane.serve("write", WRITE, self.write)
         self.keeper = LinkKeeper(connect, self._begin, plane.say, retry_s=self.options.retry_s)

@@ -11,6 +11,20 @@ from .interface import Topic
 
 TRIGGER, SET_BOOL, READ, WRITE = "std_srvs/Trigger", "std_srvs/SetBool", "Read", "Write"
 
+# kind -> (what it is asked with, what it answers): fields as `standard.py` has them
+SERVICE_FIELDS: dict[str, tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]] = {
+    TRIGGER: ((), (("success", "bool"), ("message", "string"))),
+    SET_BOOL: ((("data", "bool"),), (("success", "bool"), ("message", "string"))),
+    READ: (
+        (("names", "string[]"),),
+        (("success", "bool"), ("message", "string"), ("values", "float64[]"), ("texts", "string[]")),
+    ),
+    WRITE: (
+        (("names", "string[]"), ("values", "float64[]")),
+        (("success", "bool"), ("message", "string")),
+    ),
+}
+
 
 @dataclass(frozen=True)
 class Port:
@@ -43,18 +57,9 @@ class Plane(Protocol):
         ...
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
-        """Offer a service of one of the four kinds; the handlers are methods of `Services`."""
+        """Offer a service: the handler gets the fields of a request and returns those of the answer."""
         ...
 
     def say(self, level: int, message: str) -> None:
         """Log: 0 information, 1 warning, 2 error."""
         ...
-
-
-class Services(Protocol):
-    """What the four kinds of services call, with plain values."""
-
-    def set_safe(self) -> tuple[bool, str]: ...
-    def arm(self, on: bool) -> tuple[bool, str]: ...
-    def read(self, names: Sequence[str]) -> tuple[bool, str, list[float], list[str]]: ...
-    def write(self, names: Sequence[str], values: Sequence[float]) -> tuple[bool, str]: ...

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -13,14 +14,13 @@ from unitylink.errors import ToolError, UnityLinkError
 
 from .health import diagnostics
 from .interface import Interface, Topic
-from .node import Options, RobotNode
-from .plane import READ, SET_BOOL, TRIGGER, Port
+from .node import RobotNode
+from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
+from .plane import SERVICE_FIELDS, Port
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.layer4_data import Node
-
-DIAGNOSTICS_PERIOD_S = 1.0
 
 
 def _module(name: str) -> Any:
@@ -38,7 +38,8 @@ def _module(name: str) -> Any:
 class RospyPlane:
     """Carries messages by rospy, after rospy.init_node."""
 
-    def __init__(self) -> None:
+    def __init__(self, package: str) -> None:
+        self._package = package  # of the robot, whose services it has
         self.rospy = _module("rospy")
         self._time = _module("genpy").Time
         self._header = _module("std_msgs.msg").Header
@@ -74,19 +75,12 @@ class RospyPlane:
         self.rospy.Subscriber(topic.name, self.message(topic.type), take, queue_size=1, tcp_nodelay=True)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
-        std = _module("std_srvs.srv")
-        if kind == TRIGGER:
-            self.rospy.Service(name, std.Trigger, lambda _: handler())
-        elif kind == SET_BOOL:
-            self.rospy.Service(name, std.SetBool, lambda request: handler(request.data))
-        else:
-            service = getattr(_module(f"{self.package}.srv"), kind)
-            if kind == READ:
-                self.rospy.Service(name, service, lambda request: handler(request.names))
-            else:
-                self.rospy.Service(name, service, lambda request: handler(request.names, request.values))
-
-    package = ""  # of the robot, whose services it has
+        package, _, name_of_type = kind.rpartition("/")
+        service = getattr(_module(f"{package or self._package}.srv"), name_of_type)
+        fields = [field for field, _ in SERVICE_FIELDS[kind][0]]
+        self.rospy.Service(
+            name, service, lambda request: handler(*(getattr(request, field) for field in fields))
+        )
 
     def say(self, level: int, message: str) -> None:
         (self.rospy.loginfo, self.rospy.logwarn, self.rospy.logerr)[level](message)
@@ -105,34 +99,28 @@ def run(
     interface: Interface,
     build: Callable[[Link], Node],
     connect: Callable[[str], Link],
+    parameters: Parameters | None = None,
     *,
-    url: str = "",
+    namespace: str = "",
     services: bool = True,
-    arguments: Sequence[str] | None = None,
 ) -> int:
-    """Run the robot's node until ROS ends it; return the exit code.
-
-    Parameters of the node: `link` (the URL, if not given here), `command_timeout`, `safe_at_exit`, `armed`.
-    """
-    plane = RospyPlane()
-    plane.package = interface.package
+    """Run the robot's node until ROS ends it; return the exit code. Without `parameters` ROS has them."""
+    if namespace:
+        os.environ["ROS_NAMESPACE"] = namespace  # read when rospy is imported
+    plane = RospyPlane(interface.package)
     rospy = plane.rospy
-    rospy.init_node(interface.robot, argv=list(sys.argv if arguments is None else arguments))
-    link_url = url or str(rospy.get_param("~link", ""))
-    if not link_url:
-        rospy.logfatal("no link: set the parameter ~link, as in _link:=serial:/dev/ttyUSB0?baud=3000000")
-        return 2
-    options = Options(
-        command_timeout_s=float(rospy.get_param("~command_timeout", 0.0)),
-        safe_at_exit=bool(rospy.get_param("~safe_at_exit", True)),
-        armed=bool(rospy.get_param("~armed", True)),
-        services=services,
-    )
-    node = RobotNode(interface, plane, lambda: connect(link_url), build, options)
-    told = plane.advertise(Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", "record", (), queue=10))
+    rospy.init_node("unitylink" if namespace else interface.robot)
+    if parameters is None:
+        parameters = Parameters()
+        for name, standard in vars(Parameters()).items():
+            setattr(parameters, name, type(standard)(rospy.get_param(f"~{name}", standard)))
+    options, url = parameters.options(), parameters.link
+    node = RobotNode(interface, plane, lambda: connect(url), build, options, services=services)
+    told = plane.advertise(DIAGNOSTICS)
     try:
-        while not rospy.is_shutdown() and not node.keeper.ended.wait(DIAGNOSTICS_PERIOD_S):
+        while not rospy.is_shutdown() and not node.keeper.ended.is_set():
             told.send(diagnostics(plane, rospy.get_name(), node.health(), time.monotonic()))
+            node.keeper.ended.wait(DIAGNOSTICS_PERIOD_S)
     except rospy.ROSException:  # publishing while ROS shuts down
         if not rospy.is_shutdown():
             raise

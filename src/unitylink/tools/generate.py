@@ -12,7 +12,7 @@ from .failure import Failure
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--out", metavar="FOLDER", required=True, help="Where to write; made if it does not exist.")
 @click.option(
-    "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1."
+    "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1, ros2."
 )
 @click.option(
     "--physical",

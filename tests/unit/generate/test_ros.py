@@ -22,7 +22,7 @@ SPECS = [
     ROOT / "examples" / "pa10" / "pa10_pair.ul",
     ROOT / "tests" / "ros" / "rig.ul",
 ]
-ARTEFACTS = ["ros1"]
+ARTEFACTS = ["ros1", "ros2"]
 
 
 @pytest.fixture(params=SPECS, ids=lambda path: path.stem)
@@ -50,7 +50,11 @@ def test_the_interface_of_a_package_is_that_of_the_spec(spec: Spec, artefact: st
     files = generate(spec, artefact)
     for root in spec.roots:
         planned = plan_interface(spec, root.name)
-        (text,) = [t for name, t in files.items() if name.endswith(f"/{planned.package}/interface.py")]
+        (text,) = [
+            t
+            for name, t in files.items()
+            if name.endswith("/interface.py") and f"/{planned.package}/" in name
+        ]
         names: dict[str, Interface] = {}
         exec(compile(text, "interface.py", "exec"), names)
         assert names["INTERFACE"] == planned

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An ament package from a spec: messages, services, nodes, launch file, parameters."""
+
+from __future__ import annotations
+
+from unitylink.spec.model import Spec
+
+from ..ros_package import definitions, packages, proxies, rendered
+
+__all__ = ["generate_ros2"]
+
+
+def generate_ros2(spec: Spec) -> dict[str, str]:
+    """Return {file name: text} of a package per public constructor, in the folder ros2/."""
+    files: dict[str, str] = {}
+    for package in packages(spec):
+        folder = f"ros2/{package.name}"
+        python = f"{package.name}_node"  # rosidl makes the Python package of the package's own name
+        templates = {
+            "package.xml": "package.xml.jinja",
+            "CMakeLists.txt": "CMakeLists.txt.jinja",
+            "README.md": "README.md.jinja",
+            f"launch/{package.interface.robot}.launch.py": "robot.launch.py.jinja",
+            "config/parameters.yaml": "parameters.yaml.jinja",
+            "scripts/node.py": "node.py.jinja",
+            f"{python}/__init__.py": "package_init.py.jinja",
+            f"{python}/interface.py": "interface.py.jinja",
+        }
+        files |= rendered(package, templates, "ros2", folder)
+        files |= definitions(package, folder)
+        files |= proxies(package, f"{folder}/{python}")
+    return files

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The front end of ROS 2 without ROS: its topics and services on cyclonedds, which genuine ROS 2 sees."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from unitylink.errors import ToolError
+
+from .dds_types import DdsTypes
+from .interface import Interface, Topic
+from .plane import SERVICE_FIELDS, Port
+from .standard import definitions
+
+_log = logging.getLogger("unitylink.ros")
+TAKE_AT_ONCE = 64
+WAIT_NS = 100_000_000
+
+
+class DdsPlane:
+    """Carries messages as ROS 2 does: topic `rt/<namespace>/<name>`, type `std_msgs::msg::dds_::Int32_`.
+
+    `domain` None is ROS_DOMAIN_ID, else 0. CYCLONEDDS_URI configures the network, as it does for ROS 2.
+    """
+
+    def __init__(self, interface: Interface, namespace: str, domain: int) -> None:
+        try:
+            from cyclonedds.domain import DomainParticipant
+        except ImportError as error:
+            raise ToolError(
+                f"DDS needs the package cyclonedds ({error}): pip install 'unitylink[ros2]'"
+            ) from None
+        self.types = DdsTypes(definitions(interface))
+        self._interface = interface
+        self._namespace = namespace.strip("/")
+        self._participant = DomainParticipant(domain)
+        self._header = self.types["std_msgs/Header"]
+        self._time = self.types["builtin_interfaces/Time"]
+        self._takers: list[tuple[Any, Callable[[Any], None]]] = []
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="unitylink-ros-dds", daemon=True)
+
+    def start(self) -> None:
+        """Begin to take messages: after the last subscribe and serve."""
+        self._thread.start()
+
+    def close(self) -> None:
+        self._stop.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def name(self, topic: str) -> str:
+        """Return a name with its namespace; one that begins with / has it already."""
+        return topic[1:] if topic.startswith("/") else f"{self._namespace}/{topic}".lstrip("/")
+
+    def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
+        made = self.types[type_name]
+        return made  # type: ignore[no-any-return]  # a dataclass takes its fields in order
+
+    def header(self, time_s: float, frame: str) -> Any:
+        ns = int((time.time() - time.monotonic() + time_s) * 1e9)
+        return self._header(self._time(ns // 1_000_000_000, ns % 1_000_000_000), frame)
+
+    def level(self, level: int) -> int:
+        return level
+
+    def advertise(self, topic: Topic) -> Port:
+        writer = self._writer(
+            f"rt/{self.name(topic.name)}", self.types[topic.type], topic.queue, topic.reliable
+        )
+        matched = _Matched(writer)
+        return Port(writer.write, matched)
+
+    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
+        self._read(f"rt/{self.name(topic.name)}", self.types[topic.type], 1, topic.reliable, take)
+
+    def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
+        """Offer a service as rmw_cyclonedds does: topics of requests and of replies."""
+        request, reply = SERVICE_FIELDS[kind]
+        full = kind if "/" in kind else f"{self._interface.package}/{kind}"
+        asked = self.types.service(full, "Request", request)
+        answered = self.types.service(full, "Response", reply)
+        writer = self._writer(f"rr/{self.name(name)}Reply", answered, 10, True)
+        names = [field for field, _ in request]
+
+        def answer(message: Any) -> None:
+            results = handler(*(getattr(message, field) for field in names))
+            writer.write(answered(message.guid, message.number, *results))
+
+        self._read(f"rq/{self.name(name)}Request", asked, 10, True, answer)
+
+    def say(self, level: int, message: str) -> None:
+        _log.log((logging.INFO, logging.WARNING, logging.ERROR)[level], message)
+
+    def _qos(self, depth: int, reliable: bool) -> Any:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.util import duration
+
+        return Qos(
+            Policy.Reliability.Reliable(duration(milliseconds=100))
+            if reliable
+            else Policy.Reliability.BestEffort,
+            Policy.Durability.Volatile,
+            Policy.History.KeepLast(depth),
+            Policy.DataRepresentation(use_cdrv0_representation=True),
+        )
+
+    def _writer(self, name: str, kind: Any, depth: int, reliable: bool) -> Any:
+        from cyclonedds.pub import DataWriter
+        from cyclonedds.topic import Topic as DdsTopic
+
+        qos = self._qos(depth, reliable)
+        return DataWriter(self._participant, DdsTopic(self._participant, name, kind, qos=qos), qos=qos)
+
+    def _read(self, name: str, kind: Any, depth: int, reliable: bool, take: Callable[[Any], None]) -> None:
+        from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic as DdsTopic
+
+        qos = self._qos(depth, reliable)
+        topic = DdsTopic(self._participant, name, kind, qos=qos)
+        self._takers.append((DataReader(self._participant, topic, qos=qos), take))
+
+    def _run(self) -> None:
+        from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+        from cyclonedds.internal import InvalidSample
+
+        fresh = ViewState.Any | InstanceState.Any | SampleState.NotRead
+        waiting = WaitSet(self._participant)
+        conditions = [ReadCondition(reader, fresh) for reader, _ in self._takers]
+        for condition in conditions:
+            waiting.attach(condition)
+        while not self._stop.is_set():
+            if not waiting.wait(WAIT_NS):
+                continue
+            for reader, take in self._takers:
+                for message in reader.take(TAKE_AT_ONCE):
+                    if isinstance(message, InvalidSample):  # a writer came or went
+                        continue
+                    try:
+                        take(message)
+                    except Exception:
+                        _log.exception("a message was not taken")
+
+
+class _Matched:
+    """Whether anybody reads what a writer writes; asked of DDS a few times a second, not at each message."""
+
+    PERIOD_S = 0.1
+
+    def __init__(self, writer: Any) -> None:
+        self._writer = writer
+        self._asked_s = float("-inf")
+        self._matched = False
+
+    def __call__(self) -> bool:
+        now = time.monotonic()
+        if now - self._asked_s > self.PERIOD_S:
+            self._asked_s = now
+            self._matched = bool(self._writer.get_matched_subscriptions())
+        return self._matched

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages of ROS 2 as types of cyclonedds: the names and the layout that ROS 2 has on the wire."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from .standard import Fields
+
+_CODES = {
+    "bool": "?",
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float32": "f",
+    "float64": "d",
+}
+
+
+class DdsTypes:
+    """Make classes of messages: `types["std_msgs/Int32"](5)` is an instance for a cyclonedds writer."""
+
+    def __init__(self, definitions: Mapping[str, Fields]) -> None:
+        self._definitions = dict(definitions)
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            package, _, message = name.partition("/")
+            self._made[name] = self._make(f"{package}::msg::dds_::{message}_", self._definitions[name])
+        return self._made[name]
+
+    def service(self, name: str, part: str, fields: Fields) -> Any:
+        """Return the class of a service's request or reply ("Request", "Response"), its number before it."""
+        package, _, service = name.partition("/")
+        whole = (("guid", "uint64"), ("number", "int64"), *(fields or (("nothing", "uint8"),)))
+        return self._make(f"{package}::srv::dds_::{service}_{part}_", whole)
+
+    def _make(self, name: str, fields: Fields) -> Any:
+        from cyclonedds.idl import make_idl_struct
+
+        made = make_idl_struct(
+            name.rpartition("::")[2], name, {field: self._type(kind) for field, kind in fields}
+        )
+        flat = _flat(self._definitions, fields)
+        if flat is not None:
+            setattr(made, "serialize", _serializer(*flat))  # noqa: B010  a class made at run time
+        return made
+
+    def _type(self, kind: str) -> Any:
+        from cyclonedds.idl import types
+
+        found = re.fullmatch(r"(.*)\[(\d*)\]", kind)
+        if found:
+            inner = self._type(found[1])
+            array: Any = types.array
+            sequence: Any = types.sequence
+            return array[inner, int(found[2])] if found[2] else sequence[inner]
+        if kind == "string":
+            return str
+        if kind == "bool":
+            return bool
+        return getattr(types, kind) if kind in _CODES else self[kind]
+
+
+Flat = tuple[str, list[str]]  # a format of struct, and the paths of the attributes that fill it
+
+
+def _flat(definitions: Mapping[str, Fields], fields: Fields) -> Flat | None:
+    """Return how a message without strings and sequences is packed at once, None for another."""
+    codes = ""
+    paths: list[str] = []
+    at = 0
+    for name, kind in fields:
+        if kind not in _CODES:
+            return None
+        size = struct.calcsize(f"<{_CODES[kind]}")
+        pad = -at % size
+        codes += "x" * pad + _CODES[kind]
+        at += pad + size
+        paths.append(name)
+    return codes, paths
+
+
+def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
+    """Return a `serialize` for messages of plain numbers: a tenth of the time of the general one."""
+    pack = struct.Struct(f"<4s{codes}").pack
+    if len(names) == 1:
+        (name,) = names
+        return lambda self, **_: pack(b"\0\1\0\0", getattr(self, name))
+    return lambda self, **_: pack(b"\0\1\0\0", *(getattr(self, name) for name in names))

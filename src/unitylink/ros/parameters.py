@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a user sets at a node, under one name in every ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from unitylink.errors import UrlError
+
+from .interface import Topic
+from .node import Options
+
+DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", "record", ())
+DIAGNOSTICS_PERIOD_S = 1.0
+
+
+@dataclass
+class Parameters:
+    """The parameters of a node."""
+
+    link: str = ""
+    command_timeout: float = 0.0
+    safe_at_exit: bool = True
+    armed: bool = True
+
+    def options(self) -> Options:
+        """Return what the node makes of them; UrlError where there is no link, or a number is wrong."""
+        if not self.link:
+            raise UrlError("no link: set the parameter link, as in link:=serial:/dev/ttyUSB0?baud=3000000")
+        if not 0 <= self.command_timeout < float("inf"):
+            raise UrlError(f"command_timeout {self.command_timeout}: expected seconds, 0 for never")
+        return Options(
+            command_timeout_s=self.command_timeout, safe_at_exit=self.safe_at_exit, armed=self.armed
+        )

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The front end of ROS 2 where ROS is installed: rclpy."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Any
+
+from unitylink.errors import ToolError
+
+from .interface import Interface, Topic
+from .plane import SERVICE_FIELDS, Port
+
+
+class RclpyPlane:
+    """Carries messages by a node of rclpy; names are relative to the node's namespace."""
+
+    def __init__(self, node: Any, interface: Interface) -> None:
+        self._node = node
+        self._interface = interface
+        self._header = self._message("std_msgs/Header")
+        self._time = self._message("builtin_interfaces/Time")
+        self._qos = import_module("rclpy.qos")
+
+    def _message(self, type_name: str, part: str = "msg") -> Any:
+        package, _, name = type_name.partition("/")
+        try:
+            return getattr(import_module(f"{package}.{part}"), name)
+        except (ImportError, AttributeError) as error:
+            raise ToolError(f"no {type_name} ({error}): source install/setup.bash of its workspace") from None
+
+    def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
+        made, names = self._message(type_name), tuple(fields)
+        return lambda *values: made(**dict(zip(names, values, strict=True)))
+
+    def header(self, time_s: float, frame: str) -> Any:
+        ns = int((time.time() - time.monotonic() + time_s) * 1e9)
+        stamp = self._time(sec=ns // 1_000_000_000, nanosec=ns % 1_000_000_000)
+        return self._header(stamp=stamp, frame_id=frame)
+
+    def level(self, level: int) -> bytes:
+        return bytes([level])  # `byte` in ROS 2's Python
+
+    def advertise(self, topic: Topic) -> Port:
+        publisher = self._node.create_publisher(
+            self._message(topic.type), topic.name, self._profile(topic.queue, topic.reliable)
+        )
+        return Port(publisher.publish, lambda: publisher.get_subscription_count() > 0)
+
+    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
+        profile = self._profile(1, topic.reliable)
+        self._node.create_subscription(self._message(topic.type), topic.name, take, profile)
+
+    def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
+        request_fields, reply_fields = SERVICE_FIELDS[kind]
+        full = kind if "/" in kind else f"{self._interface.package}/{kind}"
+
+        def answer(request: Any, response: Any) -> Any:
+            results = handler(*(getattr(request, field) for field, _ in request_fields))
+            for (field, _), value in zip(reply_fields, results, strict=True):
+                setattr(response, field, value)
+            return response
+
+        self._node.create_service(self._message(full, "srv"), name, answer)
+
+    def say(self, level: int, message: str) -> None:
+        logger = self._node.get_logger()
+        (logger.info, logger.warning, logger.error)[level](message)
+
+    def _profile(self, depth: int, reliable: bool) -> Any:
+        policy = self._qos.ReliabilityPolicy
+        return self._qos.QoSProfile(
+            depth=depth, reliability=policy.RELIABLE if reliable else policy.BEST_EFFORT
+        )

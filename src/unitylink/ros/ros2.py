@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The node of ROS 2: on rclpy where ROS is, else on DDS alone."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from unitylink.errors import UnityLinkError, UrlError
+
+from .dds import DdsPlane
+from .health import diagnostics
+from .interface import Interface
+from .node import RobotNode
+from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
+from .rclpy_plane import RclpyPlane
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.layer4_data import Node
+
+Build = Callable[["Link"], "Node"]
+Connect = Callable[[str], "Link"]
+
+
+def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
+    """Run a generated package's node; return the exit code. `--dds` does without rclpy where it is installed.
+
+    Parameters are given as ROS 2 does: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    dds = "--dds" in given
+    try:
+        if not dds and find_spec("rclpy") is not None:
+            return _run_rclpy(interface, robot, connect, [a for a in given if a != "--dds"])
+        parameters, namespace = parse(given, f"/{interface.robot}")
+        if not dds:
+            print("rclpy is not here: running on DDS alone, which ROS 2 sees the same", file=sys.stderr)
+        return run_dds(interface, robot, connect, parameters, namespace=namespace)
+    except UnityLinkError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+def parse(arguments: Sequence[str], namespace: str) -> tuple[Parameters, str]:
+    """Read what follows `--ros-args`: `-p NAME:=VALUE` and `-r __ns:=NAMESPACE`.
+
+    >>> parse(["--ros-args", "-p", "link:=tcp://127.0.0.1:5555", "-p", "armed:=false"], "/scara")
+    (Parameters(link='tcp://127.0.0.1:5555', command_timeout=0.0, safe_at_exit=True, armed=False), '/scara')
+    """
+    found = Parameters()
+    words = [word for word in arguments if word not in ("--ros-args", "--dds")]
+    while words:
+        flag = words.pop(0)
+        name, parted, value = (words.pop(0) if words else "").partition(":=")
+        if flag in ("-r", "--remap") and name == "__ns" and parted:
+            namespace = value
+        elif flag in ("-r", "--remap") and name == "__node" and parted:
+            continue  # without ROS a node has no name
+        elif flag in ("-p", "--param") and parted and hasattr(found, name):
+            setattr(found, name, _value(name, getattr(found, name), value))
+        else:
+            known = ", ".join(vars(found))
+            raise UrlError(
+                f"{flag} {name}{parted}{value}: expected -p NAME:=VALUE of {known}, or -r __ns:=/NAME"
+            )
+    return found, namespace
+
+
+def _value(name: str, standard: Any, text: str) -> Any:
+    if isinstance(standard, bool):
+        if text.lower() not in ("true", "false"):
+            raise UrlError(f"{name}:={text}: expected true or false")
+        return text.lower() == "true"
+    try:
+        return type(standard)(text)
+    except ValueError:
+        raise UrlError(f"{name}:={text}: expected a number") from None
+
+
+def run_dds(
+    interface: Interface,
+    build: Build,
+    connect: Connect,
+    parameters: Parameters,
+    *,
+    namespace: str,
+    services: bool = True,
+    until: threading.Event | None = None,
+) -> int:
+    """Run the node on DDS until SIGINT, SIGTERM or `until`; return the exit code."""
+    if not logging.getLogger().handlers:
+        logging.basicConfig(level=logging.INFO, format="%(levelname)s: %(message)s")
+    text = os.environ.get("ROS_DOMAIN_ID", "0") or "0"
+    if not text.isdigit() or int(text) > 232:
+        raise UrlError(f"ROS_DOMAIN_ID={text}: expected 0 to 232")
+    stop = until if until is not None else threading.Event()
+    if until is None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: stop.set())
+    options = parameters.options()
+    plane = DdsPlane(interface, namespace, int(text))
+    node = RobotNode(interface, plane, lambda: connect(parameters.link), build, options, services=services)
+    told = plane.advertise(DIAGNOSTICS)
+    plane.start()
+    name = f"{namespace.rstrip('/')}/unitylink"
+    try:
+        while not stop.is_set() and not node.keeper.ended.is_set():
+            told.send(diagnostics(plane, name, node.health(), time.monotonic()))
+            stop.wait(DIAGNOSTICS_PERIOD_S)
+    finally:
+        plane.close()
+        node.close()
+    return 1 if node.keeper.failure is not None else 0
+
+
+def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: Sequence[str]) -> int:
+    rclpy = import_module("rclpy")
+    rclpy.init(args=[sys.argv[0], *arguments])
+    ros = rclpy.create_node("unitylink")
+    parameters = Parameters()
+    for name, standard in vars(Parameters()).items():
+        setattr(parameters, name, ros.declare_parameter(name, standard).value)
+    options = parameters.options()
+    plane = RclpyPlane(ros, interface)
+    node = RobotNode(interface, plane, lambda: connect(parameters.link), build, options)
+    told = plane.advertise(DIAGNOSTICS)
+    due_s = 0.0
+    try:
+        while rclpy.ok() and not node.keeper.ended.is_set():
+            if time.monotonic() >= due_s:
+                due_s = time.monotonic() + DIAGNOSTICS_PERIOD_S
+                told.send(diagnostics(plane, ros.get_fully_qualified_name(), node.health(), time.monotonic()))
+            rclpy.spin_once(ros, timeout_sec=0.1)
+    except (KeyboardInterrupt, import_module("rclpy.executors").ExternalShutdownException):
+        pass
+    finally:
+        node.close()
+        ros.destroy_node()
+        rclpy.try_shutdown()
+    return 1 if node.keeper.failure is not None else 0

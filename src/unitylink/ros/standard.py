@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The messages of ROS 2 which a node uses, for a DDS without ROS; as their packages define them."""
+
+from __future__ import annotations
+
+from .field_types import SCALARS
+from .interface import Interface
+
+# type -> fields: (name, primitive, "string" or another type; "[]" behind it is a sequence, "[3]" an array)
+Fields = tuple[tuple[str, str], ...]
+STANDARD: dict[str, Fields] = {
+    **{f"std_msgs/{name}": (("data", primitive),) for primitive, name in SCALARS.items()},
+    "builtin_interfaces/Time": (("sec", "int32"), ("nanosec", "uint32")),
+    "std_msgs/Header": (("stamp", "builtin_interfaces/Time"), ("frame_id", "string")),
+    "sensor_msgs/JointState": (
+        ("header", "std_msgs/Header"),
+        ("name", "string[]"),
+        ("position", "float64[]"),
+        ("velocity", "float64[]"),
+        ("effort", "float64[]"),
+    ),
+    "geometry_msgs/Vector3": (("x", "float64"), ("y", "float64"), ("z", "float64")),
+    "geometry_msgs/Twist": (("linear", "geometry_msgs/Vector3"), ("angular", "geometry_msgs/Vector3")),
+    "diagnostic_msgs/KeyValue": (("key", "string"), ("value", "string")),
+    "diagnostic_msgs/DiagnosticStatus": (
+        ("level", "uint8"),
+        ("name", "string"),
+        ("message", "string"),
+        ("hardware_id", "string"),
+        ("values", "diagnostic_msgs/KeyValue[]"),
+    ),
+    "diagnostic_msgs/DiagnosticArray": (
+        ("header", "std_msgs/Header"),
+        ("status", "diagnostic_msgs/DiagnosticStatus[]"),
+    ),
+}
+
+
+def definitions(interface: Interface) -> dict[str, Fields]:
+    """Return the standard types and those of a robot's package."""
+    own: dict[str, Fields] = {}
+    for message in interface.messages:
+        head = (("header", "std_msgs/Header"), ("sequence", "uint32")) if message.stamped else ()
+        fields = tuple(
+            (
+                field.name,
+                (f"{interface.package}/{field.type}" if field.members else field.type)
+                + (f"[{field.count}]" if field.count else ""),
+            )
+            for field in message.fields
+        )
+        own[f"{interface.package}/{message.name}"] = (*head, *fields)
+    return STANDARD | own

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink bridge`: a robot on ROS topics, with nothing generated."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from .failure import Failure
+from .link_option import link_argument, simulated_spec
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.layer4_data import Node
+    from unitylink.spec.model import Spec
+
+
+@click.command()
+@click.argument("ros", type=click.Choice(["ros1", "ros2"]))
+@link_argument
+@click.argument("spec_file", metavar="[SPEC]", required=False)
+@click.option("--root", metavar="NAME", help="Which public constructor, if the spec has several.")
+@click.option("--namespace", metavar="NAME", help="Below which the topics are; by default the robot's name.")
+@click.option(
+    "--command-timeout",
+    type=click.FloatRange(0),
+    default=0.0,
+    metavar="S",
+    help="Write the safe values after S seconds without a command; 0 is never.",
+)
+@click.option("--disarmed", is_flag=True, help="Take no commands before the service arm is called.")
+def command(
+    ros: str,
+    *,
+    link: str,
+    spec_file: str | None,
+    root: str | None,
+    namespace: str | None,
+    command_timeout: float,
+    disarmed: bool,
+) -> None:
+    """Put a robot on ROS topics until Ctrl-C, with nothing generated.
+
+    All messages are standard ones, which every tool of ROS knows: a std_msgs scalar for each value that is
+    published or written, sensor_msgs/JointState for joints. A package with messages of its own:
+    `unitylink generate SPEC --only ros1` or `ros2`.
+
+    `ros2` needs no ROS on this machine: it talks DDS, and ROS 2 sees it. `ros1` needs rospy and a master.
+
+    \b
+    Examples:
+      unitylink bridge ros2 serial:/dev/ttyUSB0?baud=3000000 scara.ul
+      unitylink bridge ros1 tcp://192.168.1.20:5555 scara.ul --namespace left
+      unitylink bridge ros2 'sim:scara.ul?plant=scara'
+    """
+    spec, name = _spec(link, spec_file, root)
+    from unitylink import connect
+    from unitylink.layer4_data import load_spec_objects
+    from unitylink.ros import plan_interface
+
+    interface = plan_interface(spec, name, standard=True)
+
+    def build(opened: Link) -> Node:
+        return load_spec_objects(spec, opened, root=name)
+
+    space = f"/{(namespace or interface.robot).strip('/')}"
+    click.echo(
+        f"{len(interface.published)} topics out, {len(interface.commanded)} in, below {space}", err=True
+    )
+    from unitylink.ros.parameters import Parameters
+
+    parameters = Parameters(link, command_timeout, armed=not disarmed)
+    if ros == "ros1":
+        from unitylink.ros.ros1 import run
+
+        code = run(interface, build, connect, parameters, namespace=space, services=False)
+    else:
+        from unitylink.ros.ros2 import run_dds
+
+        code = run_dds(interface, build, connect, parameters, namespace=space, services=False)
+    click.get_current_context().exit(code)
+
+
+def _spec(link: str, spec_file: str | None, root: str | None) -> tuple[Spec, str]:
+    from unitylink.spec import load
+
+    simulated = simulated_spec(link)
+    file = spec_file if spec_file is not None else simulated
+    if not file:
+        raise click.UsageError("SPEC is missing: the names on the topics are its")
+    spec = load(file)
+    try:
+        return spec, spec.root(root).name
+    except KeyError as error:
+        raise Failure(str(error.args[0]), "choose one with --root") from None

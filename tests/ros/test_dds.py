@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The ROS 2 node on DDS: what lies on the wire is what ROS 2 would put there, byte for byte."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from unitylink.generate import write
+from unitylink.ros import plan_interface
+from unitylink.ros.dds_types import DdsTypes
+from unitylink.ros.definitions import definition
+from unitylink.ros.plane import SERVICE_FIELDS
+from unitylink.ros.standard import STANDARD, definitions
+from unitylink.simulate import Board
+from unitylink.spec import load
+
+RIG = Path(__file__).with_name("rig.ul")
+MakeBoard = Callable[..., Board]
+PATIENCE_S = 60.0
+LOOPBACK = (
+    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>'
+    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    '<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>'
+)
+
+
+def store() -> Any:
+    """Return rosbags' own knowledge of ROS 2's messages, with those of the rig's package."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    known = get_typestore(Stores.ROS2_HUMBLE)
+    interface = plan_interface(load(RIG))
+    for message in interface.messages:
+        known.register(get_types_from_msg(definition(message), f"{interface.package}/msg/{message.name}"))
+    return known
+
+
+@pytest.fixture(scope="module")
+def rosbags() -> Any:
+    return store()
+
+
+@pytest.fixture(scope="module")
+def types() -> DdsTypes:
+    return DdsTypes(definitions(plan_interface(load(RIG))))
+
+
+def test_our_definitions_are_those_of_ros(rosbags: Any) -> None:
+    for name, fields in STANDARD.items():
+        theirs = rosbags.fielddefs[name.replace("/", "/msg/")][1]
+        assert [field for field, _ in fields] == [field for field, _ in theirs], name
+
+
+numbers = {
+    "bool": st.booleans(),
+    **{f"int{n}": st.integers(-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
+    **{f"uint{n}": st.integers(0, 2**n - 1) for n in (8, 16, 32, 64)},
+    "float32": st.floats(width=32, allow_nan=False),
+    "float64": st.floats(allow_nan=False),
+    "string": st.text(st.characters(blacklist_characters="\0", blacklist_categories=["Cs"]), max_size=9),
+}
+
+
+@settings(max_examples=60)
+@given(data=st.data())
+def test_cdr_is_that_of_rosbags(data: st.DataObject, types: DdsTypes, rosbags: Any) -> None:
+    """Any message with any content: our bytes are those of rosbags' serialiser, and are read back."""
+    all_fields = definitions(plan_interface(load(RIG)))
+    name = data.draw(st.sampled_from(sorted(all_fields)))
+
+    def value(kind: str) -> Any:
+        found = re.fullmatch(r"(.*)\[(\d*)\]", kind)
+        if found:
+            length = int(found[2]) if found[2] else data.draw(st.integers(0, 3))
+            return [value(found[1]) for _ in range(length)]
+        if kind in numbers:
+            return data.draw(numbers[kind])
+        # rosbags takes ROS's `byte` for signed: levels of diagnostics are 0 to 3
+        parts = (data.draw(st.integers(0, 3)) if f == "level" else value(k) for f, k in all_fields[kind])
+        return types[kind](*parts)
+
+    def theirs(message: Any, kind: str) -> Any:
+        import numpy as np
+
+        found = re.fullmatch(r"(.*)\[(\d*)\]", kind)
+        if found:
+            if found[1] in numbers and found[1] != "string":
+                return np.array(message, dtype=found[1])
+            return [theirs(one, found[1]) for one in message]
+        if kind in numbers:
+            return message
+        made = rosbags.types[kind.replace("/", "/msg/")]
+        return made(*(theirs(getattr(message, field), inner) for field, inner in all_fields[kind]))
+
+    message = value(name)
+    ours = bytes(message.serialize())
+    expected = bytes(rosbags.serialize_cdr(theirs(message, name), name.replace("/", "/msg/")))
+    assert ours.rstrip(b"\0") == expected.rstrip(b"\0") and abs(len(ours) - len(expected)) < 4
+    assert types[name].deserialize(ours) == message
+
+
+class Peer:
+    """A participant as another program has it; messages are kept per topic."""
+
+    def __init__(self, domain: int, types: DdsTypes) -> None:
+        from cyclonedds.domain import DomainParticipant
+
+        self.types = types
+        self.participant = DomainParticipant(domain)
+
+    def reader(self, topic: str, kind: Any) -> Any:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic
+
+        qos = Qos(Policy.Reliability.Reliable(1_000_000_000), Policy.History.KeepLast(50))
+        return DataReader(self.participant, Topic(self.participant, topic, kind), qos=qos)
+
+    def writer(self, topic: str, kind: Any) -> Any:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.pub import DataWriter
+        from cyclonedds.topic import Topic
+
+        qos = Qos(Policy.Reliability.Reliable(1_000_000_000), Policy.History.KeepLast(50))
+        made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=qos)
+        until(made.get_matched_subscriptions)
+        return made
+
+    def next(self, reader: Any) -> Any:
+        from cyclonedds.internal import InvalidSample
+
+        found: list[Any] = []
+
+        def come() -> bool:
+            found.extend(m for m in reader.take(50) if not isinstance(m, InvalidSample))
+            return bool(found)
+
+        until(come)
+        return found[-1]
+
+
+def until(holds: Callable[[], Any]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
+    return 1 + os.getpid() % 230
+
+
+@pytest.fixture
+def node(tmp_path: Path, board: MakeBoard, domain: int) -> Iterator[tuple[Board, subprocess.Popen[str]]]:
+    """The generated ROS 2 node of the rig, where no ROS 2 is installed."""
+    device = board("rig", "still")
+    write(load(RIG), tmp_path, "ros2")
+    package = tmp_path / "ros2" / "rig_unitylink"
+    process = subprocess.Popen(
+        [sys.executable, package / "scripts" / "node.py", "--dds", "--ros-args", "-p", f"link:={device.url}"],
+        env=os.environ | {"PYTHONPATH": str(package), "ROS_DOMAIN_ID": str(domain)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    yield device, process
+    process.send_signal(signal.SIGINT)
+    try:
+        out, _ = process.communicate(timeout=20)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        out, _ = process.communicate()
+    print(out)
+    assert process.returncode == 0, out
+
+
+def test_generated_node_on_dds(
+    node: tuple[Board, subprocess.Popen[str]], domain: int, types: DdsTypes, rosbags: Any
+) -> None:
+    device, _ = node
+    device.registers[0x10], device.registers[0x11], device.registers[0x1] = 500, 0xFF9C, 0b1011
+    peer = Peer(domain, types)
+    captured: list[bytes] = []
+    kind = types["sensor_msgs/JointState"]
+    wire = type("JointState_", (kind,), {})  # the same type, whose bytes are kept as they come
+    wire.__idl__ = kind.__idl__
+    wire.deserialize = classmethod(
+        lambda cls, data, **_: captured.append(bytes(data)) or kind.deserialize(data)
+    )
+    states = peer.reader("rt/rig/joint_states", wire)
+    until(lambda: (m := peer.next(states)).position[0] == 0.5 and m.velocity[0] == -1.0)
+    known = rosbags.deserialize_cdr(captured[-1], "sensor_msgs/msg/JointState")
+    assert known.name == ["j_0", "j_1"] and list(known.position) == [0.5, 0.0]
+    assert abs(known.header.stamp.sec - time.time()) < 60 and known.header.frame_id == "base"
+    again = bytes(rosbags.serialize_cdr(known, "sensor_msgs/msg/JointState"))
+    assert again.rstrip(b"\0") == captured[-1].rstrip(b"\0")
+
+    feedback = peer.next(peer.reader("rt/rig/feedback_100hz", types["rig_unitylink/RigFeedback100Hz"]))
+    assert (feedback.flags.on, feedback.flags.heat, feedback.mode) == (True, 2.5, 1)
+
+    commands = peer.writer("rt/rig/joint_commands", kind)
+    header = types["std_msgs/Header"](types["builtin_interfaces/Time"](0, 0), "")
+    for position in range(1, 101):
+        commands.write(kind(header, ["j_1"], [position / 100], [], []))
+    until(lambda: device.registers[0x1A] == 1000)
+
+    name = "rig_unitylink/Read"
+    asked = types.service(name, "Request", SERVICE_FIELDS["Read"][0])
+    answered = types.service(name, "Response", SERVICE_FIELDS["Read"][1])
+    replies = peer.reader("rr/rig/readReply", answered)
+    requests = peer.writer("rq/rig/readRequest", asked)
+    until(replies.get_matched_publications)
+    requests.write(asked(7, 1, ["j[0].pos", "mode"]))
+    reply = peer.next(replies)
+    assert (reply.guid, reply.number, reply.success) == (7, 1, True)
+    assert reply.values == [0.5, 1.0] and reply.texts == ["0.5 rad", "run"]
+
+    status = peer.next(peer.reader("rt/diagnostics", types["diagnostic_msgs/DiagnosticArray"])).status[0]
+    assert status.level == 0 and status.hardware_id == device.url
+
+
+def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: DdsTypes) -> None:
+    """Standard messages alone, both ways."""
+    device = board("rig", "still")
+    device.registers[0x3] = 7
+    command = [sys.executable, "-m", "unitylink", "bridge", "ros2", device.url, RIG, "--namespace", "left"]
+    process = subprocess.Popen(command, env=os.environ | {"ROS_DOMAIN_ID": str(domain)})
+    try:
+        peer = Peer(domain, types)
+        assert peer.next(peer.reader("rt/left/slow", types["std_msgs/UInt16"])).data == 7
+        assert peer.next(peer.reader("rt/left/flags", types["std_msgs/UInt8"])).data == 0
+        peer.writer("rt/left/j_0/pos_sp", types["std_msgs/Float64"]).write(types["std_msgs/Float64"](0.5))
+        until(lambda: device.registers[0x12] == 500)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=20) == 0
+    assert device.registers[0x12] == 250, "safe at the end"
+
+
+def test_wrong_parameters_are_said(tmp_path: Path) -> None:
+    write(load(RIG), tmp_path, "ros2")
+    package = tmp_path / "ros2" / "rig_unitylink"
+    for arguments, says in (
+        ([], "no link"),
+        (["-p", "lnk:=x"], "expected -p NAME:=VALUE of link, command_timeout"),
+        (["-p", "link:=x", "-p", "armed:=perhaps"], "expected true or false"),
+    ):
+        done = subprocess.run(
+            [sys.executable, package / "scripts" / "node.py", "--dds", "--ros-args", *arguments],
+            env=os.environ | {"PYTHONPATH": str(package)},
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE_S,
+            check=False,
+        )
+        assert done.returncode == 1 and says in done.stderr, done.stderr
