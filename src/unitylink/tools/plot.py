@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -17,7 +19,7 @@ from unitylink.errors import LinkError
 from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
-from .output import terminal
+from .output import colours, terminal
 from .sampled import duration_option, rate_option, sampled_items
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 _REDRAW_S = 0.2
 _WINDOW_S = 10.0  # what a live plot shows
 _LINES_MOST = 8  # in one panel; more would hide each other
+_COLOURS = ("cyan+", "orange+", "green+", "magenta+", "red+", "blue+", "white", "gray")  # of plotext
 
 
 @click.command()
@@ -97,6 +100,8 @@ def _follow(sampler: Sampler, series: Series, source: str, out: str | None, dura
             drawn_s = time.monotonic()
             _forget(series, drawn_s - start_s - _WINDOW_S)
             _draw_terminal(series, source, clear=True)
+    if out is None:
+        _draw_terminal(series, source, clear=True)  # with what came since
 
 
 def _take(series: Series, time_s: float, values: Mapping[str, Any]) -> None:
@@ -185,11 +190,18 @@ def _draw_terminal(series: Series, title: str, *, clear: bool) -> None:
         raise Failure("plots in the terminal need plotext", "pip install 'unitylink[plot]'") from None
     plotext.clear_figure()
     plotext.theme("clear")
-    for name, (times, numbers) in list(series.items())[:_LINES_MOST]:
+    width, height = shutil.get_terminal_size()
+    plotext.plot_size(width, height - 1)  # the last line is the cursor's
+    coloured = colours(sys.stdout)
+    shown = list(series.items())[:_LINES_MOST]
+    for (name, (times, numbers)), colour in zip(shown, _COLOURS, strict=False):
         if times:
-            plotext.plot(times, numbers, label=name, marker="braille")
+            plotext.plot(
+                times, numbers, label=name, marker="braille", color=colour if coloured else "default"
+            )
     plotext.title(title)
     plotext.xlabel("s")
-    if clear:
-        plotext.clear_terminal()
-    plotext.show()
+    picture = plotext.build().rstrip("\n")
+    if clear:  # over the last one, and in one piece: Ctrl-C leaves a whole picture
+        picture = "\x1b[H" + picture.replace("\n", "\x1b[K\n") + "\x1b[J"
+    click.echo(picture)
