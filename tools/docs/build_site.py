@@ -14,6 +14,9 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -109,14 +112,22 @@ def _page(page: Path) -> tuple[str, list[Path]]:
         linked.append(file)
         return f"{label}({name}{mark}{anchor})"
 
-    lines: list[str] = []
-    fenced = False
+    text = ""
+    for fenced, group in groupby(_lines(page), key=itemgetter(0)):
+        block = "".join(f"{line}\n" for _, line in group)
+        text += block if fenced else LINK.sub(link, block)  # the words of a link may go over two lines
+    return text, linked
+
+
+def _lines(page: Path) -> Iterator[tuple[bool, str]]:
+    """Yield (whether it is code, line) of a page, with the empty lines that Python-Markdown wants."""
+    before, fenced = "", False
     for line in page.read_text("utf-8").splitlines():
         fenced ^= bool(FENCE.match(line))
-        if not fenced and _starts_block(line) and lines and lines[-1] and not _continues(lines[-1], line):
-            lines.append("")  # GitHub needs no empty line before a list or a table, Python-Markdown does
-        lines.append(line if fenced else LINK.sub(link, line))
-    return "\n".join(lines) + "\n", linked
+        if not fenced and _starts_block(line) and before and not _continues(before, line):
+            yield False, ""  # GitHub needs no empty line before a list or a table, Python-Markdown does
+        yield fenced, line
+        before = line
 
 
 def _starts_block(line: str) -> bool:
