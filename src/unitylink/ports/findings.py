@@ -14,7 +14,8 @@ from types import MappingProxyType
 @dataclass(frozen=True)
 class FindingKind:
     """One kind of trouble. `cause` and `remedy` are format strings over what the doctor knows of the case;
-    `remedy` is a command or an option, `severity` "error" where nothing works until it is mended."""
+    `remedy` is a command, with a remark behind a #, or an option, `severity` "error" where nothing works
+    until it is mended."""
 
     severity: str
     title: str
@@ -49,7 +50,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "warning",
             "A driver for Braille displays takes ports away",
             "brltty runs, which takes the USB chip of {device} for a Braille display",
-            "sudo apt remove brltty    (if nobody reads Braille here; then plug the board in anew)",
+            "sudo apt remove brltty    # if nobody reads Braille here; then plug the board in anew",
             "Ubuntu 22.04 starts it for some CH340, CP210x and FTDI chips: the port appears and goes at "
             "once. `sudo dmesg | grep brltty` shows it.",
         ),
@@ -64,7 +65,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "error",
             "The port may not be opened",
             "{device} belongs to the group {group}, and this user is not in it",
-            "sudo usermod -aG {group} $USER    (then log out and in again)",
+            "sudo usermod -aG {group} $USER    # then log out and in again",
             "`newgrp {group}` does it for one shell at once. Or let the udev rule open the port to whoever "
             'sits at the machine (not over ssh): `sudo "$(which unitylink)" doctor LINK --install`.',
         ),
@@ -72,7 +73,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "error",
             "Another program has the port",
             "{device} is held by {holders}",
-            "kill {pids}    (or close that program)",
+            "kill {pids}    # or close that program",
             "Only one program can talk to a board. Programs of other users are only seen with sudo.",
         ),
         "modem-manager": FindingKind(
@@ -96,7 +97,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "error",
             "The network device cannot be reached",
             "{place}: {reason}",
-            "ping {host}    (if that answers: nothing serves port {port} there)",
+            "ping {host}    # if that answers: nothing serves port {port} there",
             "Wrong address or port, a firewall, or a board that is off; of a virtual board, `unitylink "
             "simulate` does not run, or serves this machine only (--bind). UDP only finds out when it sends.",
         ),
@@ -174,7 +175,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "error",
             "The device cannot publish what the spec asks for",
             "{spec} publishes {asked}; the device has {has}",
-            "unitylink generate {spec_file} --only vhdl    (and build the gateware from it)",
+            "unitylink generate {spec_file} --only vhdl    # and build the gateware from it",
         ),
         "wrong-spec": FindingKind(
             "error",

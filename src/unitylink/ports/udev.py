@@ -15,7 +15,7 @@ from unitylink.errors import UnityLinkError
 from .machine import Machine, SerialPort
 
 RULES_FILE = "/etc/udev/rules.d/70-unitylink.rules"
-RELOAD = "sudo udevadm control --reload && sudo udevadm trigger    (or plug the board in anew)"
+RELOAD = "sudo udevadm control --reload && sudo udevadm trigger    # or plug the board in anew"
 
 
 def rules(port: SerialPort) -> str:
