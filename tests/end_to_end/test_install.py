@@ -78,6 +78,13 @@ class TestWheel:
         ):
             assert part in listed, part
         assert "__pycache__" not in listed and "_tb.vhd" not in listed
+        package = ROOT / "src" / "unitylink"
+        files = [
+            p.relative_to(package.parent) for p in package.rglob("*") if p.suffix != ".so" and p.is_file()
+        ]
+        for file in files:  # all of it: a pattern that leaves out too much is seen by users only
+            assert file.parent.name == "__pycache__" or f"{file} " in listed, file
+        assert "share/tools/wireshark/unitylink.lua" in listed
 
     def test_the_robot_moves(self, fresh: Path) -> None:
         said = call("venv/bin/unitylink", "demo", cwd=fresh)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -101,7 +102,7 @@ def _text(value: Any) -> str:
         return "1" if value else "0"
     if isinstance(value, dict):
         return json.dumps(value, separators=(",", ":"))
-    return str(value)
+    return "" if isinstance(value, float) and math.isnan(value) else str(value)
 
 
 def read_csv(path: str | Path) -> Iterator[Sample]:

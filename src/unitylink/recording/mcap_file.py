@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16  # what is lost when the program is killed
 _ORIGIN = "unitylink"  # the metadata record with the spec
 _NAMES = "names"  # a channel's metadata: the paths, in order
+_NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
 
@@ -107,8 +108,8 @@ class McapWriter:
                 known = self._channels[names] = (self._register(names, sample), _template(names))
             channel, (template, in_order) = known
             values: tuple[Any, ...] = tuple(sample.values.values())
-            if set(map(type, values)) != {int}:  # integers are their own JSON
-                values = tuple(map(_json, values))
+            if not _NUMBERS.issuperset(map(type, values)) or not all(map(math.isfinite, values)):
+                values = tuple(map(_json, values))  # other numbers are their own JSON
             message = template % in_order(values)
             time_ns = round(sample.time_s * 1e9)
             before = self._file.size_bytes

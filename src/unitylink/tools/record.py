@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .names import Names
 
 _GATHER_S = 0.02  # what came within this time is written together, which halves the cost
+_NUMBERS = frozenset((int, float))
 _SHOW_S = 0.5  # between two progress lines
 
 
@@ -84,8 +85,11 @@ def command(
                         if sample is not None:
                             time_s, values, numbers = sample
                             named = {v.path: number for v, number in zip(values, numbers, strict=True)}
-                            if set(map(type, numbers)) != {int}:  # of which there is nothing to be said
-                                named = {path: plain(n, quantities[path]) for path, n in named.items()}
+                            if not _NUMBERS.issuperset(map(type, numbers)):  # else they are plain already
+                                named = {
+                                    path: n if type(n) in _NUMBERS else plain(n, quantities[path])
+                                    for path, n in named.items()
+                                }
                             writer.add(Sample(since_1970_s + time_s, named))
                         progress.show()
             except LinkError as error:

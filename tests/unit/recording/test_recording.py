@@ -78,6 +78,14 @@ def test_what_is_no_number_is_empty_in_mcap(tmp_path: Path) -> None:
     assert read.values == {"a": None, "b": 1.5}
 
 
+def test_what_is_no_number_is_empty_in_csv(tmp_path: Path) -> None:
+    with create(tmp_path / "n.csv", Origin()) as writer:
+        writer.add(Sample(0.0, {"a": float("nan"), "b": float("inf")}))
+    assert (tmp_path / "n.csv").read_text().splitlines()[1] == "0.000000000,,inf"
+    (read,) = samples(tmp_path / "n.csv")
+    assert read.values == {"b": float("inf")}
+
+
 @pytest.mark.parametrize("part", [0.31, 0.7, 0.99])
 def test_a_file_that_was_cut_off_gives_all_before(path: Path, part: float) -> None:
     write(path, 20_000)
