@@ -76,7 +76,8 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         "## 5. A board in another process\n\nIt hangs on a pseudo-terminal, as a real one on a serial port.",
         [
             Command(
-                "unitylink simulate arm.ul --plant loopback --pty ./arm.tty > board.log &", makes="arm.tty"
+                "unitylink simulate arm.ul --plant loopback --pty ./arm.tty > board.log 2>&1 &",
+                makes="arm.tty",
             ),
             Command("unitylink info serial:./arm.tty --spec arm.ul", "told by the device"),
             Command("unitylink write serial:./arm.tty --spec arm.ul x.target=100 y.target=-50", "-50"),

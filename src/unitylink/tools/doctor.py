@@ -35,7 +35,7 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
     Examples:
       unitylink doctor "serial:/dev/ttyUSB0?baud=3000000"
       unitylink doctor tcp://192.168.1.10:5555 --spec arm.ul
-      sudo unitylink doctor serial:/dev/ttyUSB0 --install
+      sudo "$(which unitylink)" doctor serial:/dev/ttyUSB0 --install
     """
     from unitylink.ports import Machine, examine
     from unitylink.ports.udev import RELOAD, install
