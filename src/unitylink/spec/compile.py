@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
+from types import MappingProxyType
 
 from ..errors import SpecError
 from .checks import check_model
@@ -43,12 +44,15 @@ class Result:
 
 @collector_paused()
 def compile_text(
-    text: str | bytes, file: str = "<text>", include: Sequence[str | os.PathLike[str]] = ()
+    text: str | bytes,
+    file: str = "<text>",
+    include: Sequence[str | os.PathLike[str]] = (),
+    opened: Mapping[str, str] = MappingProxyType({}),
 ) -> Result:
     """Compile a spec; never raises for anything the text may hold.
 
     What it imports is looked for in the folder of `file`, then in `include`, then in the folders of the
-    environment variable UNITYLINK_PATH.
+    environment variable UNITYLINK_PATH. `opened` are texts of files that an editor has changed, by real path.
 
     >>> compile_text("public led() { @on = 0x10: WRITE(); }").spec.root().elements[0].address
     16
@@ -67,7 +71,7 @@ def compile_text(
         text = decoded
     source = Source(file, text)
     reporter = Reporter(source)
-    importer = Importer(reporter, [*include, *search_path()])
+    importer = Importer(reporter, [*include, *search_path()], opened)
     program = importer.program
     importer.add_components()
     declared = Declared(program, reporter)

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .compile import Result, compile_text
-from .diagnostics import Diagnostic
+from .diagnostics import Diagnostic, Edit
 
 _ROUNDS = 20  # a fix may bring another mistake to light
 _TRIALS = 50  # diagnostics whose fixes are tried one by one, where all together did not help
@@ -48,11 +48,19 @@ def fix_text(text: str, file: str = "<text>") -> Fixed:
     return Fixed(text, tuple(made), result)
 
 
+def edited(text: str, edits: Iterable[Edit]) -> str:
+    """Return a text with edits, which do not overlap, made.
+
+    >>> edited("a() b()", [(0, 1, "cell"), (4, 5, "^READ")])
+    'cell() ^READ()'
+    """
+    for start, end, replacement in sorted(edits, reverse=True):
+        text = text[:start] + replacement + text[end:]
+    return text
+
+
 def _try(text: str, file: str, before: Result, chosen: list[Diagnostic]) -> Fixed | None:
-    edits = sorted({(f.span.start, f.span.end, f.replacement) for d in chosen for f in d.fixes})
-    mended = text
-    for start, end, replacement in reversed(edits):
-        mended = mended[:start] + replacement + mended[end:]
+    mended = edited(text, {(f.span.start, f.span.end, f.replacement) for d in chosen for f in d.fixes})
     if mended == text:
         return None
     after = compile_text(mended, file)

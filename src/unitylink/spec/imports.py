@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from .diagnostics import Reporter
 from .parser import parse
@@ -27,8 +28,14 @@ _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 class Importer:
     """Reads a spec's main file and all files it leads to; `program` holds everything that they declare."""
 
-    def __init__(self, reporter: Reporter, include: Sequence[str | os.PathLike[str]]) -> None:
+    def __init__(
+        self,
+        reporter: Reporter,
+        include: Sequence[str | os.PathLike[str]],
+        opened: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.reporter = reporter
+        self.opened = opened
         self.include = [Path(folder) for folder in include]
         self.program, self.tokens = parse(reporter)
         self.own = len(self.program.constructors)  # so many are of the main file
@@ -100,9 +107,10 @@ class Importer:
         self._merge(program)
 
     def _text(self, path: Path, place: tuple[int, int]) -> str | None:
+        opened = self.opened.get(os.path.realpath(path))
         try:
             with path.open("rb") as file:
-                data = file.read(MAX_BYTES + 1)
+                data = file.read(MAX_BYTES + 1) if opened is None else opened.encode()
         except OSError as error:
             message = f"`{path}` cannot be read: {error.strerror or error}"
             self.reporter.report("UL042", *place, message, "check the file's rights")

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import os
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 
 from .diagnostics import Reporter
 from .imports import Importer
@@ -294,9 +295,14 @@ class Symbols:
             table[name.text].references.append(name)
 
 
-def find_symbols(text: str, file: str = "<text>", include: Sequence[str | os.PathLike[str]] = ()) -> Symbols:
-    """Return the symbols of a text and of what it imports, whatever mistakes it has."""
+def find_symbols(
+    text: str,
+    file: str = "<text>",
+    include: Sequence[str | os.PathLike[str]] = (),
+    opened: Mapping[str, str] = MappingProxyType({}),
+) -> Symbols:
+    """Return the symbols of a text and of what it imports, whatever mistakes it has; see `compile_text`."""
     reporter = Reporter(Source(file, text))
-    importer = Importer(reporter, include)
+    importer = Importer(reporter, include, opened)
     importer.add_components()
     return Symbols(importer.program, reporter.sources)

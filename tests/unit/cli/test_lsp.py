@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from unitylink.spec import compile_text, format_text
+from unitylink.spec import compile_file, compile_text, format_text
 from unitylink.tools.bench.figure import BenchError
 from unitylink.tools.bench.language_client import LanguageClient
 
@@ -208,11 +209,93 @@ def test_imported_files_are_followed(server: LanguageClient, tmp_path: Path) -> 
     found = server.request("textDocument/definition", place)
     assert found["uri"] == joint.as_uri() and found["range"]["start"] == {"line": 1, "character": 0}
     assert "One axis." in server.request("textDocument/hover", place)["contents"]["value"]
-    with pytest.raises(BenchError, match="other specs may import"):
-        server.request("textDocument/rename", {**place, "newName": "axis"})
     joint.write_text("joint(): @ (pos) {\n   @pos: READ()\n}\n", "utf-8")
     (told,) = server.change(uri, 1, text)
     assert "joint.ul has 1 error" in told["message"]
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """Two robots that share a joint, and a file that has nothing to do with it."""
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "joint.ul").write_text(
+        "const STEP = 2;\njoint(n): @ (pos) {\n   @pos: READ(ID=n);\n}\n", "utf-8"
+    )
+    body = 'public {0}() {{\n   j: joint("x") @ (STEP);\n   all = ALL(joint).pos;\n}}\n'
+    for name in ("left", "right"):
+        (tmp_path / f"{name}.ul").write_text('import "parts/joint.ul";\n' + body.format(name), "utf-8")
+    (tmp_path / "other.ul").write_text("public other() {\n   @joint = 0x1: READ();\n}\n", "utf-8")
+    return tmp_path
+
+
+def renamed(server: LanguageClient, folder: Path, at: tuple[str, str], new_name: str) -> dict[str, str]:
+    """Open a file, rename what stands there; return the texts that change, by name."""
+    file, what = at
+    text = (folder / file).read_text("utf-8")
+    uri = (folder / file).as_uri()
+    server.open(uri, text)
+    place = {"textDocument": {"uri": uri}, "position": position(text, what)}
+    try:
+        edits = server.request("textDocument/rename", {**place, "newName": new_name})["changes"]
+    finally:
+        server.notify("textDocument/didClose", {"textDocument": {"uri": uri}})
+    texts = {}
+    for changed, ours in edits.items():
+        path = Path(unquote(urlsplit(changed).path))
+        texts[str(path.relative_to(folder))] = apply(path.read_text("utf-8"), ours)
+    return texts
+
+
+def test_rename_reaches_every_spec_that_imports_the_name(server: LanguageClient, workspace: Path) -> None:
+    texts = renamed(server, workspace, ("left.ul", "joint("), "axis")
+    assert set(texts) == {"left.ul", "right.ul", "parts/joint.ul"}
+    for name, text in texts.items():
+        assert "axis(" in text and "joint(" not in text
+        (workspace / name).write_text(text, "utf-8")
+    for name in ("left.ul", "right.ul"):
+        assert compile_file(workspace / name).diagnostics == ()
+
+
+def test_rename_where_a_name_is_declared_reaches_those_who_import_it(
+    server: LanguageClient, workspace: Path
+) -> None:
+    for path in [workspace / "left.ul", workspace / "right.ul", workspace / "other.ul"]:
+        text = path.read_text("utf-8").replace("parts/joint.ul", "joint.ul")
+        (workspace / "parts" / path.name).write_text(text, "utf-8")  # the folder of the file is the workspace
+    texts = renamed(server, workspace / "parts", ("joint.ul", "joint(n)"), "axis")
+    assert set(texts) == {"left.ul", "right.ul", "joint.ul"}
+
+
+def test_rename_is_refused_where_another_spec_would_be_wrong(server: LanguageClient, workspace: Path) -> None:
+    right = workspace / "right.ul"
+    right.write_text(right.read_text("utf-8") + "axis() { @x = 0x9: READ(); }\n", "utf-8")
+    with pytest.raises(BenchError, match=r"cannot be called `axis`: .* in .*right\.ul"):
+        renamed(server, workspace, ("left.ul", "joint("), "axis")
+    assert set(renamed(server, workspace, ("left.ul", "STEP"), "STRIDE")) == {
+        "left.ul", "right.ul", "parts/joint.ul",
+    }  # fmt: skip
+
+
+def test_rename_sees_what_the_editor_has_not_saved(server: LanguageClient, workspace: Path) -> None:
+    joint = workspace / "parts" / "joint.ul"
+    uri = joint.as_uri()
+    server.open(uri, "\n\n" + joint.read_text("utf-8"))  # two lines further down than on the disk
+    try:
+        text = (workspace / "left.ul").read_text("utf-8")
+        ours = (workspace / "left.ul").as_uri()
+        server.open(ours, text)
+        place = {"textDocument": {"uri": ours}, "position": position(text, "joint(")}
+        edits = server.request("textDocument/rename", {**place, "newName": "axis"})["changes"]
+        assert [edit["range"]["start"]["line"] for edit in edits[uri]] == [3]
+    finally:
+        for one in (uri, ours):
+            server.notify("textDocument/didClose", {"textDocument": {"uri": one}})
+
+
+def test_names_of_the_library_stay(server: LanguageClient, workspace: Path) -> None:
+    (workspace / "keys.ul").write_text("public keys() {\n   k: gpio(pins=4);\n}\n", "utf-8")
+    with pytest.raises(BenchError, match="belongs to the component library"):
+        renamed(server, workspace, ("keys.ul", "gpio"), "buttons")
 
 
 def test_second_places_are_told(client: LanguageClient) -> None:

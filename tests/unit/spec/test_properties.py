@@ -23,7 +23,8 @@ WORDS = re.split(
     '0x1 0xFFFFFFFFF 10 1 0 12ab 0x 0.5 1e9 30deg 1<<64 1/0 1/3 "s" \'s\' "s \'s "{i}" "../x" '
     "// /// /* */ @ ( ) { } [ ] , ; : = . .. + - * / % << >> & | § \\ \n \r \0 \ufeff "
     "const enum bits open import fixed(8,8) u8 i16 u65 READWRITE W1C PULSE READCLEAR on change 10 Hz "
-    'UNIT="rad" MIN=-1 MAX=2 SCALE=0 GROUP=g MEMORY() FIFO(BASE=0) @ros(x=1) pwm(channels=2)',
+    'UNIT="rad" MIN=-1 MAX=2 SCALE=0 GROUP=g MEMORY() FIFO(BASE=0) @ros(x=1) pwm(channels=2) '
+    "DOUBLE_BUFFER(SIZE=4) FIFO(DEPTH=8) arrival gpio(pins=-1)",
 )
 
 

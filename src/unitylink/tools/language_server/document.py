@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 
 from lsprotocol import types
 from pygls.workspace import PositionCodec
@@ -24,6 +26,12 @@ def line_starts(text: str) -> list[int]:
     return [0, *(match.end() for match in _LINE_END.finditer(text))]
 
 
+def range_in(text: str, start: int, end: int, codec: PositionCodec) -> types.Range:
+    """Return the client's range of characters of a text that is no document."""
+    starts = line_starts(text)
+    return types.Range(*(_position(text, starts, offset, codec) for offset in (start, end)))
+
+
 def _position(text: str, starts: list[int], offset: int, codec: PositionCodec) -> types.Position:
     line = bisect_right(starts, offset) - 1
     return types.Position(line, codec.client_num_units(text[starts[line] : offset]))
@@ -32,18 +40,26 @@ def _position(text: str, starts: list[int], offset: int, codec: PositionCodec) -
 class Document:
     """One version of a text; `spec` is its model or, while it has errors, that of the last one without."""
 
-    def __init__(self, text: str, file: str, codec: PositionCodec, before: Document | None = None) -> None:
+    def __init__(
+        self,
+        text: str,
+        file: str,
+        codec: PositionCodec,
+        before: Document | None = None,
+        opened: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.text = text
         self.file = file
         self.codec = codec
-        self.result: Result = compile_text(text, file)
+        self.opened = opened  # what the editor has of other files, by real path
+        self.result: Result = compile_text(text, file, (), opened)
         self.spec: Spec | None = self.result.spec or (before.spec if before else None)
         self._starts = line_starts(text)
 
     @cached_property
     def symbols(self) -> Symbols:
         """The symbols, found when first asked for: not every edit is followed by a question."""
-        return find_symbols(self.text, self.file, search_path())
+        return find_symbols(self.text, self.file, search_path(), self.opened)
 
     def position(self, offset: int) -> types.Position:
         """Return the client's position of a character: clients count in units of their own encoding."""
@@ -58,16 +74,8 @@ class Document:
         source = self.symbols.sources.at(place.start)
         if source is self.symbols.sources.first:
             return types.Location(uri, self.range(place.start, place.end))
-        starts = line_starts(source.text)
-        first, last = (
-            _position(source.text, starts, offset - source.base, self.codec)
-            for offset in (place.start, place.end)
-        )
-        return types.Location(Path(source.file).resolve().as_uri(), types.Range(first, last))
-
-    def is_own(self, place: Name) -> bool:
-        """Does a name stand in this document, and not in a file it imports?"""
-        return self.symbols.sources.at(place.start) is self.symbols.sources.first
+        inside = range_in(source.text, place.start - source.base, place.end - source.base, self.codec)
+        return types.Location(Path(source.file).resolve().as_uri(), inside)
 
     def offset(self, position: types.Position) -> int:
         """Return the character a client's position means; one beyond the text means its end."""

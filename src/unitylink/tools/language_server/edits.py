@@ -9,9 +9,12 @@ from lsprotocol import types
 
 from unitylink.errors import SpecError
 from unitylink.spec import Diagnostic, compile_text, format_text
+from unitylink.spec.diagnostics import Edit
+from unitylink.spec.fix import edited
 from unitylink.spec.lexer import KEYWORDS, MAX_NAME
 
 from .document import Document
+from .project import Project, place_of
 
 _NAME = re.compile(rf"[A-Za-z_][A-Za-z_0-9]{{0,{MAX_NAME - 1}}}")
 
@@ -20,28 +23,41 @@ class RenameRefused(Exception):
     """Why a name cannot be changed to another."""
 
 
-def rename(document: Document, offset: int, new_name: str) -> list[types.TextEdit]:
-    """Return the edits that give the symbol at `offset` another name, everywhere it is used."""
+def rename(document: Document, offset: int, new_name: str, project: Project) -> dict[str, list[Edit]]:
+    """Return the edits, by real path of the file, that give the symbol at `offset` another name everywhere.
+
+    Everywhere is all specs of the project: those that import the file where the name is declared, and that
+    file itself. Nothing is changed where any of them would have more errors than before.
+    """
     found = document.symbols.at(offset)
     if found is None:
         raise RenameRefused("there is no name here")
     symbol, _ = found
-    elsewhere = next((place for place in symbol.places if not document.is_own(place)), None)
-    if elsewhere is not None:
-        file = document.symbols.sources.at(elsewhere.start).file
-        raise RenameRefused(f"`{symbol.name}` is declared in {file}, which other specs may import")
+    definition = symbol.defined or symbol.declared or symbol.places[0]
+    if document.symbols.sources.in_library(definition.start):
+        raise RenameRefused(f"`{symbol.name}` belongs to the component library")
     new_name = new_name.removeprefix("^")
     if not _NAME.fullmatch(new_name):
         raise RenameRefused(f"`{new_name}` is not a name: names are made of A-Z a-z 0-9 _")
     word = f"^{new_name}" if new_name in KEYWORDS else new_name
-    text = document.text
-    for place in reversed(symbol.places):
-        text = text[: place.start] + word + text[place.end :]
-    after = compile_text(text, document.file)
-    if after.errors > document.result.errors:
-        first = next(d for d in after.diagnostics if d.severity == "error")
-        raise RenameRefused(f"`{symbol.name}` cannot be called `{new_name}`: {first.message}")
-    return [types.TextEdit(document.range(place.start, place.end), word) for place in symbol.places]
+    places = project.places(symbol.name, place_of(document.symbols, definition))
+    edits: dict[str, list[Edit]] = {}
+    for file, start, end in sorted(places):
+        edits.setdefault(file, []).append((start, end, word))
+    for file in edits:
+        if file not in project.texts:
+            raise RenameRefused(f"`{symbol.name}` also stands in {file}, which is not of this workspace")
+    changed = {file: edited(project.texts[file], ours) for file, ours in edits.items()}
+    for file, text in project.texts.items():
+        if file not in changed and "import" not in text:
+            continue
+        before = compile_text(text, file, (), project.opened)
+        after = compile_text(changed.get(file, text), file, (), {**project.opened, **changed})
+        if after.errors > before.errors:
+            first = next(d for d in after.diagnostics if d.severity == "error")
+            where = "" if first.span.file == document.file else f" in {first.span.file}"
+            raise RenameRefused(f"`{symbol.name}` cannot be called `{new_name}`: {first.message}{where}")
+    return edits
 
 
 def formatting(document: Document) -> list[types.TextEdit]:

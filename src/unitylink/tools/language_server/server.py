@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Union
 from urllib.parse import unquote, urlsplit
 
@@ -13,12 +16,14 @@ from pygls.lsp.server import LanguageServer
 
 from unitylink import __version__
 from unitylink.spec import Diagnostic
+from unitylink.spec.diagnostics import Edit
 from unitylink.spec.syntax import Name
 
 from .completion import completion
-from .document import Document
+from .document import Document, range_in
 from .edits import RenameRefused, fixes, formatting, rename
 from .hover import hover
+from .project import Project
 
 _SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.DiagnosticSeverity.Warning}
 _SYMBOL_KINDS = {
@@ -47,11 +52,38 @@ class Server(LanguageServer):
     def update(self, uri: str, version: int | None) -> None:
         """Take a new text in and tell its diagnostics."""
         text = self.workspace.get_text_document(uri)
-        document = Document(text.source, _file(uri), self.workspace.position_codec, self.documents.get(uri))
+        codec, before = self.workspace.position_codec, self.documents.get(uri)
+        document = Document(text.source, _file(uri), codec, before, self._opened(uri))
         self.documents[uri] = document
         found = [_diagnostic(document, uri, one) for one in document.own_diagnostics]
         found += _diagnostics_of_imports(document)
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, version))
+
+    def _opened(self, but: str = "") -> dict[str, str]:
+        """Return what the editor has of all files but one, by real path."""
+        others = [(uri, document) for uri, document in self.documents.items() if uri != but]
+        return {os.path.realpath(document.file): document.text for _, document in others}
+
+    def project(self, document: Document) -> Project:
+        """Return the specs of the workspace; where there is none, those in the folder of a document."""
+        folders = [Path(_file(uri)) for uri in self.workspace.folders]
+        if not folders and self.workspace.root_path:
+            folders = [Path(self.workspace.root_path)]
+        return Project(folders or [Path(document.file).parent], self._opened())
+
+    def workspace_edit(self, edits: Mapping[str, Sequence[Edit]], project: Project) -> types.WorkspaceEdit:
+        """Return edits of files, by real path, for the client: a file it has open by the name it gave."""
+        uris = {os.path.realpath(document.file): uri for uri, document in self.documents.items()}
+        codec = self.workspace.position_codec
+        return types.WorkspaceEdit(
+            {
+                uris.get(file) or Path(file).as_uri(): [
+                    types.TextEdit(range_in(project.texts[file], start, end, codec), word)
+                    for start, end, word in ours
+                ]
+                for file, ours in edits.items()
+            }
+        )
 
     def place(self, params: _AtPlace) -> tuple[Document, int]:
         """Return the document and the character that a request is about."""
@@ -104,10 +136,11 @@ def make_server() -> Server:
     def renamed(params: types.RenameParams) -> types.WorkspaceEdit:
         document, offset = server.place(params)
         try:
-            edits = rename(document, offset, params.new_name)
+            project = server.project(document)
+            edits = rename(document, offset, params.new_name, project)
         except RenameRefused as reason:
             raise JsonRpcInvalidParams(str(reason)) from None
-        return types.WorkspaceEdit({params.text_document.uri: edits})
+        return server.workspace_edit(edits, project)
 
     @server.feature(
         types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=["@", ":", ".", "(", "="])
