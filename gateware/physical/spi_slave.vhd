@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- SPI slave physical layer: the PC's adapter is the master and clocks a byte each way at once. Mode 0, most significant bit first.
+-- SPI slave physical layer: the PC is the master and clocks a byte each way at once. Mode 0, most significant bit first.
 --
 --   cs_n  ‾‾\________________________________/‾‾     sampled at rising edges of sck,
 --   sck   _____/‾\_/‾\_/‾\_ … _/‾\_/‾\__________     changed at falling edges
