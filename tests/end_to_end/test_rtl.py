@@ -47,6 +47,22 @@ def test_scara_moves_on_the_gateware() -> None:
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
 
 
+def test_scara_moves_behind_an_ft245() -> None:
+    spec = load(SCARA)
+    with connect(f"rtl:{SCARA}?plant=scara&physical=ft245_async") as link:
+        robot = load_spec_objects(spec, link)
+        seen: list[int] = []
+        robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
+        with robot["j1"].publishing():
+            robot["j1.spd_sp"].write(4000)
+            robot["j1.pos_sp"].write(800)
+            deadline = time.monotonic() + 60
+            while robot["j1.cpos"].read() != 800:
+                assert time.monotonic() < deadline, "the joint does not get there"
+        assert len(set(seen)) > 5, "positions are published on the way"
+        assert link.board.error is None, "the chip saw its rules kept"
+
+
 @pytest.mark.parametrize(
     ("example", "arguments", "said"),
     [

@@ -15,6 +15,7 @@ from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
 _TIMEOUT_S = "1"  # a board in this process is silent only while the machine is too busy to run it
 _BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
+_TEXTS = ("physical", "send_immediate")  # of the board too
 _SHARED = (
     "fifo",
     "base_hz",
@@ -33,7 +34,8 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     Options of the board: `root=NAME` (one public constructor of several), `plant=ramp|loopback|scara|FILE.py`
     `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups= group_size= read_many= rate_bytes=
-    publish_mode=`; all others are the link's (`timeout=` is 1 here). Close the board after the link.
+    publish_mode= physical= send_immediate=`; all others are the link's (`timeout=` is 1 here). Close the
+    board after the link.
 
     Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
@@ -45,7 +47,10 @@ def simulated_board(url: str) -> tuple[Board, str]:
         options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     except ValueError as error:
         raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
-    generics = {}
+    generics: dict[str, int | str] = {}
+    for option in _TEXTS:
+        if option in options:
+            generics[option] = options.pop(option)
     for option in (*_BOARD_ONLY, *_SHARED):
         if option in options:
             text = options.pop(option) if option in _BOARD_ONLY else options[option]
@@ -74,11 +79,11 @@ def simulated_board(url: str) -> tuple[Board, str]:
     return board, link_url
 
 
-def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int]) -> Board:
+def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int | str]) -> Board:
     return Board(spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant)
 
 
-def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int]) -> Board:
+def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int | str]) -> Board:
     from .rtl import (
         RtlBoard,
         rtl_configuration,

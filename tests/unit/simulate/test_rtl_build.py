@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from unitylink import connect
-from unitylink.errors import ToolError, UrlError
-from unitylink.simulate.rtl import RtlDesign, build_model
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import ToolError, UrlError, ValueRangeError
+from unitylink.simulate.rtl import RtlDesign, build_model, design_of
 from unitylink.simulate.rtl.verilog import Port, model_of, stream_ports_of, with_named_assertions
+from unitylink.spec import load
 
 HEAD = """module part
   (input  clock);
@@ -88,3 +90,20 @@ def test_missing_tools_are_named_all_at_once(monkeypatch: pytest.MonkeyPatch, tm
 def test_urls_that_will_not_do(url: str, message: str) -> None:
     with pytest.raises(UrlError, match=message):
         connect(url)
+
+
+def test_a_board_behind_a_chip_has_its_files_and_refuses_what_is_no_layer(tmp_path: Path) -> None:
+    file = tmp_path / "lamp.ul"
+    file.write_text("public lamp() { @led = 0x10: WRITE(); }")
+    spec = load(file)
+    behind = design_of(
+        spec, BoardConfiguration.for_spec(spec, physical="ft245_async", send_immediate="never")
+    )
+    plain = design_of(spec, BoardConfiguration.for_spec(spec))
+    assert (behind.top, plain.top) == ("lamp_behind_ft245", "lamp_design")
+    assert set(behind.files) - set(plain.files) == {"lamp_behind_ft245.vhd", "ft245_chip.vhd"}
+    assert "send_immediate => never" in behind.files["lamp_behind_ft245.vhd"]
+    with connect(f"sim:{file}?physical=ft245_async") as link:  # the twin is flow-controlled anyway
+        link.write(0x10, 1)
+    with pytest.raises(ValueRangeError, match="physical is 'usb'"):
+        connect(f"sim:{file}?physical=usb")

@@ -5,11 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Union
 
+import jinja2
+
 from unitylink.board_configuration import BoardConfiguration
-from unitylink.generate.vhdl import design_name, generate_vhdl, word_map
+from unitylink.generate.vhdl import design_name, generate_vhdl, plan, word_map
 from unitylink.spec.model import Spec
+
+_HERE = Path(__file__).parent
+LATENCY_MS = 16  # what an FTDI chip waits for more bytes, as it comes
 
 
 @dataclass(frozen=True)
@@ -29,19 +35,39 @@ class RtlDesign:
 
 
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
-    """Return the design that `unitylink generate --only vhdl` makes of `spec`; raise BindingError."""
+    """Return the design that `unitylink generate --only vhdl` makes of `spec`; raise BindingError.
+
+    With the physical layer ft245_async it stands behind that and a chip; the others are left out, and the
+    byte streams are the design's own.
+    """
     words = word_map(spec, configuration)
+    top = f"{design_name(spec)}_design"
+    files = {
+        name.rpartition("/")[2]: text
+        for name, text in generate_vhdl(spec, configuration).items()
+        if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
+    }
+    if configuration.physical == "ft245_async":
+        top = f"{design_name(spec)}_behind_ft245"
+        files |= _behind_ft245(spec, configuration, top)
     return RtlDesign(
-        top=f"{design_name(spec)}_design",
-        files={
-            name.rpartition("/")[2]: text
-            for name, text in generate_vhdl(spec, configuration).items()
-            if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
-        },
+        top=top,
+        files=files,
         read_addresses=tuple(words.read),
         write_addresses=tuple(words.write),
         generics={"clock_hz": configuration.clock_hz},
     )
+
+
+def _behind_ft245(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str, str]:
+    template = jinja2.Template(
+        (_HERE / "behind_ft245.vhd.jinja").read_text(encoding="utf-8"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    text = template.render(plan=plan(spec, configuration), top=top, latency_ms=LATENCY_MS)
+    return {f"{top}.vhd": text, "ft245_chip.vhd": (_HERE / "ft245_chip.vhd").read_text(encoding="utf-8")}
 
 
 @dataclass(frozen=True)
