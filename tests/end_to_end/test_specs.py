@@ -259,3 +259,24 @@ def test_the_examples_are_clean(run: Run) -> None:
     specs = sorted((ROOT / "examples").glob("*/*.ul"))
     assert specs
     assert run("check", *specs, "--json").stdout.strip() == json.dumps({"diagnostics": []}, indent=2)
+
+
+def test_the_commands_of_the_page_of_the_language(run: Run, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "ul-spec.md").read_text("utf-8")
+    commands = re.findall(r"^unitylink (\w+) (.*?) *#", page, re.MULTILINE)
+    assert {"check", "explain", "budget", "diff", "generate", "map", "import"} <= {
+        name for name, _ in commands
+    }
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    (tmp_path / "my_robot.ul").write_text(BAD.replace("IDD", "ID"))
+    rdl = ROOT / "tests" / "unit" / "cli" / "rdl"
+    (tmp_path / "registers.rdl").write_text(next(iter(sorted(rdl.glob("*.rdl")))).read_text("utf-8"))
+    for name, arguments in commands:
+        if name == "lsp":
+            continue  # it waits for an editor
+        more = ["--no-open"] if name == "map" else []
+        done = run(name, *arguments.split(), *more)
+        wrong = 1 if name == "diff" else 0  # what breaks is told by the code
+        assert done.returncode == wrong, f"{name} {arguments}:\n{done.stdout}{done.stderr}"
+    assert "@on = 0x10: WRITE();" in (tmp_path / "my_robot.ul").read_text()
+    assert (tmp_path / "build" / "pa10" / "vhdl" / "pa10_design.vhd").is_file()

@@ -180,7 +180,8 @@ class MemberReader(PropertyReader):
             kind = self.type()
         access = self.texts[self.i]
         if access not in ACCESS_WORDS or self.kinds[self.i] == "string":
-            raise self.unexpected("READ or WRITE")
+            at = self.place(self.i)
+            raise self.unexpected("READ or WRITE", self.reporter.did_you_mean(access, ACCESS_WORDS, "", at))
         self.i += 1
         if self.kinds[self.i] == "keyword" and self.texts[self.i] == "signed":
             hint = f"write `signed {access}`"

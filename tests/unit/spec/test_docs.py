@@ -12,9 +12,12 @@ import pkgutil
 import re
 from pathlib import Path
 
+import pytest
+
 import unitylink.spec
-from unitylink.spec import CODES, Diagnostic, compile_text, format_text
+from unitylink.spec import CODES, Diagnostic, compile_text, format_text, render
 from unitylink.spec.explain import explain
+from unitylink.spec.fix import fix_text
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "docs" / "ul-spec.md"
@@ -55,6 +58,26 @@ def test_example_specs_are_without_diagnostic_and_formatted_as_shown() -> None:
         assert compile_text(block).diagnostics == ()
         if not re.search(r"\{ .* \}", block):  # constructors in one line save room on the page
             assert format_text(block) == block
+
+
+def test_example_of_mistakes(tmp_path: Path) -> None:
+    page = PAGE.read_text("utf-8").split(MARK)[0]
+    (text,) = re.findall(r"```\n// arm\.ul, with five mistakes\n(.*?)```", page, re.DOTALL)
+    (report,) = re.findall(r"```\n\$ unitylink check arm\.ul\n(.*?)```", page, re.DOTALL)
+    result = compile_text(text, "arm.ul")
+    assert render(result.diagnostics) == report and result.errors == 5
+    fixed = fix_text(text, "arm.ul")
+    assert len(fixed.made) == 3 and fixed.result.errors == 2
+
+
+def test_example_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = PAGE.read_text("utf-8").split(MARK)[0]
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "scara.ul").write_text((ROOT / "examples" / "scara" / "scara.ul").read_text("utf-8"))
+    monkeypatch.chdir(tmp_path)
+    told: list[str] = []
+    exec(code, {"print": lambda *parts: told.append(" ".join(map(str, parts)))})
+    assert "j1.cpos 0x88 READ" in told and "   @on = 0x10: WRITE();" in told[-1]
 
 
 def test_example_of_an_import(tmp_path: Path) -> None:
