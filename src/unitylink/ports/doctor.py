@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 from urllib.parse import parse_qsl
 
 from unitylink import protocol
-from unitylink.errors import BusError, LinkError
+from unitylink.errors import BusError, LinkError, UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
 
@@ -86,7 +86,12 @@ class _Place:
     @property
     def polynomial(self) -> int | None:
         text = self.options.get("polynomial", str(protocol.CRC8_POLYNOMIAL))
-        return None if text == "xor" else int(text, 0)
+        try:
+            return None if text == "xor" else int(text, 0)
+        except ValueError:
+            raise UrlError(
+                f"link URL {self.url!r}: polynomial={text} is neither 0x01 to 0xFF nor xor"
+            ) from None
 
     def with_option(self, name: str, value: object) -> str:
         options = {**self.options, name: str(value)}

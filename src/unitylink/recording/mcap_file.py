@@ -268,7 +268,7 @@ def _flat(message: Any, paths: list[str], path: str | Path) -> dict[str, Any]:
 def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
     """Yield ("message", (channel, message)) and ("metadata", record) from front to back, with no index."""
     _library()
-    from mcap.exceptions import McapError
+    from mcap.exceptions import InvalidMagic, McapError
     from mcap.records import Channel, Footer, Message, Metadata
     from mcap.stream_reader import StreamReader
 
@@ -292,8 +292,10 @@ def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
     except UnityLinkError:
         raise
     except (McapError, ValueError, KeyError, EOFError, struct.error) as error:
-        if count == 0 and not channels:
+        if isinstance(error, InvalidMagic) and not count:
             raise UnityLinkError(f"{path}: not an MCAP file ({error})") from error
+        if count == 0:
+            raise RecordingTruncated(f"{path}: cut off before its first sample") from error
         raise RecordingTruncated(
             f"{path}: cut off behind sample {count}; those before it were read"
         ) from error

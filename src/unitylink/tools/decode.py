@@ -98,8 +98,8 @@ def command(
     )
     if pcapng is not None:
         _rewrite(chosen, pcapng)
-    else:
-        _print(chosen, as_json)
+    elif not _print(chosen, as_json):
+        click.echo(f"note: {capture} has no message to show", err=True)
 
 
 def _kinds(text: str | None, default: set[str]) -> set[str]:
@@ -117,12 +117,15 @@ def _transfers(packets: Iterator[Packet]) -> Iterator[CaptureMessage]:
         yield CaptureMessage(packet.time_s, packet.direction, packet.data, "transfer", meaning)
 
 
-def _print(found: Iterator[CaptureMessage], as_json: bool) -> None:
+def _print(found: Iterator[CaptureMessage], as_json: bool) -> int:
+    """Print the messages; return how many there were."""
+    count = 0
     coloured = colours(sys.stdout) and not as_json
     start_s: float | None = None
     for message in found:
         start_s = message.time_s if start_s is None else start_s
         since_s = message.time_s - start_s
+        count += 1
         if as_json:
             print_json(
                 {
@@ -138,6 +141,7 @@ def _print(found: Iterator[CaptureMessage], as_json: bool) -> None:
         line = f"{since_s:12.6f} {_ARROWS[message.direction]} {message.text:<24}  {message.meaning}"
         colour = _COLOURS.get(message.kind, "") if coloured else ""
         click.echo(f"{colour}{line}\x1b[0m" if colour else line)
+    return count
 
 
 def _rewrite(found: Iterator[CaptureMessage], path: str) -> None:

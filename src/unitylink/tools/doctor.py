@@ -52,6 +52,8 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
             f"{link} is a virtual board",
             "the doctor is for real ports; `unitylink info` asks a virtual board",
         )
+    if not scheme_of(link).stream:
+        raise Failure(f"{link} is memory of this machine, not a port", "`unitylink info` looks at it")
     spec = load_names(link, spec_file).spec
     say = (lambda message: None) if as_json else (lambda message: click.echo(f"  {message}", err=True))
     findings = examine(link, spec=spec, say=say)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.errors import LinkClosed, LinkError, LinkNotFound
+from unitylink.errors import LinkClosed, LinkError, LinkNotFound, UrlError
 from unitylink.layer2_message import Link
 from unitylink.ports import FINDINGS, Finding, examine
 from unitylink.ports.findings import page
@@ -158,6 +158,11 @@ def test_a_half_received_message_before_is_no_line_error(diagnose: Diagnose) -> 
 def test_checksum(diagnose: Diagnose, polynomial: int | None, text: str) -> None:
     found = diagnose(lambda line: healthy(line, polynomial=polynomial))
     assert list(found) == ["checksum"] and f"polynomial={text}" in found["checksum"].remedy
+
+
+def test_a_wrong_polynomial_is_a_wrong_link(diagnose: Diagnose) -> None:
+    with pytest.raises(UrlError, match="polynomial=x is neither"):
+        diagnose(link=f"{LINK}&polynomial=x")
 
 
 def test_no_checksum(diagnose: Diagnose) -> None:

@@ -86,6 +86,16 @@ def test_what_is_no_number_is_empty_in_csv(tmp_path: Path) -> None:
     assert read.values == {"b": float("inf")}
 
 
+def test_one_that_was_cut_off_at_once_is_told_from_another_file(tmp_path: Path) -> None:
+    write(tmp_path / "arm.mcap", 1)
+    (tmp_path / "arm.mcap").write_bytes((tmp_path / "arm.mcap").read_bytes()[:20])
+    with pytest.raises(RecordingTruncated, match="cut off before its first sample"):
+        list(samples(tmp_path / "arm.mcap"))
+    (tmp_path / "arm.mcap").write_bytes(b"PK some other kind of file")
+    with pytest.raises(UnityLinkError, match="not an MCAP file"):
+        list(samples(tmp_path / "arm.mcap"))
+
+
 @pytest.mark.parametrize("part", [0.31, 0.7, 0.99])
 def test_a_file_that_was_cut_off_gives_all_before(path: Path, part: float) -> None:
     write(path, 20_000)
