@@ -5,6 +5,7 @@
 
 #include "layer0_driver/capturing_driver.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
+#include "layer0_driver/ftdi_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
 #include "layer0_driver/socket_driver.hpp"
 
@@ -28,6 +29,9 @@ Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
 Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
   if (url.scheme == "serial") {
     return open_serial(url, driver);
+  }
+  if (url.scheme == "ftdi") {
+    return open_ftdi(url, driver);
   }
   if (url.scheme == "tcp" || url.scheme == "udp") {
     return open_socket(url, timeout_ns, driver);

@@ -7,7 +7,7 @@ namespace unitylink {
 namespace {
 
 constexpr std::string_view expected =
-    "expected serial:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT or fd:NUMBER, each with ?option=value&… behind it";
+    "expected serial:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
 
 Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
@@ -124,6 +124,10 @@ Outcome parse_url(std::string_view text, Url& url) {
     if (place.empty()) {
       return wrong(text, "the device file is missing, as in serial:/dev/ttyUSB0");
     }
+    url.path = place;
+    return {};
+  }
+  if (url.scheme == "ftdi") {
     url.path = place;
     return {};
   }

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <string>
 
+#include "layer0_driver/ftdi_driver.hpp"
+
 namespace unitylink {
 namespace {
 
@@ -109,7 +111,7 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       return {};
     }
   }
-  if (name == "trace" || (name == "baud" && url.scheme == "serial")) {
+  if (name == "trace" || (name == "baud" && url.scheme == "serial") || (url.scheme == "ftdi" && is_ftdi_option(name))) {
     return {};  // the driver's
   }
   return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};

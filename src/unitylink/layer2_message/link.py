@@ -57,6 +57,8 @@ class Link:
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
         self._native = open_engine(url)
+        self._warned = ""
+        self._warn()
         self.url = url
         self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, whose maker puts it here
         told = self._native.configuration
@@ -251,8 +253,8 @@ class Link:
         _open.discard(self)
         first, self._unclosed = self._unclosed, False
         self._native.close()
-        if first and self._native.warning:
-            warnings.warn(self._native.warning, RuntimeWarning, stacklevel=2)
+        if first:
+            self._warn()
         self._callbacks.stop()
         for loop, mailbox in list(self._mailboxes.items()):
             if not loop.is_closed():
@@ -260,6 +262,12 @@ class Link:
         self._mailboxes.clear()
         while self._on_close:
             self._on_close.pop()()
+
+    def _warn(self) -> None:
+        """Tell what did not go as wished although the link works, once."""
+        if self._native.warning not in ("", self._warned):
+            self._warned = self._native.warning
+            warnings.warn(self._warned, RuntimeWarning, stacklevel=3)
 
     def call_on_close(self, action: Callable[[], None]) -> None:
         """Call `action` when the link is closed: for what was made for it, such as an in-process board."""

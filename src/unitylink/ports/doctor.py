@@ -21,6 +21,7 @@ from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
 
 from .findings import Finding, finding
+from .ftdi import chosen, ftdi_channels
 from .machine import Machine
 from .probe import WAIT_S, Answer, find_polynomial, probe
 from .probe import request as configuration_request
@@ -130,7 +131,7 @@ class _Doctor:
     say: Callable[[str], None]
 
     def examine(self) -> list[Finding]:
-        found = self.port() if self.place.scheme == "serial" else []
+        found = {"serial": self.port, "ftdi": self.chip}.get(self.place.scheme, list)()
         if not _stopped(found):
             found += self.device()
         return sorted(found, key=lambda f: ("error", "warning", "note").index(f.severity))
@@ -162,6 +163,21 @@ class _Doctor:
             found.append(finding("latency-timer", device=device, latency_ms=latency_ms, name=name))
         return found
 
+    def chip(self) -> list[Finding]:
+        """Look at the FTDI chip as a USB device."""
+        place, channels = self.place, ftdi_channels(self.machine)
+        self.say("looking at the FTDI chips")
+        channel = place.options.get("channel", "A")
+        found = chosen(channels, place.path, channel)
+        if found is None:
+            wanted = f"channel {channel} of {place.path or 'the one FTDI chip'}"
+            chips = ", ".join(one.url for one in channels) or "none"
+            return [finding("no-ftdi", wanted=wanted, chips=chips)]
+        if found.node and not self.machine.may_open(found.node):
+            serial, link = found.port.serial_number, shlex.quote(place.url)
+            return [finding("ftdi-permission", node=found.node, serial=serial, program=program(), link=link)]
+        return []
+
     # ---- whatever is at the other end
 
     def device(self) -> list[Finding]:
@@ -171,6 +187,8 @@ class _Doctor:
         except LinkError as error:
             if place.scheme in ("tcp", "udp"):
                 return [self.unreachable(error)]
+            if place.scheme == "ftdi":
+                return [finding("ftdi-refused", reason=error.message)]
             raise
         try:
             self.say("asking for its configuration")

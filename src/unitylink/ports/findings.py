@@ -93,6 +93,34 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "A read takes at least that long. `--install` writes the udev rule that sets it at every "
             "plug-in. The driver asks for low latency itself where it may.",
         ),
+        "no-ftdi": FindingKind(
+            "error",
+            "The FTDI chip is not plugged in",
+            "no {wanted}; there are: {chips}",
+            "unitylink discover",
+            "An ftdi: link names a chip by its serial number, and its channel (`ftdi:FT1234?channel=B`); "
+            "without a serial number the chip must be the only one. Chips with a vendor or product number "
+            "of their own are reached through the kernel's serial port.",
+        ),
+        "ftdi-permission": FindingKind(
+            "error",
+            "The USB device may not be used",
+            "{node}, the FTDI chip {serial}, may not be written to by this user",
+            "sudo {program} doctor {link} --install",
+            "ftdi: links go past the kernel's serial driver, so the right to the serial port is not enough. "
+            "The udev rule gives the USB device to whoever sits at the machine; plug the board in anew "
+            "afterwards.",
+        ),
+        "ftdi-refused": FindingKind(
+            "error",
+            "The FTDI chip cannot be opened as asked",
+            "{reason}",
+            "check mode= and channel= of the link, and what else has the chip open",
+            "The synchronous FIFO is on channel A of an FT232H or FT2232H only, and both FIFO modes need "
+            "the chip's EEPROM set for them. Unity-Link never writes an EEPROM: on many boards the same chip "
+            "is the programmer, and a wrong EEPROM makes it unfindable. libusb-1.0 is needed: "
+            "`sudo apt-get install libusb-1.0-0`.",
+        ),
         "unreachable": FindingKind(
             "error",
             "The network device cannot be reached",

@@ -79,7 +79,7 @@ class Machine:
     def serial_ports(self) -> list[SerialPort]:
         """Return the ports that have hardware behind them, by name; one that goes meanwhile is left out."""
         found = []
-        for entry in _entries(self.path("/sys/class/tty")):
+        for entry in entries(self.path("/sys/class/tty")):
             hardware = entry / "device"
             if entry.name.startswith(_PORT_NAMES) and hardware.exists() and _is_real(entry):
                 found.append(self._port(f"/dev/{entry.name}", hardware.resolve()))
@@ -99,18 +99,18 @@ class Machine:
             (f for f in (hardware, *hardware.parents) if (f / "bInterfaceNumber").is_file()), None
         )
         driver = hardware / "driver"
-        latency = _text(hardware / "latency_timer")
-        vendor = _text(usb / "idVendor") if usb else ""
-        product_id = _text(usb / "idProduct") if usb else ""
-        number = _hex(_text(interface / "bInterfaceNumber")) if interface else None
-        several = usb is not None and (_hex(_text(usb / "bNumInterfaces")) or 1) > 1
+        latency = text(hardware / "latency_timer")
+        vendor = text(usb / "idVendor") if usb else ""
+        product_id = text(usb / "idProduct") if usb else ""
+        number = hexadecimal(text(interface / "bInterfaceNumber")) if interface else None
+        several = usb is not None and (hexadecimal(text(usb / "bNumInterfaces")) or 1) > 1
         return SerialPort(
             device=device,
-            vendor_id=_hex(vendor),
-            product_id=_hex(product_id),
-            manufacturer=_text(usb / "manufacturer") if usb else "",
-            product=_text(usb / "product") if usb else "",
-            serial_number=_text(usb / "serial") if usb else "",
+            vendor_id=hexadecimal(vendor),
+            product_id=hexadecimal(product_id),
+            manufacturer=text(usb / "manufacturer") if usb else "",
+            product=text(usb / "product") if usb else "",
+            serial_number=text(usb / "serial") if usb else "",
             channel=_CHANNELS[number] if several and number is not None and number < len(_CHANNELS) else "",
             driver=driver.resolve().name if driver.exists() else "",
             latency_timer_ms=int(latency) if latency.isdigit() else None,
@@ -158,11 +158,11 @@ class Machine:
         """Return the processes that have the device open, but for this one; others' are seen by root."""
         target = os.path.realpath(self.path(device))
         found = []
-        for process in _entries(self.path("/proc")):
+        for process in entries(self.path("/proc")):
             if not process.name.isdigit() or int(process.name) == os.getpid():
                 continue
-            if any(self._leads_to(descriptor, target) for descriptor in _entries(process / "fd")):
-                found.append(Holder(int(process.name), _text(process / "comm") or "?"))
+            if any(self._leads_to(descriptor, target) for descriptor in entries(process / "fd")):
+                found.append(Holder(int(process.name), text(process / "comm") or "?"))
         return found
 
     def _leads_to(self, descriptor: Path, target: str) -> bool:
@@ -175,8 +175,8 @@ class Machine:
     def runs(self, command: str) -> bool:
         """Tell whether a process of this name runs."""
         return any(
-            process.name.isdigit() and _text(process / "comm") == command
-            for process in _entries(self.path("/proc"))
+            process.name.isdigit() and text(process / "comm") == command
+            for process in entries(self.path("/proc"))
         )
 
     def modem_manager_probes(self, device: str) -> bool:
@@ -185,31 +185,31 @@ class Machine:
 
     def _udev_properties(self, device: str) -> set[str]:
         name = os.path.basename(os.path.realpath(self.path(device)))
-        numbers = _text(self.path(f"/sys/class/tty/{name}/dev"))
-        return set(_text(self.path(f"/run/udev/data/c{numbers}")).splitlines()) if numbers else set()
+        numbers = text(self.path(f"/sys/class/tty/{name}/dev"))
+        return set(text(self.path(f"/run/udev/data/c{numbers}")).splitlines()) if numbers else set()
 
 
 def _is_real(entry: Path) -> bool:
     """Leave out the ports a PC's serial driver offers without there being one (type 0)."""
-    kind = _text(entry / "type")
+    kind = text(entry / "type")
     return kind != "0"
 
 
-def _entries(folder: Path) -> Iterator[Path]:
+def entries(folder: Path) -> Iterator[Path]:
     try:
         yield from sorted(folder.iterdir())
     except OSError:  # of another user, or gone since
         return
 
 
-def _text(path: Path) -> str:
+def text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8", errors="replace").strip()
     except OSError:
         return ""
 
 
-def _hex(text: str) -> int | None:
+def hexadecimal(text: str) -> int | None:
     try:
         return int(text, 16)
     except ValueError:

@@ -25,6 +25,8 @@ def rules(port: SerialPort) -> str:
         f"# {port.identity}: for the user at the machine, not for ModemManager, no waiting in the chip\n"
         f'{match}, ENV{{ID_MM_DEVICE_IGNORE}}="1"\n'  # on the USB device too: ModemManager looks there
         f'SUBSYSTEM=="tty", {match}, TAG+="uaccess"\n'
+        f'SUBSYSTEM=="usb", ATTR{{idVendor}}=="{port.vendor_id:04x}", '
+        f'ATTR{{idProduct}}=="{port.product_id:04x}", TAG+="uaccess"\n'  # for ftdi: links
         f'SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", {match}, ATTR{{latency_timer}}="1"\n'
     )
 

@@ -62,16 +62,18 @@ def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool
       unitylink discover --ask --json
     """
     from unitylink.ports import Machine
+    from unitylink.ports.ftdi import ftdi_channels
     from unitylink.ports.network import broadcast as ask_everybody
 
     machine = Machine()
+    chips = [(one.url, one.port.device or None) for one in ftdi_channels(machine)]
     entries = [_entry(machine, found, baud_hz if ask else None) for found in machine.serial_ports()]
     if ask:
         for url, answer in ask_everybody(port=port, address=broadcast):
             said = answer.decode("ascii", "replace").strip()
             entries.append({"link": url, "device": None, "identity": "", "holders": [], "answers": said})
     if as_json:
-        print_json({"ports": entries})
+        print_json({"ports": entries, "ftdi": [{"link": url, "device": device} for url, device in chips]})
         return
     if not entries:
         more = ", and nobody answers on the network" if ask else "; --ask looks for boards on the network"
@@ -79,6 +81,9 @@ def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool
         return
     rows = [(e["link"], e["identity"], _held(e), _answer(e, ask)) for e in entries]
     print_table(("link", "what it is", "held by", "answers"), rows)
+    if chips:
+        shown = ", ".join(f"{url} ({device or 'no serial port'})" for url, device in chips)
+        click.echo(f"FTDI chips, without the kernel's serial driver: {shown}")
     if not ask:
         click.echo(
             "`unitylink discover --ask` asks each free port, and the network, for a board; "

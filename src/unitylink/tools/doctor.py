@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +14,9 @@ from unitylink.schemes import scheme_of
 from .failure import Failure
 from .link_option import link_argument, load_names, spec_option
 from .output import colours, json_option, print_json
+
+if TYPE_CHECKING:
+    from unitylink.ports import Machine, SerialPort
 
 _MARKS = {"error": ("✗", "\x1b[1;31m"), "warning": ("!", "\x1b[1;33m"), "note": ("i", "\x1b[1;36m")}
 
@@ -41,11 +45,8 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
     from unitylink.ports.udev import RELOAD, install
 
     if installing:
-        if not link.startswith("serial:"):
-            raise Failure(f"{link} is no serial port", "--install is for serial:/dev/… links")
         machine = Machine()
-        device = link.removeprefix("serial:").partition("?")[0]
-        click.echo(f"wrote {install(machine, machine.serial_port(device))}\nnow: {RELOAD}")
+        click.echo(f"wrote {install(machine, _port_of(machine, link))}\nnow: {RELOAD}")
         return
     if scheme_of(link).virtual:
         raise Failure(
@@ -72,3 +73,21 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
         if healthy:
             click.echo("the board answers, in time and without a fault" if not findings else "the link works")
     click.get_current_context().exit(0 if healthy else 1)
+
+
+def _port_of(machine: Machine, link: str) -> SerialPort:
+    """Return the USB device that --install is to write a rule for."""
+    from unitylink.ports.ftdi import ftdi_channels
+
+    scheme, _, rest = link.partition(":")
+    place = rest.partition("?")[0]
+    if scheme == "serial":
+        return machine.serial_port(place)
+    chips = [one.port for one in ftdi_channels(machine) if place in ("", one.port.serial_number)]
+    if scheme != "ftdi":
+        raise Failure(f"{link} is no serial port", "--install is for serial:/dev/… and ftdi: links")
+    if not chips:
+        raise Failure(
+            f"no FTDI chip {place} is plugged in".replace("  ", " "), "`unitylink discover` lists them"
+        )
+    return chips[0]

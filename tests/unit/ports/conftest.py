@@ -45,6 +45,14 @@ class FakeMachine:
         ):
             self.write(f"{usb}/{file}", text)
         interface = f"{usb}/1-1:1.{channel}"
+        self.write(f"{usb}/busnum", "1")
+        self.write(f"{usb}/devnum", "7")
+        self.write("dev/bus/usb/001/007", "").chmod(mode)
+        devices = self.root / "sys/bus/usb/devices"
+        devices.mkdir(parents=True, exist_ok=True)
+        for name_of in ("1-1", f"1-1:1.{channel}"):
+            target = self.root / (usb if name_of == "1-1" else interface)
+            (devices / name_of).symlink_to(target)
         self.write(f"{interface}/bInterfaceNumber", f"0{channel}")
         self.write(f"{interface}/{name}/latency_timer", str(latency_ms))
         (self.root / "sys/bus/drivers/ftdi_sio").mkdir(parents=True, exist_ok=True)

@@ -122,6 +122,33 @@ def test_a_port_that_cannot_be_opened_for_another_reason_is_an_error(fake: FakeM
         examine(LINK, machine=fake.machine(), open_driver=refuse, clock=clock)
 
 
+def test_no_ftdi(diagnose: Diagnose) -> None:
+    assert diagnose(link="ftdi:FT1234?channel=A") == {}
+    found = diagnose(link="ftdi:FT9?channel=B")
+    assert found["no-ftdi"].cause == (
+        "no channel B of FT9; there are: ftdi:FT1234?channel=A, ftdi:FT1234?channel=B"
+    )
+
+
+def test_ftdi_permission(diagnose: Diagnose, fake: FakeMachine) -> None:
+    (fake.root / "dev/bus/usb/001/007").chmod(0o664)
+    found = diagnose(link="ftdi:?channel=B")
+    assert list(found) == ["ftdi-permission"]
+    assert "/dev/bus/usb/001/007, the FTDI chip FT1234," in found["ftdi-permission"].cause
+    assert found["ftdi-permission"].remedy.endswith("doctor 'ftdi:?channel=B' --install")
+
+
+def test_ftdi_refused(fake: FakeMachine, clock: Clock) -> None:
+    fake.usb_port()
+
+    def refuse(url: str) -> Board:
+        raise LinkError("the synchronous FIFO is on channel A of an FT232H or FT2232H")
+
+    link = "ftdi:FT1234?channel=B&mode=sync-fifo"
+    (found,) = examine(link, machine=fake.machine(), open_driver=refuse, clock=clock)
+    assert found.code == "ftdi-refused" and "on channel A" in found.cause
+
+
 def test_wrong_baud(diagnose: Diagnose) -> None:
     found = diagnose(lambda line: b"\x80\xf8\x00", boards={"serial:/dev/ttyUSB0?baud=115200": healthy})
     assert list(found) == ["wrong-baud"] and "serial:/dev/ttyUSB0?baud=115200" in found["wrong-baud"].remedy

@@ -10,6 +10,7 @@ import pytest
 
 from unitylink.errors import UnityLinkError
 from unitylink.ports import Holder, Machine
+from unitylink.ports.ftdi import chosen, ftdi_channels
 from unitylink.ports.udev import RULES_FILE, install, rules
 
 from .conftest import FakeMachine
@@ -108,3 +109,24 @@ def test_a_rule_needs_a_usb_device(fake: FakeMachine) -> None:
 def test_the_real_machine_can_be_listed() -> None:
     for port in Machine().serial_ports():
         assert port.device.startswith("/dev/")
+
+
+def test_ftdi_chips_are_there_with_and_without_a_serial_port(fake: FakeMachine) -> None:
+    assert ftdi_channels(fake.machine()) == []
+    fake.usb_port("ttyUSB1", channel=1)
+    channels = ftdi_channels(fake.machine())
+    assert [(one.url, one.port.device, one.node) for one in channels] == [
+        ("ftdi:FT1234?channel=A", "", "/dev/bus/usb/001/007"),
+        ("ftdi:FT1234?channel=B", "/dev/ttyUSB1", "/dev/bus/usb/001/007"),
+    ]
+    assert channels[1].port.identity == fake.machine().serial_port("/dev/ttyUSB1").identity
+    assert chosen(channels, "", "B") == chosen(channels, "FT1234", "B") == channels[1]
+    assert chosen(channels, "FT1", "B") is None
+    (fake.root / "sys/devices/pci0/usb1/1-1/idProduct").write_text("ffff\n")
+    assert ftdi_channels(fake.machine()) == []
+
+
+def test_the_rule_opens_the_usb_device_too(fake: FakeMachine) -> None:
+    fake.usb_port()
+    lines = rules(ftdi_channels(fake.machine())[0].port).splitlines()
+    assert 'SUBSYSTEM=="usb", ATTR{idVendor}=="0403", ATTR{idProduct}=="6010", TAG+="uaccess"' in lines

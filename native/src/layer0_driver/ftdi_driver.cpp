@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/ftdi_driver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <poll.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "layer0_driver/descriptor_driver.hpp"
+#include "layer0_driver/ftdi_port.hpp"
+#include "layer0_driver/serial_driver.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::size_t transfers = 4;              // under way at once, so that the chip never waits for the PC
+constexpr std::size_t transfer_bytes = 16 * 1024;  // a short packet ends one earlier
+constexpr unsigned int send_timeout_ms = 100;      // between looks at the end
+constexpr long events_timeout_us = 50'000;
+constexpr int patience_ms = 100;
+
+// Two threads move bytes between the chip and one end of a socket pair; the link has the other end and waits on it as on any port.
+// What the link does not fetch stays in the socket, then in the transfers, then in the chip, which stalls the board.
+class FtdiDriver final : public DescriptorDriver {
+ public:
+  FtdiDriver(std::unique_ptr<ftdi::Port> port, int near, int far, std::uint64_t byte_time_ns)
+      : DescriptorDriver(near), port_(std::move(port)), far_(far), byte_time_ns_(byte_time_ns) {
+    receiver_ = std::thread([this] { receive_all(); });
+    sender_ = std::thread([this] { send_all(); });
+  }
+  ~FtdiDriver() override { FtdiDriver::close(); }
+
+  void close() noexcept override {
+    if (!stop_.exchange(true) && receiver_.joinable()) {
+      ::shutdown(far_, SHUT_RDWR);
+    }
+    if (receiver_.joinable()) {
+      receiver_.join();
+      sender_.join();
+      ::close(far_);
+      port_.reset();
+    }
+    DescriptorDriver::close();
+  }
+
+  void disown() noexcept override {  // a forked child: the threads and the claim are the parent's
+    stop_ = true;
+    if (receiver_.joinable()) {
+      receiver_.detach();
+      sender_.detach();
+      ::close(far_);
+      static_cast<void>(port_.release());
+    }
+    DescriptorDriver::close();
+  }
+
+  [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
+  [[nodiscard]] std::string reason() const override {
+    const std::scoped_lock lock(mutex_);
+    return why_.empty() ? DescriptorDriver::reason() : why_;
+  }
+
+ private:
+  void ended(const std::string& why) {
+    const std::scoped_lock lock(mutex_);
+    if (why_.empty() && !stop_) {
+      why_ = why;
+    }
+    gone_ = true;
+    ::shutdown(far_, SHUT_RDWR);
+  }
+
+  // ---- from the chip
+
+  struct Incoming {
+    FtdiDriver* driver = nullptr;
+    usb::Transfer* transfer = nullptr;
+    std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(transfer_bytes);
+    bool under_way = false;
+  };
+
+  static void arrived(usb::Transfer* transfer) {
+    auto& incoming = *static_cast<Incoming*>(transfer->user_data);
+    incoming.under_way = false;
+    incoming.driver->take(incoming);
+  }
+
+  void take(Incoming& incoming) {
+    const usb::Transfer& transfer = *incoming.transfer;
+    const std::span<std::uint8_t> bytes(incoming.bytes.data(), static_cast<std::size_t>(transfer.actual_length));
+    hand_on(bytes.first(ftdi::strip_status(bytes, port_->packet_bytes())));
+    switch (transfer.status) {
+      case usb::TransferStatus::completed:
+      case usb::TransferStatus::timed_out:
+        if (!stop_ && !gone_) {
+          submit(incoming);
+        }
+        return;
+      case usb::TransferStatus::cancelled: return;
+      case usb::TransferStatus::no_device: ended("the FTDI chip was unplugged"); return;
+      default: ended("USB transfer from the FTDI chip failed, status " + std::to_string(static_cast<int>(transfer.status))); return;
+    }
+  }
+
+  void submit(Incoming& incoming) {
+    const int code = port_->library().submit_transfer(incoming.transfer);
+    incoming.under_way = code == 0;
+    if (code != 0) {
+      ended(code == usb::error_no_device ? "the FTDI chip was unplugged" : std::string("USB: ") + port_->library().error_name(code));
+    }
+  }
+
+  void hand_on(std::span<const std::uint8_t> bytes) {
+    while (!bytes.empty() && !stop_ && !gone_) {
+      const ssize_t count = ::send(far_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (count > 0) {
+        bytes = bytes.subspan(static_cast<std::size_t>(count));
+      } else if (errno == EAGAIN || errno == EINTR) {
+        pollfd waiting{far_, POLLOUT, 0};
+        ::poll(&waiting, 1, patience_ms);
+      } else {
+        return;
+      }
+    }
+  }
+
+  void receive_all() {
+    usb::Library& usb = port_->library();
+    std::array<Incoming, transfers> incoming;
+    for (Incoming& one : incoming) {
+      one.driver = this;
+      one.transfer = usb.alloc_transfer(0);
+      *one.transfer = usb::Transfer{port_->handle(), 0, port_->in(), usb::bulk, 0, {}, static_cast<int>(one.bytes.size()), 0, &arrived,
+                                    &one, one.bytes.data(), 0};
+      if (!gone_) {
+        submit(one);
+      }
+    }
+    const auto under_way = [&] { return std::ranges::any_of(incoming, &Incoming::under_way); };
+    bool cancelled = false;
+    while (under_way()) {
+      if ((stop_ || gone_) && !cancelled) {
+        cancelled = true;
+        for (const Incoming& one : incoming) {
+          if (one.under_way) {
+            usb.cancel_transfer(one.transfer);
+          }
+        }
+      }
+      usb::Interval patience{0, events_timeout_us};
+      usb.handle_events_timeout(port_->context(), &patience);
+    }
+    for (const Incoming& one : incoming) {
+      usb.free_transfer(one.transfer);
+    }
+  }
+
+  // ---- to the chip
+
+  void send_all() {
+    std::vector<std::uint8_t> bytes(transfer_bytes);
+    while (!stop_ && !gone_) {
+      pollfd waiting{far_, POLLIN, 0};
+      if (::poll(&waiting, 1, patience_ms) <= 0) {
+        continue;
+      }
+      const ssize_t count = ::recv(far_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (count > 0) {
+        push(std::span(bytes.data(), static_cast<std::size_t>(count)));
+      } else if (count == 0) {
+        return;  // the link has closed its end
+      }
+    }
+  }
+
+  void push(std::span<std::uint8_t> bytes) {
+    while (!bytes.empty() && !stop_ && !gone_) {
+      int done = 0;
+      const int code = port_->library().bulk_transfer(port_->handle(), port_->out(), bytes.data(), static_cast<int>(bytes.size()), &done,
+                                                      send_timeout_ms);
+      bytes = bytes.subspan(static_cast<std::size_t>(done));
+      if (code == usb::error_no_device) {
+        ended("the FTDI chip was unplugged");
+      } else if (code != 0 && code != usb::error_timeout) {  // a timeout: the board does not take it now
+        ended(std::string("USB transfer to the FTDI chip failed: ") + port_->library().error_name(code));
+      }
+    }
+  }
+
+  std::unique_ptr<ftdi::Port> port_;
+  int far_;
+  std::uint64_t byte_time_ns_;
+  std::atomic<bool> stop_ = false;  // close() has been called
+  std::atomic<bool> gone_ = false;  // the chip has gone
+  mutable std::mutex mutex_;
+  std::string why_;
+  std::thread receiver_, sender_;
+};
+
+// The serial port that the kernel has for the chip, with what it cost to take it.
+class KernelPort final : public Driver {
+ public:
+  KernelPort(std::unique_ptr<Driver> driver, std::string notice) : driver_(std::move(driver)), notice_(std::move(notice)) {}
+  [[nodiscard]] Transfer send(std::span<const std::uint8_t> bytes) noexcept override { return driver_->send(bytes); }
+  [[nodiscard]] Transfer receive(std::span<std::uint8_t> room) noexcept override { return driver_->receive(room); }
+  void close() noexcept override { driver_->close(); }
+  void disown() noexcept override { driver_->disown(); }
+  [[nodiscard]] int descriptor() const noexcept override { return driver_->descriptor(); }
+  [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return driver_->byte_time_ns(); }
+  [[nodiscard]] std::string reason() const override { return driver_->reason(); }
+  [[nodiscard]] std::string warning() const override { return notice_; }
+
+ private:
+  std::unique_ptr<Driver> driver_;
+  std::string notice_;
+};
+
+std::string first_line(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+// /dev/ttyUSB0 of the chip and channel, "" where the kernel has none. UNITYLINK_ROOT is another root of /sys and /dev, for tests.
+std::string kernel_port(const ftdi::Settings& settings) {
+  const char* const told = std::getenv("UNITYLINK_ROOT");
+  const std::string root = told != nullptr ? told : "";
+  const std::filesystem::path devices = root + "/sys/bus/usb/devices";
+  std::error_code ignored;
+  std::string port;
+  for (const auto& device : std::filesystem::directory_iterator(devices, ignored)) {
+    const std::string serial = first_line(device.path() / "serial");
+    if (first_line(device.path() / "idVendor") != "0403" || (!settings.serial_number.empty() && serial != settings.serial_number)) {
+      continue;
+    }
+    const std::filesystem::path channel = devices / (device.path().filename().string() + ":1." + std::to_string(settings.channel));
+    for (const auto& entry : std::filesystem::directory_iterator(channel, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("ttyUSB")) {
+        if (!port.empty()) {
+          return {};  // several chips: which one is meant is not known
+        }
+        port = root + "/dev/" + name;
+      }
+    }
+  }
+  return port;
+}
+
+Outcome fall_back(const Url& url, const ftdi::Settings& settings, const Outcome& why, std::unique_ptr<Driver>& driver) {
+  const std::string path = kernel_port(settings);
+  if (path.empty()) {
+    return why;
+  }
+  Url serial = url;
+  serial.scheme = "serial";
+  serial.path = path;
+  std::unique_ptr<Driver> opened;
+  if (!open_serial(serial, opened).ok()) {
+    return why;
+  }
+  driver = std::make_unique<KernelPort>(std::move(opened), why.text + ": the kernel's serial port " + path + " is used instead, without event character");
+  return {};
+}
+
+}  // namespace
+
+bool is_ftdi_option(std::string_view name) noexcept {
+  return name == "channel" || name == "mode" || name == "baud" || name == "latency" || name == "event";
+}
+
+Outcome open_ftdi(const Url& url, std::unique_ptr<Driver>& driver) {
+  ftdi::Settings settings;
+  if (Outcome outcome = ftdi::settings_of(url, settings); !outcome.ok()) {
+    return outcome;
+  }
+  std::unique_ptr<ftdi::Port> port;
+  if (Outcome outcome = ftdi::Port::open(settings, port); !outcome.ok()) {
+    const bool may_be_had_otherwise = outcome.status == Status::permission || (outcome.status == Status::not_found && port == nullptr);
+    return may_be_had_otherwise && settings.mode != ftdi::Mode::sync_fifo ? fall_back(url, settings, outcome, driver) : outcome;
+  }
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    return {Status::closed, std::string("no socket pair: ") + std::strerror(errno)};
+  }
+  const std::uint64_t byte_time_ns = settings.mode == ftdi::Mode::serial ? 10'000'000'000 / settings.baud_hz : 0;
+  driver = std::make_unique<FtdiDriver>(std::move(port), ends[0], ends[1], byte_time_ns);
+  return {};
+}
+
+}  // namespace unitylink
