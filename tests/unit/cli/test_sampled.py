@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which items `watch`, `record` and `plot` take."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from unitylink.spec import compile_text
+from unitylink.tools.failure import Failure
+from unitylink.tools.link_option import Target
+from unitylink.tools.names import Names
+from unitylink.tools.sampled import sampled_items
+
+SPEC = """
+public arm() {
+   @position = 0x1: READ();
+   @target = 0x2: WRITE();
+   @mode = 0x3: u8 READWRITE();
+   @faults = 0x4: u8 W1C();
+   @steps = 0x5: READCLEAR();
+   @start = 0x6: PULSE();
+}
+"""
+
+
+def target(text: str) -> Target:
+    link: Any = SimpleNamespace(url="sim:arm.ul")
+    return Target(link, Names(compile_text(text).spec))
+
+
+def items(*names: str) -> list[str]:
+    return [item.name for item in sampled_items(target(SPEC), names, "watch")]
+
+
+def test_without_names_what_the_pc_reads_and_reading_does_not_change() -> None:
+    assert items() == ["position", "mode", "faults"]
+
+
+def test_with_names_what_they_say_but_what_reading_changes_only_by_its_own() -> None:
+    assert items("arm") == ["position", "target", "mode", "faults"]
+    assert items("steps", "target", "0x20") == ["steps", "target", "0x0020"]
+
+
+def test_nothing_is_told_with_what_to_do() -> None:
+    with pytest.raises(Failure, match=r"there is nothing to plot on sim:arm\.ul") as failed:
+        sampled_items(target("public arm() { @start = 0x6: PULSE(); }"), (), "plot")
+    assert "--spec FILE.ul" in failed.value.help_line
