@@ -109,8 +109,10 @@ class ExpressionReader(Cursor):
         return self.kinds[i] == "string" or self.kinds[i + 1] in (")", ",", ";", "]")
 
     def _value(self, text: str) -> int | Fraction:
-        prefix = text[:2].lower()
         try:
+            if text.isdecimal() and len(text) <= 20:  # most are; isdecimal, for int() takes no other digits
+                return int(text)
+            prefix = text[:2].lower()
             if prefix in ("0x", "0b"):
                 digits = text[2:].lstrip("0") or "0"
                 base, most = (16, 20) if prefix == "0x" else (2, 80)

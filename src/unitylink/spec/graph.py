@@ -224,7 +224,7 @@ class Graph:
 def _leaves(node: Expression) -> int:
     """Return of how many names, numbers and strings an expression is made."""
     if isinstance(node, Argument):
-        return sum(map(_leaves, node.parts))
+        return 1 if node.literal else sum(map(_leaves, node.parts))
     if isinstance(node, Operation):
         return _leaves(node.right) + (_leaves(node.left) if node.left is not None else 0)
     return 1

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 
 from .diagnostics import Reporter
 from .evaluate import Evaluator, Plain, Value
@@ -185,21 +186,28 @@ class _Reader:
 
 def raw_range(kind: ValueType) -> tuple[Plain, Plain]:
     """Return the smallest and the largest number a type holds, before scaling."""
-    if kind.kind == "float":
-        return -_FLOAT_MAX[kind.width], _FLOAT_MAX[kind.width]
-    low = -(1 << kind.width - 1) if kind.signed else 0
-    high = (1 << kind.width - kind.signed) - 1
-    if kind.fraction:
-        return Fraction(low, 1 << kind.fraction), Fraction(high, 1 << kind.fraction)
-    return low, high
+    return _scaled_range((kind.kind, kind.width, kind.fraction, kind.signed), 1, 0)
+
+
+@lru_cache(256)  # of types and scales a spec has few, however many values
+def _scaled_range(numbers: tuple[str, int, int, bool], factor: Plain, shift: Plain) -> tuple[Plain, Plain]:
+    kind, width, fraction, signed = numbers
+    if kind == "float":
+        raw: tuple[Plain, Plain] = (-_FLOAT_MAX[width], _FLOAT_MAX[width])
+    else:
+        raw = -(1 << width - 1) if signed else 0, (1 << width - signed) - 1
+        if fraction:
+            raw = Fraction(raw[0], 1 << fraction), Fraction(raw[1], 1 << fraction)
+    ends = [end * factor + shift for end in raw]
+    return min(ends), max(ends)
 
 
 def check_limits(facts: Facts, kind: ValueType, reporter: Reporter) -> bool:
     """Report limits, initial and safe values that contradict the type or each other."""
     if not facts.numbers:
         return True
-    ends: list[Plain] = [end * facts.factor + facts.shift for end in raw_range(kind)]
-    low, high = min(ends), max(ends)
+    numbers = kind.kind, kind.width, kind.fraction, kind.signed
+    low, high = _scaled_range(numbers, facts.factor, facts.shift)
     good = True
     for key, value in facts.numbers.items():
         if not low <= value <= high:

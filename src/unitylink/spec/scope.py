@@ -257,7 +257,7 @@ class Scopes:
     ) -> bool:
         """Are all names of an expression known here: parameters, addresses, constants, an array's index?"""
         known = True
-        for name in names_of(node):
+        for name in () if isinstance(node, Argument) and node.literal else names_of(node):
             text = name.text
             if text in scope.parameters:
                 scope.used_parameters.add(text)
@@ -275,6 +275,8 @@ class Scopes:
 
     def depends(self, scope: Scope, node: Expression, *, array: bool = False) -> bool:
         """Does the value of an expression differ from expansion to expansion?"""
+        if isinstance(node, Argument) and node.literal:
+            return False
         return any(
             name.text in scope.parameters or name.text in scope.addresses or (array and name.text == INDEX)
             for name in names_of(node)

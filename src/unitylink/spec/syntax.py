@@ -56,6 +56,11 @@ class Argument:
     end: int
     key: Name | None = None
 
+    @property
+    def literal(self) -> bool:
+        """Is it one number or string, as most are? Then there are no names in it to look for."""
+        return len(self.parts) == 1 and type(self.parts[0]) in (Number, Text)
+
 
 Expression = Union[Number, Text, Name, Operation, Argument]
 
