@@ -9,10 +9,17 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pygls.workspace import PositionCodec
 
 from unitylink.spec import compile_file, compile_text, format_text
 from unitylink.tools.bench.figure import BenchError
 from unitylink.tools.bench.language_client import LanguageClient
+from unitylink.tools.language_server.completion import completion
+from unitylink.tools.language_server.document import Document
+from unitylink.tools.language_server.edits import fixes, formatting
+from unitylink.tools.language_server.hover import hover
 
 SCARA = (Path(__file__).parents[3] / "examples" / "scara" / "scara.ul").read_text("utf-8")
 URI = "file:///robots/scara.ul"
@@ -321,3 +328,19 @@ def test_hostile_texts_and_places_are_answered(client: LanguageClient) -> None:
             place = {"textDocument": {"uri": URI}, "position": {"line": line, "character": character}}
             client.request("textDocument/hover", place)
             client.request("textDocument/completion", place)
+
+
+@given(data=st.data())
+@settings(max_examples=60, deadline=None)
+def test_any_damaged_text_is_answered(data: st.DataObject) -> None:
+    """While one types, most texts are wrong: whatever is asked of them, there is an answer or none."""
+    text = data.draw(st.sampled_from([SCARA, ARM]))
+    start = data.draw(st.integers(0, len(text)))
+    end = data.draw(st.integers(start, min(len(text), start + 40)))
+    document = Document(text[:start] + data.draw(st.text(max_size=4)) + text[end:], "x.ul", PositionCodec())
+    for place in data.draw(st.lists(st.integers(0, len(document.text)), min_size=1, max_size=5)):
+        assert document.offset(document.position(place)) <= len(document.text)
+        completion(document, place)
+        fixes(document, place, place)
+        hover(document, place)
+    formatting(document)
