@@ -8,8 +8,8 @@ python examples/hello_led/run.py --link "serial:/dev/ttyUSB0?baud=115200"
 from __future__ import annotations
 
 import argparse
+import queue
 import sys
-import threading
 from pathlib import Path
 
 from unitylink import connect
@@ -32,14 +32,11 @@ def main() -> int:
         for pattern in (0b0001, 0b0010, 0b0100):
             led.write(pattern)
             print(f"LEDs {pattern:04b}, up for {uptime_ms.read()} ms")
-        pressed = threading.Event()
-
-        def tell(value: int) -> None:
-            print(f"buttons {value:04b}")
-            pressed.set()
-
-        buttons.on_change(tell)  # starts what the spec publishes
-        if not pressed.wait(2.0):
+        pressed: queue.SimpleQueue[int] = queue.SimpleQueue()
+        buttons.on_change(pressed.put)  # starts what the spec publishes
+        try:
+            print(f"buttons {pressed.get(timeout=2.0):04b}")
+        except queue.Empty:
             print("the buttons were not published within 2 s", file=sys.stderr)
             return 1
         board.stop_publishing()
