@@ -14,7 +14,10 @@ from pathlib import Path
 import pytest
 
 from unitylink import connect
+from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
+from unitylink.simulate.plant import load_plant
+from unitylink.simulate.rtl import RtlBoard, rtl_configuration
 from unitylink.spec import load
 from unitylink.tools.bench import run as bench
 
@@ -30,37 +33,41 @@ pytestmark = pytest.mark.xdist_group("rtl")
 
 
 def test_scara_moves_on_the_gateware() -> None:
-    spec = load(SCARA)
     with connect(f"rtl:{SCARA}?plant=scara") as link:
-        robot = load_spec_objects(spec, link)
-        seen: list[int] = []
-        robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
-        with robot["j1"].publishing():
-            robot["j1.spd_sp"].write(4000)
-            robot["j1.pos_sp"].write(800)
-            deadline = time.monotonic() + 60
-            while robot["j1.cpos"].read() != 800:
-                assert time.monotonic() < deadline, "the joint does not get there"
-        assert seen[0] < 100
-        assert max(seen) >= 700
-        assert len(set(seen)) > 5, "positions are published on the way"
+        move(link)
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
 
 
-def test_scara_moves_behind_an_ft245() -> None:
+def move(link: Link) -> None:
+    """Send joint 1 of the SCARA to 800 and see it go."""
+    robot = load_spec_objects(load(SCARA), link)
+    seen: list[int] = []
+    robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
+    with robot["j1"].publishing():
+        robot["j1.spd_sp"].write(4000)
+        robot["j1.pos_sp"].write(800)
+        deadline = time.monotonic() + 60
+        while robot["j1.cpos"].read() != 800:
+            assert time.monotonic() < deadline, "the joint does not get there"
+    assert seen[0] < 100
+    assert max(seen) >= 700
+    assert len(set(seen)) > 5, "positions are published on the way"
+
+
+def test_scara_moves_behind_an_ft245_and_the_driver_of_its_chip(
+    fake_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     spec = load(SCARA)
-    with connect(f"rtl:{SCARA}?plant=scara&physical=ft245_async") as link:
-        robot = load_spec_objects(spec, link)
-        seen: list[int] = []
-        robot["j1.cpos"].on_publish(lambda _time_s, counts: seen.append(counts))
-        with robot["j1"].publishing():
-            robot["j1.spd_sp"].write(4000)
-            robot["j1.pos_sp"].write(800)
-            deadline = time.monotonic() + 60
-            while robot["j1.cpos"].read() != 800:
-                assert time.monotonic() < deadline, "the joint does not get there"
-        assert len(set(seen)) > 5, "positions are published on the way"
-        assert link.board.error is None, "the chip saw its rules kept"
+    configuration = rtl_configuration(spec, physical="ft245_async")
+    plant = load_plant("scara", spec)
+    with RtlBoard(spec, configuration=configuration, plant=plant, endpoint="tcp") as board:
+        chip = {"serial": "FT1", "port": board.url.rpartition(":")[2], "log": tmp_path / "log"}
+        monkeypatch.setenv("UNITYLINK_LIBUSB", str(fake_library))
+        monkeypatch.setenv("UNITYLINK_ROOT", str(tmp_path))
+        monkeypatch.setenv("FAKE_USB", " ".join(f"{key}={value}" for key, value in chip.items()))
+        with connect("ftdi:FT1?mode=fifo&fifo=256&timeout=1") as link:
+            move(link)
+        assert board.error is None, "the chip saw its rules kept"
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -21,18 +20,7 @@ from unitylink.spec import load
 
 ROOT = Path(__file__).resolve().parents[3]
 SCARA = ROOT / "examples" / "scara" / "scara.ul"
-FAKE = ROOT / "native" / "test" / "fake_usb" / "fake_libusb.cpp"
 Plug = Callable[..., Path]
-
-
-@pytest.fixture(scope="session")
-def fake_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The fake of libusb, compiled."""
-    library = tmp_path_factory.mktemp("usb") / "fake_libusb.so"
-    compiler = os.environ.get("CXX") or shutil.which("c++") or "g++"
-    options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-pthread", "-I", str(ROOT / "native" / "src")]
-    subprocess.run([compiler, *options, str(FAKE), "-o", str(library)], check=True, timeout=300)
-    return library
 
 
 @pytest.fixture
