@@ -46,7 +46,7 @@ begin
       to_pc => to_pc, from_pc => from_pc);
 
   debounced : entity work.input_filter
-    generic map (pins => buttons'length, stable_clocks => clocks_a_ms)
+    generic map (width => buttons'length, stable_clocks => clocks_a_ms)
     port map (clock => clock, reset => user_reset, pins => buttons, levels => levels);
 
   leds            <= std_ulogic_vector(from_pc.led(7 downto 0));

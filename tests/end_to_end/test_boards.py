@@ -9,6 +9,7 @@ from pathlib import Path
 from unitylink.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
+COMMAND = "unitylink build examples/servo/servo.ul --board icebreaker"
 # A two-way pin, an active-low one, a PLL, and publishing off: everything of the flow in the smallest design.
 SMALL = """
 link small (BAUD=1000000);
@@ -21,6 +22,7 @@ public small() {
 
 
 def test_servo_on_icebreaker(tmp_path: Path) -> None:
+    assert f"\n{COMMAND}\n" in (ROOT / "docs" / "board.md").read_text("utf-8")
     spec = ROOT / "examples" / "servo" / "servo.ul"
     assert main(["build", str(spec), "--board", "icebreaker", "--out", str(tmp_path)]) == 0
     report = json.loads((tmp_path / "report.json").read_text())

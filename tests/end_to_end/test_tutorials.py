@@ -39,11 +39,23 @@ def script_of(page: str) -> str:
             "own-board.md",
             ("without a fault", "told by the device", "x.position is now 300", "read x.position"),
         ),
+        (
+            "board.md",
+            (
+                "hello_led on iCEBreaker",
+                "leds[1]     LEDR_N (site 11, active low)",
+                "the board answers, in time and without a fault",
+                "LEDs 0001, up for",
+                "servo at 1700 us, wheel at 400 counts",
+                "the limit switch has closed, 1 in all",
+            ),
+        ),
     ],
 )
 def test_a_tutorial_works_as_it_stands(page: str, says: tuple[str, ...], tmp_path: Path) -> None:
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     output = tmp_path / "output"
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     with (
         output.open("w") as file,
         subprocess.Popen(
@@ -57,7 +69,7 @@ def test_a_tutorial_works_as_it_stands(page: str, says: tuple[str, ...], tmp_pat
         ) as bash,
     ):
         try:
-            code = bash.wait(timeout=2 * PATIENCE_S)
+            code = bash.wait(timeout=5 * PATIENCE_S)
         finally:
             with suppress(ProcessLookupError):  # nothing was left behind
                 os.killpg(bash.pid, signal.SIGTERM)  # a virtual board

@@ -206,7 +206,7 @@ def test_scara_on_its_uart(designs: Any) -> None:
 
 def test_the_board_of_the_page(designs: Any) -> None:
     """docs/generate-vhdl.md shows a board around the generated design: it analyses and synthesises."""
-    (block,) = re.findall(r"^```vhdl\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    block, *_ = re.findall(r"^```vhdl\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     board = designs.folder / "board.vhd"
     board.write_text(block, encoding="ascii")
     spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
@@ -238,3 +238,17 @@ def test_servo_board_from_its_uart_to_its_pins(designs: Any) -> None:
     assert answers[9:] == [b"#S_R:00000001\n", b"#S_W\n"]
     library = designs.library(spec, None, [folder / "servo_board.vhd"])
     assert "entity servo_board is" in library.synthesise("servo_board")
+
+
+def test_hello_led_board_from_its_uart_to_its_pins(designs: Any) -> None:
+    """The first design that goes on a board: LEDs, buttons, a counter of milliseconds."""
+    folder = ROOT / "examples" / "hello_led"
+    spec = load(folder / "hello_led.ul")
+    steps: list[str | int] = ["#RLC\n", "#W:00000000A5\n", 24_000, "#R:01\n", "#R:02\n", 8_000, "#R:02\n"]
+    board = folder / "hello_led_board.vhd"
+    answers = designs.play(spec, "hello_led_board_tb", steps, [board])
+    assert answers[0] == told(BoardConfiguration.for_spec(spec))
+    assert answers[1:4] == [b"#S_W\n", b"", b"#S_R:00000009\n"]
+    first, second = (int(answers[index].strip().rpartition(b":")[2], 16) for index in (4, 6))
+    assert 3 <= first < second <= first + 2  # milliseconds
+    assert "entity hello_led_board is" in designs.library(spec, None, [board]).synthesise("hello_led_board")
