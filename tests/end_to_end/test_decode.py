@@ -85,6 +85,8 @@ def test_a_person_types_with_tab_and_sees_the_answer() -> None:
         )  # of j1.cpos: all of the line is drawn again, or what is new of it
         os.write(terminal, b"\r")
         seen = _until(terminal, seen, b"j1.cpos = ")
+        after = seen.partition(b"j1.cpos = ")[2]
+        _until(terminal, after, b"\x1b[?2004h")  # the next prompt: before it Ctrl-D is not for us
         os.write(terminal, b"\x04")
     finally:
         _, status = os.waitpid(pid, 0) if b"j1.cpos = " in seen else (os.kill(pid, 9), os.waitpid(pid, 0)[1])

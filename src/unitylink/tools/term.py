@@ -200,13 +200,15 @@ def _talk(session: Session, link: str) -> None:
 
     click.echo(f"{link}\n{_HELP}")
     over = threading.Event()
+    saying = threading.Lock()
     failures: list[LinkError] = []
 
     def listen(say: Callable[[str], None]) -> None:
         try:
             while not over.is_set():
                 for shown in session.receive(0.1):
-                    say(shown)
+                    with saying:
+                        say(shown)
         except LinkError as error:
             failures.append(error)
             say(f"the link has ended: {error}; Enter ends the terminal")
@@ -224,7 +226,8 @@ def _talk(session: Session, link: str) -> None:
                     print(_HELP + "\n".join(_COMMANDS.values()))
                 elif line:
                     try:
-                        print(session.send(line))
+                        with saying:  # the answer comes below it, however fast
+                            print(session.send(line))
                     except ValueError as error:
                         print(error)
         except (EOFError, KeyboardInterrupt):
