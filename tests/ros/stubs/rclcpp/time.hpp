@@ -1,5 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-#pragma once
-namespace rclcpp {
-class Time {};
-}  // namespace rclcpp
