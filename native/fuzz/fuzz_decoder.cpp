@@ -11,7 +11,7 @@
 
 #include "layer1_stream/classic_decoder.hpp"
 #include "layer1_stream/configuration.hpp"
-#include "layer2_message/engine.hpp"
+#include "layer2_message/classic_engine.hpp"
 
 using namespace unitylink;
 
@@ -123,7 +123,7 @@ class Fuzz {
 
   // Requests against an answerer that says whatever the traffic is: all must end within their attempts.
   void drive_engine(const std::string& text) {
-    auto engine = std::make_unique<MessageEngine>(EngineSettings{});
+    auto engine = std::make_unique<ClassicEngine>(EngineSettings{});
     engine->configure({.address_bytes = 1, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2,
                        .group_size = 16, .rate_bytes = 2, .discovered = true});
     Exchange exchanges[4];
@@ -137,7 +137,7 @@ class Fuzz {
     }
     engine->sent(engine->transmit(now).size());
     std::size_t at = 0;
-    for (int step = 0; engine->next_deadline_ns() != MessageEngine::no_deadline || at < text.size(); ++step) {
+    for (int step = 0; engine->next_deadline_ns() != ClassicEngine::no_deadline || at < text.size(); ++step) {
       if (step > 20'000) {
         fail("a request did not end", seed_, rounds, text);
       }

@@ -17,6 +17,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "link_arguments.hpp"
 #include "layer2_message/link.hpp"
 
 namespace nb = nanobind;
@@ -25,22 +26,6 @@ namespace unitylink::python {
 namespace {
 
 constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
-
-RequestOptions options_of(nb::handle checked, bool repeat, nb::handle timeout_s) {
-  RequestOptions options;
-  options.repeat = repeat;
-  if (!checked.is_none()) {
-    options.checked = nb::cast<bool>(checked);
-  }
-  if (!timeout_s.is_none()) {
-    const double seconds = nb::cast<double>(timeout_s);
-    if (!(seconds > 0 && seconds <= 3600)) {
-      raise_unless_ok({Status::range, "timeout_s must be above 0 and at most 3600, not " + std::to_string(seconds)});
-    }
-    options.timeout_ns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(seconds * 1e9));
-  }
-  return options;
-}
 
 std::unique_ptr<Link> open_link(std::string_view url) {
   std::unique_ptr<Link> link;
@@ -76,19 +61,6 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
     outcome = link.write(word, what, options);
   }
   raise_unless_ok(outcome);
-}
-
-template <class Reader>
-nb::object read_words(nb::handle addresses, const Reader& reader) {
-  const std::vector<std::uint32_t> words = words_of(addresses, "address");
-  auto values = std::make_unique<std::uint32_t[]>(words.size());
-  Outcome outcome;
-  {
-    GilRelease release;
-    outcome = reader(std::span<const std::uint32_t>(words), std::span(values.get(), words.size()));
-  }
-  raise_unless_ok(outcome);
-  return array_of(std::move(values), {words.size()});
 }
 
 nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
@@ -151,12 +123,6 @@ nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
     count = room == 0 ? 0 : link.drain(id, std::span(times.get(), room), std::span(values.get(), room * words));
   }
   return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
-}
-
-void check_signals() {
-  if (PyErr_CheckSignals() != 0) {
-    throw nb::python_error();
-  }
 }
 
 // Ctrl-C is for the main thread; the others are not asked.
@@ -349,6 +315,9 @@ nb::dict statistics(Link& link) {
   UNITYLINK_COUNTER(overruns);
   UNITYLINK_COUNTER(bytes_sent);
   UNITYLINK_COUNTER(bytes_received);
+  UNITYLINK_COUNTER(posts);
+  UNITYLINK_COUNTER(missing_publishes);
+  UNITYLINK_COUNTER(sessions);
 #undef UNITYLINK_COUNTER
   return result;
 }
@@ -375,8 +344,9 @@ void bind_link(nb::module_& module) {
   nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect).def("post", &Mailbox::post, "ticket"_a);
   module.def("mailbox", [] { return std::make_shared<Mailbox>(); });
   nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a).def("withdraw", &Pending::withdraw, "link"_a);
-  nb::class_<Link>(module, "NativeLink")
-      .def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
+  nb::class_<Link> link(module, "NativeLink");
+  bind_framed(link);
+  link.def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("write", &write, "address"_a, "value"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("read_many", &read_many, "addresses"_a, "atomic"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("read_each", &read_each, "addresses"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "decoder_trace.hpp"
-#include "layer2_message/engine.hpp"
+#include "layer2_message/classic_engine.hpp"
 
 namespace unitylink::test {
 
@@ -19,7 +19,7 @@ struct Bench {
     EngineSettings settings;
     settings.receive_fifo_bytes = settings.transmit_fifo_bytes = fifo;
     settings.window = window;
-    engine = std::make_unique<MessageEngine>(settings);
+    engine = std::make_unique<ClassicEngine>(settings);
   }
 
   // Brings the engine to where the device has answered its first fence.
@@ -49,7 +49,7 @@ struct Bench {
   }
 
   std::uint64_t now = 1000 * ms;
-  std::unique_ptr<MessageEngine> engine;
+  std::unique_ptr<ClassicEngine> engine;
 };
 
 inline Exchange reading(std::uint32_t address, bool checked = false, bool repeat = true) {

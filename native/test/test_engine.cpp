@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MessageEngine on a virtual clock against scripted answers.
+// ClassicEngine on a virtual clock against scripted answers.
 #include <array>
 #include <string>
 #include <vector>
@@ -173,7 +173,7 @@ TEST_CASE("a silent device: everything ends, in time, with the number of attempt
   bench.submit(write);
   bench.submit(unsent);
   const std::uint64_t begun = bench.now;
-  while (bench.engine->next_deadline_ns() != MessageEngine::no_deadline) {
+  while (bench.engine->next_deadline_ns() != ClassicEngine::no_deadline) {
     bench.now = bench.engine->next_deadline_ns();
     bench.engine->advance(bench.now);
     bench.sent();
@@ -305,7 +305,7 @@ TEST_CASE("requests that are taken back during a fence leave nothing to trip ove
   bench.answer("?f1\n$?E_ICC\n#S_W\n");
   bench.answer(cnf);
   bench.wait(1000 * ms);
-  CHECK(bench.engine->next_deadline_ns() == MessageEngine::no_deadline);
+  CHECK(bench.engine->next_deadline_ns() == ClassicEngine::no_deadline);
   CHECK(bench.sent().empty());
   Exchange next = reading(3);
   bench.submit(next);

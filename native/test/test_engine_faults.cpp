@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MessageEngine against a device behind a wire that does everything wrong.
+// ClassicEngine against a device behind a wire that does everything wrong.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -53,7 +53,7 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
         bench.submit(exchanges[next++]);
       }
       device.receive(bench.sent(), bench.now);
-      bench.now = std::max(bench.now, std::min(device.next_ns(), bench.engine->next_deadline_ns()) == MessageEngine::no_deadline
+      bench.now = std::max(bench.now, std::min(device.next_ns(), bench.engine->next_deadline_ns()) == ClassicEngine::no_deadline
                                           ? bench.now
                                           : std::min(device.next_ns(), bench.engine->next_deadline_ns()));
       const std::string heard = device.take(bench.now);

@@ -29,7 +29,9 @@ device::DeviceConfiguration plain_board() {
   return configuration;
 }
 
-std::unique_ptr<device::Board> board_on(const std::string& kind, const device::DeviceConfiguration& configuration = plain_board()) {
+// Of the classic protocol only, which the link finds out by asking; test_framed_link.cpp has the other.
+std::unique_ptr<device::Board> board_on(const std::string& kind, device::DeviceConfiguration configuration = plain_board()) {
+  configuration.framed.present = false;
   auto board = std::make_unique<device::Board>(configuration, device::make_endpoint(kind, "127.0.0.1"));
   board->start();
   return board;

@@ -117,7 +117,7 @@ def exchange() -> list[CaptureMessage]:
         trace = Path(folder) / "read.pcapng"
         with Board(None, configuration=BoardConfiguration(address_bits=8, data_bits=32)) as board:
             board.registers[0x12] = 0x40DE1212
-            with connect(f"{board.url}?crc=1&timeout=20&trace={trace}") as link:
+            with connect(f"{board.url}?protocol=classic&crc=1&timeout=20&trace={trace}") as link:
                 link.read(0x12)
         return [m for m in messages(read_packets(trace)) if m.text.startswith(("$R:", "$S_R:"))]
 

@@ -1,16 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MessageEngine: requests in order to text, text to answers, and what to do when an answer does not come. Sans I/O: it is given bytes and
-// times and gives bytes and verdicts, so that tests can run it on a virtual clock.
-//
-//   submit() -> waiting -> transmit() -> in flight -> receive() -> replied -> done
-//                  ^                        |  a bad or missing answer: everything in flight is void
-//                  +----- fence ------------+  what must not be sent twice ends here
-//
-// Rules, and why:
-// - The protocol has no ids: the n-th reply belongs to the n-th request. A request that vanished would shift every later answer by one, so
-//   answers count only when all that was in flight together has been answered (`replied` waits for that); then the numbers agree.
-// - Requests in flight never hold more bytes, either way, than the device's FIFOs (credit), unless one is alone.
-// - After a void nothing is sent but the fence, until the device has answered it. All that comes before that answer is dropped.
+// What Link needs of an engine, whichever protocol it speaks: requests in, bytes out; bytes in, verdicts out. Sans I/O: it is given bytes and
+// times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine and FramedEngine are the two.
 #pragma once
 
 #include <array>
@@ -19,8 +9,8 @@
 #include <optional>
 #include <span>
 
-#include "layer1_stream/classic_decoder.hpp"
 #include "layer1_stream/configuration.hpp"
+#include "layer1_stream/crc8.hpp"
 #include "layer2_message/exchange.hpp"
 #include "layer2_message/publish_ring.hpp"
 #include "layer2_message/statistics.hpp"
@@ -28,49 +18,45 @@
 namespace unitylink {
 
 struct EngineSettings {
-  Crc8 sum{};
-  std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // the device's, for requests
-  std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // the device's, for replies
+  Crc8 sum{};                            // of the classic protocol
+  std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // the device's, for classic requests
+  std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // the device's, for classic replies
   std::uint32_t window = 64;             // requests in flight together
   std::uint64_t timeout_ns = 100'000'000;
   std::uint64_t byte_time_ns = 0;        // on the wire: long messages are given the time they need
+  std::uint64_t seed = 0;                // what the epochs of framed sessions are drawn from
 };
 
-class MessageEngine {
+class Engine {
  public:
   static constexpr std::uint64_t no_deadline = ~std::uint64_t{0};
-  // The longest request is a WSA or RM of 255 addresses of 4 bytes; several short ones fit together.
-  static constexpr std::size_t transmit_bytes_max = 8192;
 
-  explicit MessageEngine(const EngineSettings& settings) noexcept;
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine() = default;
 
-  // Widths are needed before anything but resynchronise and empty_message is submitted.
-  void configure(const Configuration& configuration) noexcept;
-  [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
-  // The device's last CNF; nothing when it has no RLC or has not been asked.
-  [[nodiscard]] const std::optional<Configuration>& reported() const noexcept { return reported_; }
-  // False once the device has shown that it has no checksums ("lite" datalink).
-  [[nodiscard]] bool checksums() const noexcept { return !plain_fence_; }
-
-  void submit(Exchange& exchange, std::uint64_t now_ns) noexcept;
-  void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept;
-  [[nodiscard]] std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept;
-  void sent(std::size_t bytes) noexcept;
-  void advance(std::uint64_t now_ns) noexcept;
-  [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept;
-  // Takes requests back: all of them are done afterwards. If one was on its way, all that is becomes void.
-  void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept;
+  // Widths are needed before anything but the request that begins a link is submitted.
+  virtual void configure(const Configuration& configuration) noexcept = 0;
+  virtual void submit(Exchange& exchange, std::uint64_t now_ns) noexcept = 0;
+  virtual void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept = 0;
+  // What is to be sent now; sent() says how much of it has been.
+  [[nodiscard]] virtual std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept = 0;
+  virtual void sent(std::size_t bytes) noexcept = 0;
+  virtual void advance(std::uint64_t now_ns) noexcept = 0;
+  [[nodiscard]] virtual std::uint64_t next_deadline_ns() const noexcept = 0;
+  // Takes requests back: all of them are done afterwards.
+  virtual void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
   // The gentle form: what is on its way is waited for, at most the usual time, but not sent again.
-  void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept;
+  virtual void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
   // Ends everything, with `status`; writes on their way end unknown. Nothing is accepted any more.
-  void end(Status status, std::uint64_t now_ns) noexcept;
+  virtual void end(Status status, std::uint64_t now_ns) noexcept = 0;
   // The same without telling anybody: their threads are in another process.
-  void forget(Status status) noexcept;
+  virtual void forget(Status status) noexcept = 0;
 
   // Who gets a group's publishes; nullptr: nobody, they are counted as unclaimed.
-  void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }
-  // Whether publishes were asked for with a checksum; the other kind is then refused.
-  void expect_checked_publishes(bool checked) noexcept { publishes_checked_ = checked; }
+  virtual void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }
+  [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] Statistics& statistics() noexcept { return statistics_; }
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
   [[nodiscard]] std::uint64_t last_answer_ns() const noexcept { return last_answer_ns_; }
@@ -78,62 +64,26 @@ class MessageEngine {
   [[nodiscard]] std::uint64_t completed() const noexcept { return completed_; }
   [[nodiscard]] std::optional<Status> ended() const noexcept { return ended_; }
 
- private:
-  enum class State : std::uint8_t { ready, fence_due, fencing };
-  struct Sink;  // what the decoder calls
+ protected:
+  void finish(Exchange& exchange, Status status) noexcept {
+    exchange.status = status;
+    exchange.ended_ns = now_ns_;
+    exchange.state_ = Exchange::State::done;
+    completed_ += 1;
+    if (status != Status::ok && exchange.batch != nullptr) {
+      exchange.batch->failed = true;
+    }
+    if (exchange.on_done != nullptr) {
+      exchange.on_done(exchange);
+    }
+  }
 
-  void on_message(const Message& message) noexcept;
-  void on_publish(const Publish& publish) noexcept;
-  void on_reply(const Message& message) noexcept;
-  void on_application_error(Exchange& exchange, const Message& message) noexcept;
-  void on_fence_answer(const Message& message) noexcept;
-  void on_datalink_error(std::uint8_t code) noexcept;
-  void on_bad_reply() noexcept;
-  [[nodiscard]] bool take_data(Exchange& exchange, const Message& message) noexcept;
-  void replied(Exchange& exchange, Status status) noexcept;
-  void settle() noexcept;
-  void void_in_flight(Status why, std::uint8_t datalink_code) noexcept;
-  void fence_passed() noexcept;
-  void fence_failed() noexcept;
-  void hasten_fence() noexcept;
-  void finish(Exchange& exchange, Status status) noexcept;
-  [[nodiscard]] bool admits(const Exchange& exchange) const noexcept;
-  void encode(Exchange& exchange) noexcept;
-  void encode_fence() noexcept;
-  [[nodiscard]] std::uint64_t allowance_ns() const noexcept;
-
-  EngineSettings settings_;
-  ClassicDecoder decoder_;
   Configuration configuration_;
-  std::optional<Configuration> reported_;
   Statistics statistics_;
-  State state_ = State::fence_due;
   std::optional<Status> ended_;
-
-  ExchangeList waiting_;
-  ExchangeList in_flight_;           // first the replied ones, then those whose answer is awaited
-  Exchange* oldest_ = nullptr;       // the first awaited one of in_flight_
-  std::uint32_t batch_ = 0;          // how many are in in_flight_
-  std::uint32_t request_credit_ = 0; // bytes of awaited ones, each way
-  std::uint32_t reply_credit_ = 0;
-
   std::uint64_t now_ns_ = 0;
-  std::uint64_t oldest_since_ns_ = 0;
-  std::uint64_t fence_deadline_ns_ = 0;
   std::uint64_t last_answer_ns_ = 0;  // 0: never
   std::uint64_t completed_ = 0;
-  std::uint32_t fences_sent_ = 0;     // since the last answered one
-  std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have swallowed them
-  bool fence_hastened_ = false;
-  bool publishes_checked_ = false;
-  std::uint8_t fence_code_ = 0;       // the last ?xx heard while fencing
-  std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come
-  bool plain_fence_ = false;
-
-  std::uint64_t position_ = 0;        // bytes ever handed to the driver
-  std::size_t pending_begin_ = 0;
-  std::size_t pending_end_ = 0;
-  std::array<std::uint8_t, transmit_bytes_max> pending_;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
 };
 

@@ -13,11 +13,13 @@ namespace unitylink {
 class PublishRing;
 
 enum class Operation : std::uint8_t {
-  resynchronise,  // the fence by itself: done when the device has answered it; how a link begins
-  empty_message,  // "$": corrected gateware answers it as a wrong checksum, 2012 gateware as an unknown command
+  // both protocols
+  resynchronise,  // the fence or the opening of a session by itself: done when the device has answered it; how a link begins
   read,
   read_many,
   write,
+  // the classic protocol
+  empty_message,  // "$": corrected gateware answers it as a wrong checksum, 2012 gateware as an unknown command
   write_group_addresses,
   write_group_rate,
   read_group,
@@ -26,6 +28,13 @@ enum class Operation : std::uint8_t {
   disable_publishing,
   write_event_mask,
   read_event_mask,
+  // the framed protocol
+  transfer,       // words to write, then words to read, in one message
+  define_group,
+  read_control,
+  write_control,
+  synchronise,    // how far the posts have come
+  close_session,
 };
 
 // Requests of one call that must not go on after one of them failed.
@@ -38,15 +47,20 @@ struct Exchange {
   Operation operation = Operation::read;
   bool checked = false;
   bool repeat = true;                        // sending it twice does no harm
-  std::uint32_t address = 0;                 // read, write; the group of group commands
-  std::uint32_t value = 0;                   // write: the word; write_group_rate: the divisor
-  std::span<const std::uint32_t> addresses;  // read_many, write_group_addresses
+  std::uint32_t address = 0;                 // read, write; the group of group commands; a control register
+  std::uint32_t value = 0;                   // write: the word; of a group: the divisor
+  std::span<const std::uint32_t> addresses;  // read_many, transfer; of a group
+  std::span<const std::uint32_t> write_addresses;  // transfer
+  std::span<const std::uint32_t> write_values;
+  bool atomic = false;                       // transfer, read_many: with the bus held from the first word to the last
+  bool chained = false;                      // only after the exchange submitted before it has been executed
+  bool on_event = false;                     // define_group: publish on its event input, too
   std::span<const std::uint8_t> mask;        // write_event_mask, most significant byte first
-  std::span<std::uint32_t> values;           // room for read_many's words, read_group's rate and addresses
+  std::span<std::uint32_t> values;           // room for the words read; read_group's rate and addresses
   std::uint64_t timeout_ns = 0;              // per attempt
   std::uint32_t attempts_max = 1;            // 0 once the caller does not want it any more
   Batch* batch = nullptr;
-  PublishRing* ring = nullptr;               // write_group_addresses: who gets the group's publishes from now on
+  PublishRing* ring = nullptr;               // of a group: who gets its publishes from now on
   void* owner = nullptr;                     // for on_done
   void (*on_done)(Exchange&) noexcept = nullptr;  // called once, with the engine's lock held; must not call back into it
 
@@ -54,7 +68,7 @@ struct Exchange {
   Status status = Status::ok;
   std::string_view error;                    // the device's E_xxx, empty when it gave none
   std::uint8_t datalink_code = 0;            // the ?xx that voided it last, 0 none
-  std::uint32_t words = 0;                   // read_many: words that came; read_group: addresses
+  std::uint32_t words = 0;                   // words that were executed; read_group: addresses
   std::uint32_t attempts = 0;                // times an answer was asked for: the request itself, or a fence for its sake
   bool sent = false;                         // at least a byte of it has ever left
   std::uint64_t begun_ns = 0;
@@ -62,19 +76,22 @@ struct Exchange {
 
   [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
   // How it ends when it is not sent (again).
-  [[nodiscard]] Status cut_off() const noexcept {
-    return !sent ? Status::cancelled : operation == Operation::write ? Status::unknown : Status::timeout;
-  }
+  [[nodiscard]] Status cut_off() const noexcept { return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout; }
+  // It changes something on the device's bus.
+  [[nodiscard]] bool writes() const noexcept { return operation == Operation::write || !write_addresses.empty(); }
 
  private:
-  friend class MessageEngine;
+  friend class Engine;
+  friend class ClassicEngine;
+  friend class FramedEngine;
   friend class ExchangeList;
   enum class State : std::uint8_t { idle, waiting, in_flight, replied, done };
   State state_ = State::idle;
   std::uint32_t failures_ = 0;               // attempts that were this request's own
-  std::uint32_t request_bytes_ = 0;
-  std::uint32_t reply_bytes_ = 0;
-  std::uint64_t begin_ = 0;                  // position of its first byte in everything ever sent
+  std::uint32_t request_bytes_ = 0;          // classic
+  std::uint32_t reply_bytes_ = 0;            // classic
+  std::uint64_t begin_ = 0;                  // classic: position of its first byte in everything ever sent
+  std::uint64_t follows_ = 0;                // framed: posts made before it
   Exchange* next_ = nullptr;
 };
 
@@ -94,6 +111,13 @@ class ExchangeList {
     first_ = exchange.next_;
     exchange.next_ = nullptr;
     return exchange;
+  }
+  void push_front(Exchange& exchange) noexcept {
+    exchange.next_ = first_;
+    if (first_ == nullptr) {
+      last_ = &exchange;
+    }
+    first_ = &exchange;
   }
   // Puts all of `list` before what is here.
   void prepend(ExchangeList& list) noexcept {

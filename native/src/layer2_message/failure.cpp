@@ -19,6 +19,13 @@ std::string_view meaning_of(std::string_view error) noexcept {
   if (error == codes::bus_error_read) return "its bus refused the read";
   if (error == codes::bus_error_write) return "its bus refused the write";
   if (error == codes::bus_timeout) return "nothing on its bus answered";
+  if (error == "bus_error") return "its bus refused";
+  if (error == "bus_timeout") return "nothing on its bus answered";
+  if (error == "bad_address") return "it has no such control register";
+  if (error == "denied") return "its dead-man has tripped; arm() the outputs again";
+  if (error == "invalid") return "this gateware was built without that";
+  if (error == "too_long") return "the reply would not fit into its buffers";
+  if (error == "no_group") return "no such group, or more words than one holds";
   return "an error of the gateware";
 }
 
@@ -46,11 +53,16 @@ bool address_of(const Exchange& exchange, std::uint32_t& address) noexcept {
     case Operation::read:
     case Operation::write: address = exchange.address; return true;
     case Operation::read_many:
-      if (exchange.addresses.empty()) {
+    case Operation::transfer: {
+      const std::size_t writes = exchange.write_addresses.size();
+      const std::size_t words = writes + exchange.addresses.size();
+      const std::size_t word = exchange.words < words ? exchange.words : 0;
+      if (words == 0) {
         return false;
       }
-      address = exchange.addresses[exchange.words < exchange.addresses.size() ? exchange.words : 0];
+      address = word < writes ? exchange.write_addresses[word] : exchange.addresses[word - writes];
       return true;
+    }
     default: return false;
   }
 }
@@ -59,6 +71,16 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
   std::uint32_t address = 0;
   const bool has_address = address_of(exchange, address);
   switch (exchange.operation) {
+    case Operation::transfer:
+      return (exchange.write_addresses.empty() ? "" : "write of " + std::to_string(exchange.write_addresses.size()) + " words") +
+             (exchange.write_addresses.empty() || exchange.addresses.empty() ? "" : " and ") +
+             (exchange.addresses.empty() ? "" : "read of " + std::to_string(exchange.addresses.size()) + " words") +
+             (has_address ? " (at " + hex_address(address, address_bytes) + ")" : "");
+    case Operation::define_group: return "definition of group " + std::to_string(exchange.address);
+    case Operation::read_control: return "read of control register " + hex_address(exchange.address, 2);
+    case Operation::write_control: return "write of control register " + hex_address(exchange.address, 2);
+    case Operation::synchronise: return "the question what became of the posts";
+    case Operation::close_session: return "the end of the session";
     case Operation::resynchronise: return "resynchronisation with the device";
     case Operation::empty_message: return "the question whether the gateware is corrected";
     case Operation::read: return "read of " + hex_address(address, address_bytes);
@@ -131,7 +153,7 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
   const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
   switch (exchange.status) {
     case Status::timeout:
-      outcome.text = name + (exchange.operation == Operation::write && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
+      outcome.text = name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
       break;
     case Status::unknown:
       outcome.text = name + " was sent but its answer lost" + because + heard +

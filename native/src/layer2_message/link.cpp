@@ -8,6 +8,7 @@
 #include <cstring>
 #include <new>
 #include <poll.h>
+#include <random>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -41,7 +42,7 @@ Link::Link(std::unique_ptr<Driver> driver, const LinkOptions& options)
     : options_(options),
       driver_(std::move(driver)),
       wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      engine_(options.engine),
+      classic_(options.engine),
       gateware_(options.gateware) {}
 
 Link::~Link() {
@@ -75,6 +76,10 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
 Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, std::unique_ptr<Link>& link) {
   LinkOptions settled = options;
   settled.engine.byte_time_ns = driver->byte_time_ns();
+  if (settled.engine.seed == 0) {
+    std::random_device random;
+    settled.engine.seed = std::uint64_t{random()} << 32 | random();
+  }
   std::unique_ptr<Link> opened(new Link(std::move(driver), settled));
   if (opened->wake_descriptor_ < 0) {
     return {Status::closed, std::string("no descriptor to wake threads with: ") + std::strerror(errno)};
@@ -86,26 +91,6 @@ Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, s
   return outcome;
 }
 
-Outcome Link::begin() {
-  Exchange exchange;
-  exchange.operation = Operation::resynchronise;
-  exchange.attempts_max = options_.attempts;
-  run(std::span(&exchange, 1));
-  if (exchange.status != Status::ok) {
-    return outcome_of(exchange);
-  }
-  const std::scoped_lock lock(mutex_);
-  checksums_ = engine_.checksums();
-  if (!checksums_ && options_.checked) {
-    return {Status::mismatch, "the device has no checksums (it refuses '$'); remove crc=1 from the URL"};
-  }
-  Outcome outcome = settle_configuration(options_, engine_.reported(), configuration_);
-  if (outcome.ok()) {
-    engine_.configure(configuration_);
-  }
-  return outcome;
-}
-
 // ---- the role of the leader
 
 void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
@@ -113,7 +98,7 @@ void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
   std::uint64_t now = now_ns();
   std::uint64_t look_ns = std::min(until_ns, now + interruption_patience_ns);
   for (Exchange& exchange : exchanges) {
-    engine_.submit(exchange, now);
+    engine_->submit(exchange, now);
   }
   flush(now);
   ++callers_;
@@ -128,30 +113,34 @@ void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
     if (done == exchanges.size()) {
       break;
     }
-    if (leading_) {
-      if (blocked_ || engine_.next_deadline_ns() < leading_until_ns_) {
-        wake();
-      }
-      ++followers_;
-      turn_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(look_ns)));
-      --followers_;
-      now = now_ns();
-    } else {
-      lead(lock, look_ns);
-      now = engine_.now_ns();
-    }
+    turn(lock, look_ns);
+    now = now_ns();
     if (now >= look_ns) {
       look_ns = std::min(until_ns, now + interruption_patience_ns);
       if (now >= until_ns || interrupted(lock)) {
-        engine_.abandon(exchanges, now_ns());
-        flush(engine_.now_ns());
+        engine_->abandon(exchanges, now_ns());
+        flush(engine_->now_ns());
         wake();
       }
     }
   }
   --callers_;
-  last_call_ns_ = engine_.now_ns();
+  last_call_ns_ = engine_->now_ns();
   hand_over();
+}
+
+// One turn of waiting: at the descriptor, or for who is there.
+void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
+  if (!leading_) {
+    lead(lock, until_ns);
+    return;
+  }
+  if (blocked_ || engine_->next_deadline_ns() < leading_until_ns_) {
+    wake();
+  }
+  ++followers_;
+  turn_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(until_ns)));
+  --followers_;
 }
 
 bool Link::interrupted(Lock& lock) noexcept {
@@ -178,8 +167,8 @@ void Link::wake() noexcept { signal(wake_descriptor_); }
 // Everything the engine has to say, as far as the driver takes it.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
-  while (!engine_.ended()) {
-    const std::span<const std::uint8_t> bytes = engine_.transmit(now);
+  while (!engine_->ended()) {
+    const std::span<const std::uint8_t> bytes = engine_->transmit(now);
     if (bytes.empty()) {
       return;
     }
@@ -192,29 +181,29 @@ void Link::flush(std::uint64_t now) noexcept {
       blocked_ = true;
       return;
     }
-    engine_.sent(transfer.count);
+    engine_->sent(transfer.count);
   }
 }
 
 // One turn at the descriptor: wait, read, dispatch, send. The lock is open only while waiting and reading.
 void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   leading_ = true;
-  const std::uint64_t until = std::min(until_ns, engine_.next_deadline_ns());
+  const std::uint64_t until = std::min(until_ns, engine_->next_deadline_ns());
   leading_until_ns_ = until;
-  const std::uint64_t completed = engine_.completed();
-  const std::uint64_t published = engine_.statistics().publishes;
+  const std::uint64_t completed = engine_->completed();
+  const std::uint64_t published = engine_->statistics().publishes;
   pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
                        {wake_descriptor_, POLLIN, 0}};
   lock.unlock();
 
   timespec time{};
-  if (until != MessageEngine::no_deadline) {
+  if (until != Engine::no_deadline) {
     const std::uint64_t now = now_ns();
     const std::uint64_t left = until > now ? until - now : 0;
     time.tv_sec = static_cast<std::time_t>(left / 1'000'000'000);
     time.tv_nsec = static_cast<long>(left % 1'000'000'000);
   }
-  const int ready = ::ppoll(waiting, 2, until == MessageEngine::no_deadline ? nullptr : &time, nullptr);
+  const int ready = ::ppoll(waiting, 2, until == Engine::no_deadline ? nullptr : &time, nullptr);
   const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
   if (ready > 0 && waiting[1].revents != 0) {
     std::uint64_t count = 0;
@@ -226,11 +215,11 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   }
   lock.lock();
 
-  for (int turn = 1; readable && !engine_.ended(); ++turn) {
+  for (int turn = 1; readable && !engine_->ended(); ++turn) {
     if (transfer.status != Status::ok) {
       fail(transfer.status, driver_->reason());
     } else if (transfer.count > 0) {
-      engine_.receive(std::span<const std::uint8_t>(received_.data(), transfer.count), now_ns());
+      engine_->receive(std::span<const std::uint8_t>(received_.data(), transfer.count), now_ns());
       if (transfer.count >= terminal_chunk && turn < reads_per_turn_max) {
         transfer = driver_->receive(received_);
         continue;
@@ -239,13 +228,13 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
     break;
   }
   const std::uint64_t now = now_ns();
-  engine_.advance(now);
+  engine_->advance(now);
   flush(now);
   leading_ = false;
-  if (engine_.completed() != completed || engine_.ended()) {
+  if (engine_->completed() != completed || engine_->ended()) {
     hand_over();
   }
-  if (engine_.statistics().publishes != published || engine_.ended()) {
+  if (engine_->statistics().publishes != published || engine_->ended()) {
     announce();
   }
 }
@@ -259,9 +248,9 @@ void Link::announce() noexcept {
 }
 
 void Link::fail(Status status, const std::string& reason) noexcept {
-  if (!engine_.ended()) {
+  if (!engine_->ended()) {
     reason_ = reason;
-    engine_.end(status, now_ns());
+    engine_->end(status, now_ns());
   }
   turn_.notify_all();
   announce();
@@ -274,7 +263,7 @@ void Link::start_reader() {
   const std::scoped_lock guard(reader_mutex_);
   {
     const std::scoped_lock lock(mutex_);
-    if (reader_wanted_ || engine_.ended()) {
+    if (reader_wanted_ || engine_->ended()) {
       return;
     }
     reader_wanted_ = true;
@@ -297,12 +286,12 @@ void Link::stop_reader() {
 
 void Link::read_loop() noexcept {
   Lock lock(mutex_);
-  while (reader_wanted_ && !engine_.ended()) {
+  while (reader_wanted_ && !engine_->ended()) {
     if (leading_ || callers_ > 0 || now_ns() - last_call_ns_ < reader_patience_ns) {
       idle_.wait_for(lock, std::chrono::nanoseconds(reader_patience_ns));  // where there was one call there may be more
     } else {
       reader_leading_ = true;
-      lead(lock, MessageEngine::no_deadline);
+      lead(lock, Engine::no_deadline);
       reader_leading_ = false;
       hand_over();
     }
@@ -314,16 +303,21 @@ void Link::read_loop() noexcept {
 
 bool Link::closed() {
   const std::scoped_lock lock(mutex_);
-  return engine_.ended().has_value();
+  return engine_->ended().has_value();
 }
 
 void Link::close() {
   bool publishing = false;
   {
     const std::scoped_lock lock(mutex_);
-    publishing = !engine_.ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
+    publishing = !engine_->ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
   }
-  if (publishing) {  // a board left publishing would meet the next program with it
+  if (framed_ && !closed()) {  // other hosts, and classic writes, may use it again
+    Exchange exchange;
+    prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
+    exchange.operation = Operation::close_session;
+    run(std::span(&exchange, 1), now_ns() + farewell_ns);
+  } else if (publishing) {  // a board left publishing would meet the next program with it
     Exchange exchange;
     prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
     exchange.operation = Operation::disable_publishing;
@@ -359,22 +353,22 @@ void Link::disown() noexcept {
   followers_ = callers_ = 0;
   notified_.clear();
   reason_ = "it belongs to the process that this one was forked from; open another here";
-  engine_.forget(Status::closed);
+  engine_->forget(Status::closed);
   driver_->disown();
 }
 
 Outcome Link::ending(bool& by_itself) {
   const std::scoped_lock lock(mutex_);
-  by_itself = engine_.ended() && reason_ != closed_here;
-  if (!engine_.ended()) {
+  by_itself = engine_->ended() && reason_ != closed_here;
+  if (!engine_->ended()) {
     return {};
   }
-  return {*engine_.ended(), reason_.empty() ? status_text(*engine_.ended()) : "the link is closed (" + reason_ + ")"};
+  return {*engine_->ended(), reason_.empty() ? status_text(*engine_->ended()) : "the link is closed (" + reason_ + ")"};
 }
 
 Statistics Link::statistics() {
   const std::scoped_lock lock(mutex_);
-  return engine_.statistics();
+  return engine_->statistics();
 }
 
 }  // namespace unitylink

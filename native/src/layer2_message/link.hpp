@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Link: one MessageEngine, one driver, one mutex. Every call may be made from any thread.
+// Link: one engine, one driver, one mutex. Every call may be made from any thread.
 //
 // Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its own answers are in
 // it hands the role on. Only while there are subscriptions or asynchronous requests does a reader thread stand in,
@@ -19,7 +19,8 @@
 #include <vector>
 
 #include "layer0_driver/driver.hpp"
-#include "layer2_message/engine.hpp"
+#include "layer2_message/classic_engine.hpp"
+#include "layer2_message/framed_engine.hpp"
 #include "layer2_message/link_options.hpp"
 
 namespace unitylink {
@@ -36,6 +37,30 @@ struct Call {
   Batch batch;
   std::size_t block = 1;             // addresses in each exchange but the last
   std::span<std::uint32_t> values;   // of single reads, filled by result()
+};
+
+// What a framed device says about itself, from its control registers and its greeting.
+struct Description {
+  std::uint32_t version = 0;           // of the protocol: major in the upper half, minor in the lower
+  std::uint32_t gateware_version = 0;
+  std::uint32_t build = 0;
+  std::uint32_t clock_hz = 0;
+  std::uint32_t features = 0;          // bits of protocol::control_value
+  std::uint32_t credit = 0;            // bytes of unanswered requests
+  std::uint32_t request_max = 0;       // bytes of the longest payloads
+  std::uint32_t reply_max = 0;
+  std::uint32_t window = 0;            // requests in flight
+  std::uint32_t cache = 0;             // bytes of a reply kept for a repeat
+  std::uint32_t exchanges = 0;         // exchange groups
+  std::uint32_t exchange_size = 0;     // words in each
+  std::uint64_t spec_hash = 0;
+};
+
+// The device's clock in the host's time; period_ns 0: not known yet.
+struct ClockState {
+  double period_ns = 0;
+  double drift_ppm = 0;
+  double uncertainty_ns = 0;
 };
 
 struct SubscriptionRequest {
@@ -59,6 +84,12 @@ class Link {
   [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] const LinkOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::uint32_t usable_group_size() const noexcept;
+  [[nodiscard]] bool framed() const noexcept { return framed_ != nullptr; }
+  // Why the classic protocol is spoken although it was not asked for; empty: it was, or is not spoken.
+  [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
+  // All zero on a classic link.
+  [[nodiscard]] const Description& description() const noexcept { return description_; }
+  [[nodiscard]] ClockState clock();
 
   [[nodiscard]] Outcome read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how);
   // In blocks of what the device can hold; `atomic`: in one block or not at all.
@@ -71,6 +102,19 @@ class Link {
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                    const RequestOptions& how);
 
+  // Writes, then reads; one message each way where the protocol and the device's buffers allow. `atomic`: with the bus held, or mismatch.
+  [[nodiscard]] Outcome transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
+                                 std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                                 const RequestOptions& how);
+  // Writes without answers, at the full rate of the line; sync() tells what became of them. On a classic link they are ordinary writes.
+  [[nodiscard]] Outcome post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how);
+  // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown when a session was
+  // lost before it had confirmed some.
+  [[nodiscard]] Outcome sync(const RequestOptions& how);
+  // The device's own registers (protocol::control); mismatch on a classic link.
+  [[nodiscard]] Outcome read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] Outcome write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
+
   // `id` names the subscription from then on; an id never comes back. What came before it was closed can be drained until its group
   // (group_of) is subscribed anew; then there is nothing behind the old id any more.
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
@@ -79,7 +123,8 @@ class Link {
   [[nodiscard]] bool subscribed(std::uint32_t id);
   [[nodiscard]] std::size_t words(std::uint32_t id);      // in each publish
   [[nodiscard]] std::size_t available(std::uint32_t id);  // publishes to drain
-  [[nodiscard]] std::uint64_t lost(std::uint32_t id);
+  [[nodiscard]] std::uint64_t lost(std::uint32_t id);     // overwritten before they were drained
+  [[nodiscard]] std::uint64_t missing(std::uint32_t id);  // lost on the way; classic publishes do not tell
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
   // True when there is something to drain; false after `timeout_ns`, or when link or subscription has ended.
   [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
@@ -123,9 +168,12 @@ class Link {
 
   Link(std::unique_ptr<Driver> driver, const LinkOptions& options);
   [[nodiscard]] Outcome begin();
+  [[nodiscard]] Outcome begin_framed();
+  [[nodiscard]] Outcome describe_device();
 
   // the wire (link.cpp)
-  void run(std::span<Exchange> exchanges, std::uint64_t until_ns = MessageEngine::no_deadline);
+  void run(std::span<Exchange> exchanges, std::uint64_t until_ns = Engine::no_deadline);
+  void turn(Lock& lock, std::uint64_t until_ns) noexcept;
   void flush(std::uint64_t now) noexcept;
   void lead(Lock& lock, std::uint64_t until_ns) noexcept;
   [[nodiscard]] static bool interrupted(Lock& lock) noexcept;
@@ -141,14 +189,19 @@ class Link {
   void prepare(Exchange& exchange, const RequestOptions& how) const noexcept;
   [[nodiscard]] Outcome check(const Exchange& exchange, std::size_t index);
   [[nodiscard]] Outcome check_address(std::uint32_t address, std::size_t index) const;
+  [[nodiscard]] Outcome check_value(std::uint32_t address, std::uint32_t value, std::size_t index) const;
   [[nodiscard]] Outcome may_write();
+  [[nodiscard]] std::size_t words_read(bool repeat) const noexcept;
+  [[nodiscard]] std::size_t words_written() const noexcept;
   [[nodiscard]] Outcome run_one(Exchange& exchange);
   [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
 
   // subscriptions (link_subscriptions.cpp)
   [[nodiscard]] Outcome check_subscription(const SubscriptionRequest& request);
   [[nodiscard]] Outcome quiet_device();
-  [[nodiscard]] Outcome configure_group(std::uint32_t group, const SubscriptionRequest& request, PublishRing& ring);
+  [[nodiscard]] Outcome configure_group(std::uint32_t group, Subscription& subscription);
+  [[nodiscard]] Outcome define_group(std::uint32_t group, std::span<const std::uint32_t> addresses, std::uint32_t divisor, bool on_event,
+                                     PublishRing* ring);
   [[nodiscard]] Outcome set_rate(std::uint32_t group, std::uint32_t divisor);
   [[nodiscard]] Outcome set_event(std::uint32_t group, bool on);
   [[nodiscard]] Outcome command(Operation operation);
@@ -157,6 +210,8 @@ class Link {
   const LinkOptions options_;
   std::unique_ptr<Driver> driver_;
   Configuration configuration_;
+  Description description_;
+  std::string notice_;
   bool checksums_ = true;                // false: the device's datalink knows no '$'
   int wake_descriptor_;
 
@@ -164,7 +219,11 @@ class Link {
   std::condition_variable turn_;         // followers: something was finished, or the role is free
   std::condition_variable published_;
   std::condition_variable idle_;         // the reader, while callers read for themselves
-  MessageEngine engine_;
+  ClassicEngine classic_;
+  std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
+  Engine* engine_ = &classic_;           // the one of the two that is used
+  std::uint32_t failed_posts_ = 0;       // of this session, told by the last sync()
+  std::uint64_t failed_session_ = 0;
   std::string reason_;                   // why the link has ended
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered

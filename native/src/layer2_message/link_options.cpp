@@ -30,7 +30,8 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are timeout, attempts, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), address_bytes, data_bytes, "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), "
+    "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 
 Outcome wrong(const Url& url, const std::string& name, const std::string& value, const std::string& expected) {
@@ -93,6 +94,30 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       return wrong(url, name, value, "0 or 1");
     }
     (name == "crc" ? options.checked : options.publish_checked) = number == 1;
+    return {};
+  }
+  if (name == "protocol") {
+    if (value != "auto" && value != "classic" && value != "framed") {
+      return wrong(url, name, value, "auto, classic or framed");
+    }
+    options.protocol = value == "auto" ? Protocol::automatic : value == "classic" ? Protocol::classic : Protocol::framed;
+    return {};
+  }
+  if (name == "deadman") {
+    std::uint64_t ns = 0;
+    if (!seconds(value, ns)) {
+      return wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+    }
+    options.deadman_s = static_cast<double>(ns) * 1e-9;
+    return {};
+  }
+  if (name == "spec_hash") {
+    std::uint64_t hash = 0;
+    const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), hash, 16);
+    if (value.empty() || error != std::errc{} || stop != value.data() + value.size()) {
+      return wrong(url, name, value, "a hash of at most 16 hex digits");
+    }
+    options.spec_hash = hash;
     return {};
   }
   if (name == "gateware") {

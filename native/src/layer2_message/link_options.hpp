@@ -7,14 +7,19 @@
 
 #include "layer0_driver/status.hpp"
 #include "layer0_driver/url.hpp"
-#include "layer2_message/engine.hpp"
+#include "layer2_message/classic_engine.hpp"
 
 namespace unitylink {
 
 enum class Gateware : std::uint8_t { automatic, published_2012, corrected };
 
+enum class Protocol : std::uint8_t { automatic, classic, framed };
+
 struct LinkOptions {
   EngineSettings engine;          // timeout= fifo= window= polynomial=
+  Protocol protocol = Protocol::automatic;
+  double deadman_s = 0;           // deadman=, 0: none
+  std::optional<std::uint64_t> spec_hash;  // spec_hash=: of the spec the caller was made for
   std::uint32_t attempts = 3;
   bool checked = false;           // crc=
   bool publish_checked = true;    // publish_crc=

@@ -42,9 +42,37 @@ Outcome Link::check_address(std::uint32_t address, std::size_t index) const {
   return at(std::move(outcome), index);
 }
 
+Outcome Link::check_value(std::uint32_t address, std::uint32_t value, std::size_t index) const {
+  if (value <= highest(configuration_.data_bytes)) {
+    return {};
+  }
+  Outcome outcome(Status::range, "value " + hex(value) + " for " + hex_address(address, configuration_.address_bytes) +
+                                     " does not fit the device's " + std::to_string(8 * configuration_.data_bytes) +
+                                     "-bit words (at most " + hex(highest(configuration_.data_bytes)) + ")");
+  outcome.has_address = true;
+  outcome.address = address;
+  return at(std::move(outcome), index);
+}
+
 Outcome Link::check(const Exchange& exchange, std::size_t index) {
-  if (exchange.checked && !checksums_) {
+  if (exchange.checked && !checksums_ && !framed_) {
     return {Status::mismatch, "the device has no checksums (it refuses '$'); ask without"};
+  }
+  if (exchange.operation == Operation::transfer) {
+    for (std::size_t word = 0; word < exchange.write_addresses.size(); ++word) {
+      if (Outcome outcome = check_address(exchange.write_addresses[word], index + word); !outcome.ok()) {
+        return outcome;
+      }
+      if (Outcome outcome = check_value(exchange.write_addresses[word], exchange.write_values[word], index + word); !outcome.ok()) {
+        return outcome;
+      }
+    }
+    for (std::size_t word = 0; word < exchange.addresses.size(); ++word) {
+      if (Outcome outcome = check_address(exchange.addresses[word], exchange.write_addresses.size() + word); !outcome.ok()) {
+        return outcome;
+      }
+    }
+    return {};
   }
   if (exchange.operation == Operation::read_many) {
     if (exchange.addresses.empty() || exchange.addresses.size() > configuration_.read_many) {
@@ -64,20 +92,15 @@ Outcome Link::check(const Exchange& exchange, std::size_t index) {
   if (exchange.operation != Operation::write) {
     return {};
   }
-  if (exchange.value > highest(configuration_.data_bytes)) {
-    Outcome outcome(Status::range, "value " + hex(exchange.value) + " for " + hex_address(exchange.address, configuration_.address_bytes) +
-                                       " does not fit the device's " + std::to_string(8 * configuration_.data_bytes) +
-                                       "-bit words (at most " + hex(highest(configuration_.data_bytes)) + ")");
-    outcome.has_address = true;
-    outcome.address = exchange.address;
-    return at(std::move(outcome), index);
+  if (Outcome outcome = check_value(exchange.address, exchange.value, index); !outcome.ok()) {
+    return outcome;
   }
   return may_write();
 }
 
 // 2012 gateware writes 0, whatever it is given, when its words are not 32 bits. Only then is it asked, once, which one it is.
 Outcome Link::may_write() {
-  if (configuration_.data_bytes == 4) {
+  if (configuration_.data_bytes == 4 || framed_) {
     return {};
   }
   if (gateware_ == Gateware::automatic) {
@@ -109,7 +132,7 @@ Outcome Link::outcome_of(const Exchange& exchange) {
   }
   const std::scoped_lock lock(mutex_);
   return describe(exchange, {.address_bytes = configuration_.address_bytes,
-                             .last_answer_ns = engine_.last_answer_ns(),
+                             .last_answer_ns = engine_->last_answer_ns(),
                              .reason = reason_,
                              .corrected_gateware = gateware_ == Gateware::corrected});
 }
@@ -144,12 +167,12 @@ Outcome Link::write(std::uint32_t address, std::uint32_t value, const RequestOpt
 
 Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
                              const RequestOptions& how) {
-  const std::size_t block = configuration_.read_many;
+  const std::size_t block = framed_ ? words_read(how.repeat) : configuration_.read_many;
   if (atomic && addresses.size() > std::max<std::size_t>(block, 1)) {
     return {Status::mismatch, "the device reads at most " + std::to_string(std::max<std::size_t>(block, 1)) +
                                   " words at once, not " + std::to_string(addresses.size()) + "; read them in parts, or without atomic"};
   }
-  if (block == 0) {
+  if (block == 0 || (framed_ && addresses.size() == 1)) {
     return plan_read_each(call, addresses, values, how);
   }
   if (values.size() < addresses.size()) {
@@ -163,6 +186,7 @@ Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresse
     const std::size_t count = std::min(block, addresses.size() - begin);
     prepare(exchange, how);
     exchange.operation = Operation::read_many;
+    exchange.atomic = atomic;
     exchange.addresses = addresses.subspan(begin, count);
     exchange.values = values.subspan(begin, count);
     exchange.batch = &call.batch;
@@ -197,11 +221,31 @@ Outcome Link::plan_write_many(Call& call, std::span<const std::uint32_t> address
   if (values.size() != addresses.size()) {
     return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
   }
+  if (const std::size_t block = words_written(); block > 1 && addresses.size() > 1) {
+    call.block = block;
+    call.exchanges.resize((addresses.size() + block - 1) / block);
+    for (std::size_t index = 0; index < call.exchanges.size(); ++index) {
+      Exchange& exchange = call.exchanges[index];
+      const std::size_t begin = index * block;
+      const std::size_t count = std::min(block, addresses.size() - begin);
+      prepare(exchange, how);
+      exchange.operation = Operation::transfer;
+      exchange.write_addresses = addresses.subspan(begin, count);
+      exchange.write_values = values.subspan(begin, count);
+      exchange.chained = index > 0;
+      exchange.batch = &call.batch;
+      if (Outcome outcome = check(exchange, begin); !outcome.ok()) {
+        return outcome;
+      }
+    }
+    return {};
+  }
   call.exchanges.resize(addresses.size());
   for (std::size_t index = 0; index < addresses.size(); ++index) {
     Exchange& exchange = call.exchanges[index];
     prepare(exchange, how);
     exchange.operation = Operation::write;
+    exchange.chained = framed_ && index > 0;
     exchange.address = addresses[index];
     exchange.value = values[index];
     exchange.batch = &call.batch;
@@ -226,9 +270,9 @@ Outcome Link::result(const Call& call) {
   }
   const auto index = static_cast<std::size_t>(failed - exchanges.begin());
   Outcome outcome = at(outcome_of(*failed), index * call.block + failed->words);
-  if (failed->operation == Operation::write && exchanges.size() > 1) {
+  if (failed->writes() && exchanges.size() > 1) {
     const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
-    outcome.text = "write " + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
+    outcome.text = (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
                    (kept > 0 ? "; " + std::to_string(kept) + " later ones were not sent" : "");
   }
   return outcome;
@@ -268,10 +312,10 @@ void Link::submit(Call& call) {
   reader_kept_ = true;
   const std::uint64_t now = now_ns();
   for (Exchange& exchange : call.exchanges) {
-    engine_.submit(exchange, now);
+    engine_->submit(exchange, now);
   }
   flush(now);
-  if (leading_ && (blocked_ || engine_.next_deadline_ns() < leading_until_ns_)) {
+  if (leading_ && (blocked_ || engine_->next_deadline_ns() < leading_until_ns_)) {
     wake();
   }
 }
@@ -279,7 +323,7 @@ void Link::submit(Call& call) {
 void Link::withdraw(Call& call) {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t now = now_ns();
-  engine_.withdraw(call.exchanges, now);
+  engine_->withdraw(call.exchanges, now);
   flush(now);
   wake();  // the next deadline may be nearer now
 }

@@ -12,9 +12,9 @@
 namespace unitylink {
 namespace {
 
-// "&PUB:", group and count, the words, "*hh", line feed.
-std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked) noexcept {
-  return encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
+// Framed: the payload's head and words. Classic: "&PUB:", group and count, the words, "*hh", line feed.
+std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked, bool framed) noexcept {
+  return framed ? frame_bytes(7 + words * data_bytes) : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
 }
 
 // Every configuration command may be sent twice: it sets, it does not count.
@@ -26,7 +26,7 @@ Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std:
 }  // namespace
 
 std::uint32_t Link::usable_group_size() const noexcept {
-  if (gateware_ == Gateware::corrected) {
+  if (framed_ || gateware_ == Gateware::corrected) {
     return configuration_.group_size;
   }
   return configuration_.group_size > 0 ? configuration_.group_size - 1 : 0;
@@ -41,11 +41,28 @@ Outcome Link::command(Operation operation) {
 }
 
 Outcome Link::set_rate(std::uint32_t group, std::uint32_t divisor) {
+  if (framed_) {  // rate and addresses are one there, and this is asked for only to switch it off
+    return define_group(group, {}, divisor, false, nullptr);
+  }
   Exchange exchange;
   prepare(exchange, repeatable);
   exchange.operation = Operation::write_group_rate;
   exchange.address = group;
   exchange.value = divisor;
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+Outcome Link::define_group(std::uint32_t group, std::span<const std::uint32_t> addresses, std::uint32_t divisor, bool on_event,
+                           PublishRing* ring) {
+  Exchange exchange;
+  prepare(exchange, repeatable);
+  exchange.operation = Operation::define_group;
+  exchange.address = group;
+  exchange.addresses = addresses;
+  exchange.value = divisor;
+  exchange.on_event = on_event;
+  exchange.ring = ring;
   run(std::span(&exchange, 1));
   return outcome_of(exchange);
 }
@@ -66,7 +83,7 @@ Outcome Link::set_event(std::uint32_t group, bool on) {
 
 // Once per link: whatever another program left behind is switched off.
 Outcome Link::quiet_device() {
-  if (quieted_) {
+  if (quieted_ || framed_) {  // a new session publishes nothing
     return {};
   }
   if (Outcome outcome = command(Operation::disable_publishing); !outcome.ok()) {
@@ -118,11 +135,11 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
   }
   if (options_.engine.byte_time_ns > 0 && request.divisor > 0) {
     const bool checked = options_.publish_checked;
-    double load = static_cast<double>(publish_bytes(request.addresses.size(), configuration_.data_bytes, checked)) / request.divisor;
+    double load = static_cast<double>(publish_bytes(request.addresses.size(), configuration_.data_bytes, checked, framed())) / request.divisor;
     const std::scoped_lock lock(mutex_);
     for (const auto& other : subscriptions_) {
       if (other && other->open && other->divisor > 0) {
-        load += static_cast<double>(publish_bytes(other->addresses.size(), configuration_.data_bytes, checked)) / other->divisor;
+        load += static_cast<double>(publish_bytes(other->addresses.size(), configuration_.data_bytes, checked, framed())) / other->divisor;
       }
     }
     const double needed = load * static_cast<double>(configuration_.base_hz);
@@ -136,7 +153,10 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
   return {};
 }
 
-Outcome Link::configure_group(std::uint32_t group, const SubscriptionRequest& request, PublishRing& ring) {
+Outcome Link::configure_group(std::uint32_t group, Subscription& subscription) {
+  if (framed_) {
+    return define_group(group, subscription.addresses, subscription.divisor, subscription.on_event, &subscription.ring);
+  }
   if (Outcome outcome = set_rate(group, 0); !outcome.ok()) {
     return outcome;
   }
@@ -144,18 +164,18 @@ Outcome Link::configure_group(std::uint32_t group, const SubscriptionRequest& re
   prepare(addresses, repeatable);
   addresses.operation = Operation::write_group_addresses;
   addresses.address = group;
-  addresses.addresses = request.addresses;
-  addresses.ring = &ring;
+  addresses.addresses = subscription.addresses;
+  addresses.ring = &subscription.ring;
   run(std::span(&addresses, 1));
   if (Outcome outcome = outcome_of(addresses); !outcome.ok()) {
     return outcome;
   }
-  if (request.divisor > 0) {
-    if (Outcome outcome = set_rate(group, request.divisor); !outcome.ok()) {
+  if (subscription.divisor > 0) {
+    if (Outcome outcome = set_rate(group, subscription.divisor); !outcome.ok()) {
       return outcome;
     }
   }
-  return request.on_event ? set_event(group, true) : Outcome{};
+  return subscription.on_event ? set_event(group, true) : Outcome{};
 }
 
 Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
@@ -193,24 +213,26 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
     if (free == configuration_.groups) {
       return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");
     }
-    engine_.claim(free, nullptr);
+    engine_->claim(free, nullptr);
     subscription->id = subscriptions_[free] ? subscriptions_[free]->id + protocol::limits::groups_max : free;
     subscriptions_[free] = subscription;
     subscription->open = true;
   }
   const bool checked = options_.publish_checked && checksums_;
-  Outcome outcome = configure_group(free, request, subscription->ring);
+  Outcome outcome = configure_group(free, *subscription);
   if (outcome.ok() && first) {
     {
       const std::scoped_lock lock(mutex_);
-      engine_.expect_checked_publishes(checked);
+      classic_.expect_checked_publishes(checked);
     }
-    outcome = command(checked ? Operation::enable_checked_publishing : Operation::enable_publishing);
+    outcome = framed_   ? write_control(protocol::control::publish, 1, repeatable)
+              : checked ? command(Operation::enable_checked_publishing)
+                        : command(Operation::enable_publishing);
   }
   if (!outcome.ok()) {
     static_cast<void>(set_rate(free, 0));
     const std::scoped_lock lock(mutex_);
-    engine_.claim(free, nullptr);
+    engine_->claim(free, nullptr);
     subscription->open = false;
     return outcome;
   }
@@ -232,7 +254,7 @@ Outcome Link::unsubscribe(std::uint32_t id) {
       return {};
     }
     subscription->open = false;
-    engine_.claim(group, nullptr);
+    engine_->claim(group, nullptr);
     for (const auto& other : subscriptions_) {
       last = last && !(other && other->open);
     }
@@ -242,10 +264,10 @@ Outcome Link::unsubscribe(std::uint32_t id) {
   Outcome outcome;
   if (!closed()) {
     if (last) {
-      outcome = command(Operation::disable_publishing);
+      outcome = framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
     }
-    Outcome rate = subscription->divisor > 0 ? set_rate(group, 0) : Outcome{};
-    Outcome event = subscription->on_event ? set_event(group, false) : Outcome{};
+    Outcome rate = framed_ || subscription->divisor > 0 ? set_rate(group, 0) : Outcome{};
+    Outcome event = !framed_ && subscription->on_event ? set_event(group, false) : Outcome{};
     outcome = !outcome.ok() ? outcome : !rate.ok() ? rate : event;
   }
   if (last_user) {
@@ -286,6 +308,12 @@ std::uint64_t Link::lost(std::uint32_t id) {
   return subscription != nullptr ? subscription->ring.lost() : 0;
 }
 
+std::uint64_t Link::missing(std::uint32_t id) {
+  const std::scoped_lock lock(mutex_);
+  const Subscription* subscription = find(id);
+  return subscription != nullptr ? subscription->ring.missing() : 0;
+}
+
 std::size_t Link::drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values) {
   const std::scoped_lock lock(mutex_);
   Subscription* const subscription = find(id);
@@ -303,15 +331,15 @@ bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
     return false;
   }
   const std::shared_ptr<Subscription> subscription = subscriptions_[group_of(id)];
-  published_.wait_until(lock, until, [&] { return subscription->ring.size() > 0 || !subscription->open || engine_.ended(); });
+  published_.wait_until(lock, until, [&] { return subscription->ring.size() > 0 || !subscription->open || engine_->ended(); });
   return subscription->ring.size() > 0;
 }
 
 std::uint64_t Link::wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
   Lock lock(mutex_);
-  published_.wait_until(lock, until, [&] { return engine_.statistics().publishes != seen || engine_.ended(); });
-  return engine_.statistics().publishes;
+  published_.wait_until(lock, until, [&] { return engine_->statistics().publishes != seen || engine_->ended(); });
+  return engine_->statistics().publishes;
 }
 
 void Link::notify_publishes(int descriptor) {

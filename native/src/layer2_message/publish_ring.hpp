@@ -21,19 +21,30 @@ class PublishRing {
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
   [[nodiscard]] std::uint64_t received() const noexcept { return head_; }
 
+  // Publishes that were lost on the way: gaps in their sequence, where they have one.
+  [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
+  void miss(std::uint64_t count) noexcept { missing_ += count; }
+
   // False when an older one was lost for it. `values` must hold words() of them.
   bool push(std::uint64_t time_ns, std::span<const std::uint32_t> values) noexcept {
-    const std::size_t slot = next_;
-    next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
-    times_[slot] = time_ns;
-    std::copy(values.begin(), values.end(), values_.begin() + static_cast<std::ptrdiff_t>(slot * words_));
-    ++head_;
-    if (head_ - tail_ <= capacity_) {
-      return true;
+    std::copy(values.begin(), values.end(), slot(time_ns));
+    return pushed();
+  }
+
+  // The same for words of `width` bytes each, most significant first.
+  bool push(std::uint64_t time_ns, std::span<const std::uint8_t> data, std::size_t width) noexcept {
+    std::uint32_t* word = slot(time_ns);
+    for (const std::uint8_t* at = data.data(); at != data.data() + data.size(); at += width, ++word) {
+      if (width == 4) {
+        *word = std::uint32_t{at[0]} << 24 | std::uint32_t{at[1]} << 16 | std::uint32_t{at[2]} << 8 | at[3];
+      } else {
+        *word = 0;
+        for (std::size_t byte = 0; byte < width; ++byte) {
+          *word = *word << 8 | at[byte];
+        }
+      }
     }
-    ++tail_;
-    ++lost_;
-    return false;
+    return pushed();
   }
 
   // Moves the oldest ones out, as many as `times_s` has room for; `values` has room for words() times that. Returns how many.
@@ -51,6 +62,22 @@ class PublishRing {
   }
 
  private:
+  std::uint32_t* slot(std::uint64_t time_ns) noexcept {
+    const std::size_t slot = next_;
+    next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
+    times_[slot] = time_ns;
+    return values_.data() + slot * words_;
+  }
+  bool pushed() noexcept {
+    ++head_;
+    if (head_ - tail_ <= capacity_) {
+      return true;
+    }
+    ++tail_;
+    ++lost_;
+    return false;
+  }
+
   std::size_t words_;
   std::size_t capacity_;
   std::vector<std::uint64_t> times_;
@@ -59,6 +86,7 @@ class PublishRing {
   std::uint64_t head_ = 0;   // ever pushed
   std::uint64_t tail_ = 0;   // ever drained or lost
   std::uint64_t lost_ = 0;
+  std::uint64_t missing_ = 0;
 };
 
 }  // namespace unitylink

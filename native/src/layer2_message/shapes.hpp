@@ -33,6 +33,7 @@ struct Letters {
     case Operation::disable_publishing: return {command::disable_publishing, reply::disable_publishing};
     case Operation::write_event_mask: return {command::write_event_mask, reply::write_event_mask};
     case Operation::read_event_mask: return {command::read_event_mask, reply::read_event_mask};
+    default: break;  // of the framed protocol
   }
   return {};
 }

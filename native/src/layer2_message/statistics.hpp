@@ -24,6 +24,9 @@ struct Statistics {
   std::uint64_t overruns = 0;              // publishes overwritten before they were drained
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
+  std::uint64_t posts = 0;                 // framed: writes without an answer that were sent
+  std::uint64_t missing_publishes = 0;     // framed: gaps in their sequence
+  std::uint64_t sessions = 0;              // framed: opened; more than one: the device was reset, or had another host
 };
 
 }  // namespace unitylink

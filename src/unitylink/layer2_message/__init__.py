@@ -15,9 +15,24 @@ Values are raw unsigned words; names, signs and units are layer 4's.
 
 from __future__ import annotations
 
+from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
+from .device import Clock, Description, Health
 from .engine import Times, Words
 from .link import Link
 from .subscription import PublishCallback, Subscription
 
-__all__ = ["Configuration", "Link", "PublishCallback", "Statistics", "Subscription", "Times", "Words"]
+__all__ = [
+    "Batch",
+    "Clock",
+    "Configuration",
+    "Description",
+    "Health",
+    "Link",
+    "Pending",
+    "PublishCallback",
+    "Statistics",
+    "Subscription",
+    "Times",
+    "Words",
+]

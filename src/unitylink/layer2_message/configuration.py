@@ -59,3 +59,9 @@ class Statistics:
     overruns: int
     bytes_sent: int
     bytes_received: int
+    posts: int
+    """Writes without an answer that were sent (framed protocol)."""
+    missing_publishes: int
+    """Gaps in the sequence of publishes: lost on the way (framed protocol)."""
+    sessions: int
+    """Opened by this link; more than one: the device was reset, or another host took it."""

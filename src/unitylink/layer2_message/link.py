@@ -14,8 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from unitylink.protocol import CONTROL_ARM, CONTROL_FRAMES
+
+from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
+from .device import Clock, Description, Health
 from .engine import Words, open_engine
 from .mailbox import LoopMailbox
 from .subscription import Subscription
@@ -52,6 +56,12 @@ class Link:
 
     url: str
     configuration: Configuration
+    protocol: str
+    """`framed`, `classic`, or `memory` where there is none between."""
+    notice: str
+    """Why the classic protocol is spoken although it was not asked for; empty otherwise."""
+    description: Description | None
+    """What the gateware says about itself; None on a classic link."""
     _unclosed = False  # while it must still be closed, whatever has become of the port
 
     def __init__(self, url: str) -> None:
@@ -63,6 +73,9 @@ class Link:
         self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, whose maker puts it here
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
+        self.protocol = self._native.protocol
+        self.notice = self._native.notice
+        self.description = Description(**self._native.description) if self.protocol == "framed" else None
         self._callbacks = CallbackThread(self._native)
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._on_close: list[Callable[[], None]] = []
@@ -144,6 +157,60 @@ class Link:
     ) -> None:
         """Write `values` to `addresses` in order; after one has failed no further one is sent."""
         self._native.write_many(addresses, values, checked, repeat, timeout_s)
+
+    def exchange(
+        self,
+        reads: Sequence[int] | npt.NDArray[Any] = (),
+        writes: Sequence[tuple[int, int]] = (),
+        *,
+        atomic: bool = False,
+        timeout_s: float | None = None,
+    ) -> Words:
+        """Do `writes` (address, value), then `reads`, and return the words read.
+
+        One message each way on a framed link where the device's buffers allow, and executed exactly once; on
+        a classic one it is write_many and read_many. `atomic` holds the bus from the first word to the last:
+        DeviceMismatch when that is not possible. OutcomeUnknown: the device was reset meanwhile.
+
+            link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
+        """
+        addresses = [address for address, _ in writes]
+        values = [value for _, value in writes]
+        return self._native.transfer(addresses, values, reads, atomic, timeout_s)
+
+    def batch(self, *, atomic: bool = False) -> Batch:
+        """Return a context manager that collects reads and writes, and does them together at its end.
+
+        with link.batch() as batch:
+            batch.write(0x20, 5)
+            position = batch.read(0x10)
+        print(position.value)
+        """
+        return Batch(self, atomic=atomic)
+
+    def post(self, address: int, value: int) -> None:
+        """Write `value` to `address` without waiting for an answer; see post_many."""
+        self._native.post((address,), (value,), None)
+
+    def post_many(
+        self,
+        addresses: Sequence[int] | npt.NDArray[Any],
+        values: Sequence[int] | npt.NDArray[Any],
+    ) -> None:
+        """Write `values` to `addresses` in order, without waiting for answers: at the full rate of the line.
+
+        They are executed once and in order, before every request that follows; `sync` tells what became of
+        them. It waits only while the line is full. On a classic link it is write_many.
+        """
+        self._native.post(addresses, values, None)
+
+    def sync(self, *, timeout_s: float | None = None) -> None:
+        """Return when all posts have been executed.
+
+        Raises BusError when some of them failed since the last call, OutcomeUnknown when the device was reset
+        before it had confirmed them.
+        """
+        self._native.sync(timeout_s)
 
     # ---- the same for asyncio
 
@@ -232,6 +299,43 @@ class Link:
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
         return Subscription(self, identity, words, divisor)
+
+    # ---- the device itself
+
+    def read_control(self, address: int, count: int = 1) -> Words:
+        """Return control registers of the device (`CONTROL_…` of unitylink.protocol), `count` from `address`.
+
+        Raises DeviceMismatch on a classic link, ProtocolError where there is no such register.
+        """
+        return self._native.read_control(address, count)
+
+    def write_control(self, address: int, value: int) -> None:
+        """Write a control register of the device; see read_control."""
+        self._native.write_control(address, value)
+
+    def health(self) -> Health | None:
+        """Return the device's own counters: what reached it, what it dropped. None on a classic link."""
+        if self.protocol != "framed":
+            return None
+        most = max(1, (self.description.reply_max - 4) // 4) if self.description else 1
+        words: list[int] = []
+        while len(words) < Health.count():
+            count = min(most, Health.count() - len(words))
+            words += self.read_control(CONTROL_FRAMES + len(words), count).tolist()
+        return Health(*words)
+
+    def arm(self) -> None:
+        """Let outputs be written again after the dead-man (URL option `deadman`) has tripped.
+
+        A dead-man needs a new session for it: connect again if this raises ProtocolError.
+        """
+        self.write_control(CONTROL_ARM, 1)
+
+    @property
+    def clock(self) -> Clock | None:
+        """The device's clock in the host's time; None before the first subscription and on a classic link."""
+        period_ns, drift_ppm, uncertainty_ns = self._native.clock()
+        return Clock(period_ns, drift_ppm, uncertainty_ns) if period_ns > 0 else None
 
     # ---- the rest
 

@@ -26,6 +26,8 @@ class MappedEngine:
     """
 
     warning = ""
+    protocol = "memory"
+    notice = ""
     usable_group_size = GROUP_SIZE_MAX
 
     def __init__(self, url: str) -> None:
@@ -97,6 +99,29 @@ class MappedEngine:
         for address, value in zip(addresses, values, strict=True):
             self.write(address, value, checked, repeat, timeout_s)
 
+    def transfer(
+        self,
+        write_addresses: Integers,
+        write_values: Integers,
+        addresses: Integers,
+        atomic: bool,
+        timeout_s: float | None,
+    ) -> Words:
+        self.write_many(write_addresses, write_values, None, False, timeout_s)
+        return self.read_many(addresses, atomic, None, True, timeout_s)
+
+    def post(self, addresses: Integers, values: Integers, timeout_s: float | None) -> None:
+        self.write_many(addresses, values, None, False, timeout_s)
+
+    def sync(self, timeout_s: float | None) -> None:
+        """Do nothing: a post is done at once."""
+
+    def read_control(self, address: int, count: int) -> Words:
+        raise DeviceMismatch("mapped memory has no registers of its own; they need the framed protocol")
+
+    def write_control(self, address: int, value: int) -> None:
+        raise DeviceMismatch("mapped memory has no registers of its own; they need the framed protocol")
+
     def start(  # noqa: PLR0917 (as the native engine has it)
         self,
         mailbox: _native.Mailbox,
@@ -157,6 +182,16 @@ class MappedEngine:
 
     def lost(self, id: int) -> int:
         return self._publishes.lost(id)
+
+    @property
+    def description(self) -> dict[str, int]:
+        return {}
+
+    def missing(self, id: int) -> int:
+        return 0
+
+    def clock(self) -> tuple[float, float, float]:
+        return 0.0, 0.0, 0.0
 
     def wait_publishes(self, seen: int, timeout_ns: int) -> int:
         return self._publishes.wait_for_more_than(seen, timeout_ns * 1e-9)

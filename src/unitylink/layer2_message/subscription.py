@@ -26,7 +26,11 @@ _log = logging.getLogger("unitylink.link")
 
 
 class Subscription:
-    """The publishes of one gateware group: raw words of `addresses`, with the host's time of arrival."""
+    """The publishes of one gateware group: raw words of `addresses`, with a time.
+
+    On a framed link it is the time at which the device read them, by its clock in the host's time; on a
+    classic one that of their arrival.
+    """
 
     group: int
     addresses: tuple[int, ...]
@@ -54,6 +58,11 @@ class Subscription:
     def lost(self) -> int:
         """Publishes that were overwritten before anybody fetched them."""
         return self._native.lost(self._identity)
+
+    @property
+    def missing(self) -> int:
+        """Publishes that were lost on the way; always 0 on a classic link, where nothing tells."""
+        return self._native.missing(self._identity)
 
     @property
     def available(self) -> int:

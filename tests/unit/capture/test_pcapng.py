@@ -100,7 +100,7 @@ def lamp(tmp_path: Path) -> str:
 
 def test_a_link_writes_all_it_sends_and_receives(lamp: str, tmp_path: Path) -> None:
     path = tmp_path / "a & b.pcapng"
-    with connect(f"{lamp}&trace={str(path).replace('&', '%26')}") as link:
+    with connect(f"{lamp}&protocol=classic&trace={str(path).replace('&', '%26')}") as link:
         link.write(0x10, 7)
         link.read(0x10)
         statistics = link.statistics()

@@ -103,7 +103,7 @@ def test_software_publishing_beside_hardware() -> None:
         Link(f"{board.url}?timeout=10") as link,
     ):
         robot = load_spec_objects(SPEC, link)
-        with pytest.raises(DeviceMismatch, match="has 1 publish groups of 5 values, 2 are needed"):
+        with pytest.raises(DeviceMismatch, match="has 1 publish groups of 6 values, 2 are needed"):
             robot.start_publishing()
         got = threading.Event()
         with robot.publishing(fallback=True):

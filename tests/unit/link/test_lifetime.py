@@ -231,6 +231,6 @@ link.close()
 """
     for endpoint in ("tcp", "udp", "pty"):
         with Board(endpoint=endpoint) as board:
-            url = board.url + ("&" if "?" in board.url else "?") + "timeout=5"
+            url = board.url + ("&" if "?" in board.url else "?") + "timeout=5&protocol=classic"
             done = run(program, url)
             assert done.returncode == 0, done.stderr

@@ -124,7 +124,7 @@ def test_narrow_words_are_written_by_corrected_gateware_only(data_bits: int, fak
     "text", ["fifo=1", "fifo=1&window=1&crc=1", "fifo=16777216&window=65536", "fifo=1,64"]
 )
 def test_the_smallest_and_the_largest_credit(text: str) -> None:
-    with Board() as board, connect(options(board.url, text + "&timeout=5")) as link:
+    with Board() as board, connect(options(board.url, text + "&timeout=5&protocol=classic")) as link:
         addresses = list(range(200))
         link.write_many(addresses, addresses)
         assert link.read_many(addresses).tolist() == addresses
@@ -144,7 +144,7 @@ def test_connecting_to_a_board_that_another_program_left_publishing_in_mid_messa
         link = None
         while link is None:  # the board notices a moment later that the other one has left
             with contextlib.suppress(LinkBusy):
-                link = connect(options(board.url, "fifo=1024&timeout=5"))
+                link = connect(options(board.url, "fifo=1024&timeout=5&protocol=classic"))
         with link:
             link.write(5, 7)
             assert link.read(5) == 7

@@ -60,7 +60,9 @@ def test_a_host_finds_its_way(configuration: BoardConfiguration, options: str) -
 
 
 def test_a_host_is_told_what_it_cannot_ask() -> None:
-    configuration = BoardConfiguration(datalink="lite", configuration_command=False, groups=2, group_size=4)
+    configuration = BoardConfiguration(
+        datalink="lite", configuration_command=False, groups=2, group_size=4, protocol="classic"
+    )
     options = "crc=0&address_bytes=1&data_bytes=4&read_many=255&base_hz=1000&groups=2&group_size=4"
     options += "&rate_bytes=2&publish_mode=2"
     with Board(configuration=configuration) as board, Link(f"{board.url}?{options}") as link:

@@ -20,7 +20,7 @@ def measure(run: Run) -> Figure:
     options = f"fifo={FIFO_BYTES}&window={REQUESTS}"
     with (
         twin("tcp", fifo=FIFO_BYTES) as board,
-        connect(f"{board.line()}?{options}") as link,
+        connect(f"{board.line()}?protocol=classic&{options}") as link,
     ):
         if list(link.read_each(addresses)) != [FIRST_VALUE + address for address in addresses]:
             raise BenchError("the twin does not hold what was put there")

@@ -59,7 +59,7 @@ def compare(run: Run, words: int, rounds: int, count: int) -> Comparison:
         emulator = stack.enter_context(Process([native(run.checkout, "bench_uartbone")]))
         litex = stack.enter_context(Process([python, client, emulator.line()]))
         board = stack.enter_context(twin("pty", read_many=BLOCK_WORDS, clock_hz=CLOCK_HZ, fifo=FIFO_BYTES))
-        link = stack.enter_context(connect(f"{board.line()}?fifo={FIFO_BYTES}"))
+        link = stack.enter_context(connect(f"{board.line()}?protocol=classic&fifo={FIFO_BYTES}"))
         word = layer4_word(link)
         addresses = list(range(ADDRESS, ADDRESS + words))
 

@@ -51,8 +51,11 @@ def subscription(run: Run, endpoint: str, bits_per_second: int) -> Iterator[Subs
     options = ["--endpoint", endpoint, "--bits-per-second", str(bits_per_second)]
     with Process([native(run.checkout, "bench_publish_source"), *options]) as source:
         place = source.line()
-        url = f"tcp://{place}" if endpoint == "tcp" else f"serial:{place}?baud={PTY_BAUD}"
-        with connect(url) as link, link.subscribe([ADDRESS], divisor=1, ring=RING) as stream:
+        url = f"tcp://{place}?" if endpoint == "tcp" else f"serial:{place}?baud={PTY_BAUD}&"
+        with (
+            connect(f"{url}protocol=classic") as link,
+            link.subscribe([ADDRESS], divisor=1, ring=RING) as stream,
+        ):
             if not stream.wait(5.0):
                 raise BenchError(f"the publish source on {endpoint} published nothing for 5 s")
             yield stream

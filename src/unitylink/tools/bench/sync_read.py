@@ -23,7 +23,7 @@ def measure(run: Run) -> Figure:
         url = board.line()
         slave = os.open(url.partition(":")[2].partition("?")[0], os.O_RDWR | os.O_NOCTTY)
         try:
-            with connect(url) as link:
+            with connect(f"{url}{'&' if '?' in url else '?'}protocol=classic") as link:
                 word = layer4_word(link)
                 request = f"#R:{ADDRESS:0{2 * link.configuration.address_bytes}X}"
                 before = link.statistics().bytes_sent

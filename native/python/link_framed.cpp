@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// NativeLink: what the framed protocol adds.
+#include <nanobind/stl/string.h>
+
+#include "link_arguments.hpp"
+
+namespace unitylink::python {
+namespace {
+
+nb::object transfer(Link& link, nb::handle write_addresses, nb::handle write_values, nb::handle addresses, bool atomic,
+                    nb::handle timeout_s) {
+  const std::vector<std::uint32_t> where = words_of(write_addresses, "address");
+  const std::vector<std::uint32_t> what = words_of(write_values, "value");
+  const RequestOptions options = options_of(nb::none(), false, timeout_s);
+  return read_words(addresses, [&](auto words, auto values) { return link.transfer(where, what, words, values, atomic, options); });
+}
+
+void post(Link& link, nb::handle addresses, nb::handle values, nb::handle timeout_s) {
+  const std::vector<std::uint32_t> where = words_of(addresses, "address");
+  const std::vector<std::uint32_t> what = words_of(values, "value");
+  const RequestOptions options = options_of(nb::none(), false, timeout_s);
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = link.post(where, what, options);
+  }
+  check_signals();
+  raise_unless_ok(outcome);
+}
+
+void synchronise(Link& link, nb::handle timeout_s) {
+  const RequestOptions options = options_of(nb::none(), true, timeout_s);
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = link.sync(options);
+  }
+  raise_unless_ok(outcome);
+}
+
+nb::object read_control(Link& link, std::uint32_t address, std::size_t count) {
+  auto values = std::make_unique<std::uint32_t[]>(count);
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = link.read_control(address, std::span(values.get(), count), {});
+  }
+  raise_unless_ok(outcome);
+  return array_of(std::move(values), {count});
+}
+
+void write_control(Link& link, std::uint32_t address, std::uint32_t value) {
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = link.write_control(address, value, {});
+  }
+  raise_unless_ok(outcome);
+}
+
+nb::dict description(const Link& link) {
+  const Description& told = link.description();
+  nb::dict result;
+  result["version"] = told.version;
+  result["gateware_version"] = told.gateware_version;
+  result["build"] = told.build;
+  result["clock_hz"] = told.clock_hz;
+  result["features"] = told.features;
+  result["credit"] = told.credit;
+  result["request_max"] = told.request_max;
+  result["reply_max"] = told.reply_max;
+  result["window"] = told.window;
+  result["cache"] = told.cache;
+  result["exchanges"] = told.exchanges;
+  result["exchange_size"] = told.exchange_size;
+  result["spec_hash"] = told.spec_hash;
+  return result;
+}
+
+nb::tuple clock_state(Link& link) {
+  ClockState state;
+  {
+    GilRelease release;
+    state = link.clock();
+  }
+  return nb::make_tuple(state.period_ns, state.drift_ppm, state.uncertainty_ns);
+}
+
+}  // namespace
+
+void bind_framed(nb::class_<Link>& link) {
+  using namespace nb::literals;
+  link.def("transfer", &transfer, "write_addresses"_a, "write_values"_a, "addresses"_a, "atomic"_a, "timeout_s"_a.none())
+      .def("post", &post, "addresses"_a, "values"_a, "timeout_s"_a.none())
+      .def("sync", &synchronise, "timeout_s"_a.none())
+      .def("read_control", &read_control, "address"_a, "count"_a)
+      .def("write_control", &write_control, "address"_a, "value"_a)
+      .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())
+      .def("clock", &clock_state)
+      .def_prop_ro("protocol", [](const Link& link) { return link.framed() ? "framed" : "classic"; })
+      .def_prop_ro("notice", [](const Link& link) { return link.notice(); })
+      .def_prop_ro("description", &description);
+}
+
+}  // namespace unitylink::python

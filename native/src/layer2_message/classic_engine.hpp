@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ClassicEngine: requests in order to text, text to answers, and what to do when an answer does not come. Sans I/O: it is given bytes and
+// times and gives bytes and verdicts, so that tests can run it on a virtual clock.
+//
+//   submit() -> waiting -> transmit() -> in flight -> receive() -> replied -> done
+//                  ^                        |  a bad or missing answer: everything in flight is void
+//                  +----- fence ------------+  what must not be sent twice ends here
+//
+// Rules, and why:
+// - The protocol has no ids: the n-th reply belongs to the n-th request. A request that vanished would shift every later answer by one, so
+//   answers count only when all that was in flight together has been answered (`replied` waits for that); then the numbers agree.
+// - Requests in flight never hold more bytes, either way, than the device's FIFOs (credit), unless one is alone.
+// - After a void nothing is sent but the fence, until the device has answered it. All that comes before that answer is dropped.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "layer1_stream/classic_decoder.hpp"
+#include "layer1_stream/configuration.hpp"
+#include "layer2_message/engine.hpp"
+
+namespace unitylink {
+
+class ClassicEngine final : public Engine {
+ public:
+  // The longest request is a WSA or RM of 255 addresses of 4 bytes; several short ones fit together.
+  static constexpr std::size_t transmit_bytes_max = 8192;
+
+  explicit ClassicEngine(const EngineSettings& settings) noexcept;
+
+  void configure(const Configuration& configuration) noexcept override;
+  // The device's last CNF; nothing when it has no RLC or has not been asked.
+  [[nodiscard]] const std::optional<Configuration>& reported() const noexcept { return reported_; }
+  // False once the device has shown that it has no checksums ("lite" datalink).
+  [[nodiscard]] bool checksums() const noexcept { return !plain_fence_; }
+  // Whether publishes were asked for with a checksum; the other kind is then refused.
+  void expect_checked_publishes(bool checked) noexcept { publishes_checked_ = checked; }
+
+  void submit(Exchange& exchange, std::uint64_t now_ns) noexcept override;
+  void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept override;
+  void sent(std::size_t bytes) noexcept override;
+  void advance(std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept override;
+  // If one of them was on its way, all that is becomes void.
+  void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
+  void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
+  void end(Status status, std::uint64_t now_ns) noexcept override;
+  void forget(Status status) noexcept override;
+
+ private:
+  enum class State : std::uint8_t { ready, fence_due, fencing };
+  struct Sink;  // what the decoder calls
+
+  void on_message(const Message& message) noexcept;
+  void on_publish(const Publish& publish) noexcept;
+  void on_reply(const Message& message) noexcept;
+  void on_application_error(Exchange& exchange, const Message& message) noexcept;
+  void on_fence_answer(const Message& message) noexcept;
+  void on_datalink_error(std::uint8_t code) noexcept;
+  void on_bad_reply() noexcept;
+  [[nodiscard]] bool take_data(Exchange& exchange, const Message& message) noexcept;
+  void replied(Exchange& exchange, Status status) noexcept;
+  void void_in_flight(Status why, std::uint8_t datalink_code) noexcept;
+  void fence_passed() noexcept;
+  void fence_failed() noexcept;
+  void hasten_fence() noexcept;
+  [[nodiscard]] bool admits(const Exchange& exchange) const noexcept;
+  void encode(Exchange& exchange) noexcept;
+  void encode_fence() noexcept;
+  [[nodiscard]] std::uint64_t allowance_ns() const noexcept;
+
+  EngineSettings settings_;
+  ClassicDecoder decoder_;
+  std::optional<Configuration> reported_;
+  State state_ = State::fence_due;
+
+  ExchangeList waiting_;
+  ExchangeList in_flight_;           // first the replied ones, then those whose answer is awaited
+  Exchange* oldest_ = nullptr;       // the first awaited one of in_flight_
+  std::uint32_t batch_ = 0;          // how many are in in_flight_
+  std::uint32_t request_credit_ = 0; // bytes of awaited ones, each way
+  std::uint32_t reply_credit_ = 0;
+
+  std::uint64_t oldest_since_ns_ = 0;
+  std::uint64_t fence_deadline_ns_ = 0;
+  std::uint32_t fences_sent_ = 0;     // since the last answered one
+  std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have swallowed them
+  bool fence_hastened_ = false;
+  bool publishes_checked_ = false;
+  std::uint8_t fence_code_ = 0;       // the last ?xx heard while fencing
+  std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come
+  bool plain_fence_ = false;
+
+  std::uint64_t position_ = 0;        // bytes ever handed to the driver
+  std::size_t pending_begin_ = 0;
+  std::size_t pending_end_ = 0;
+  std::array<std::uint8_t, transmit_bytes_max> pending_;
+};
+
+}  // namespace unitylink

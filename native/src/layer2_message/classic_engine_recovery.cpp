@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When an answer is missing or cannot be believed: void, fence, and what comes after it.
+#include "layer2_message/classic_engine.hpp"
+
+#include <algorithm>
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::uint32_t hastened_fences_max = 8;
+constexpr std::uint64_t hastened_part = 8;  // of the timeout
+
+}  // namespace
+
+void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexcept {
+  pending_begin_ = pending_end_ = 0;  // a message half sent is made an error by the fence
+  Exchange* const culprit = oldest_;
+  oldest_ = nullptr;
+  batch_ = request_credit_ = reply_credit_ = 0;
+  state_ = State::fence_due;
+  fences_sent_ = fences_hastened_ = late_refusals_ = 0;
+  fence_code_ = 0;
+
+  ExchangeList again;
+  ExchangeList over;
+  while (!in_flight_.empty()) {
+    Exchange& exchange = in_flight_.pop_front();
+    const bool left = exchange.begin_ < position_;
+    exchange.sent = exchange.sent || left;
+    exchange.attempts -= left ? 0 : 1;
+    exchange.error = {};
+    if (&exchange == culprit) {
+      exchange.failures_ += 1;
+      exchange.datalink_code = datalink_code;
+    }
+    const bool once_more = !left || (exchange.repeat && exchange.failures_ < exchange.attempts_max);
+    exchange.state_ = Exchange::State::waiting;
+    if (once_more && exchange.batch != nullptr) {
+      exchange.batch->failed = false;  // what it had been told is void as well
+    }
+    (once_more ? again : over).push_back(exchange);
+  }
+  waiting_.prepend(again);
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    const bool had_effect = exchange.operation == Operation::write && !exchange.repeat;
+    finish(exchange, had_effect ? Status::unknown : why);
+  }
+}
+
+void ClassicEngine::abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  const bool on_its_way = std::any_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) {
+    return exchange.state_ == Exchange::State::in_flight || exchange.state_ == Exchange::State::replied;
+  });
+  for (Exchange& exchange : exchanges) {
+    exchange.attempts_max = 0;
+  }
+  if (on_its_way) {
+    void_in_flight(Status::timeout, 0);
+  }
+  withdraw(exchanges, now_ns);
+}
+
+void ClassicEngine::withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  for (Exchange& exchange : exchanges) {
+    exchange.attempts_max = 0;
+    exchange.timeout_ns = std::min(exchange.timeout_ns, settings_.timeout_ns);
+  }
+  ExchangeList remaining;
+  ExchangeList over;
+  while (!waiting_.empty()) {
+    Exchange& exchange = waiting_.pop_front();
+    (exchange.attempts_max > 0 ? remaining : over).push_back(exchange);
+  }
+  waiting_ = remaining;
+  if (waiting_.empty() && state_ == State::fencing) {
+    state_ = State::fence_due;  // nobody is left to wait for the answer
+  }
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    finish(exchange, exchange.cut_off());
+  }
+}
+
+void ClassicEngine::hasten_fence() noexcept {
+  if (fences_hastened_ < hastened_fences_max && !fence_hastened_) {
+    fences_hastened_ += 1;
+    fence_hastened_ = true;
+    fence_deadline_ns_ = std::min(fence_deadline_ns_, now_ns_ + waiting_.front()->timeout_ns / hastened_part);
+  }
+}
+
+void ClassicEngine::on_fence_answer(const Message& message) noexcept {
+  const char head = plain_fence_ ? bytes::plain_head : bytes::checked_head;
+  if (state_ != State::fencing || message.head != head) {
+    statistics_.stale_replies += 1;
+    return;
+  }
+  if (message.kind == MessageKind::reply && message.letters == reply::read_configuration) {
+    const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum);
+    const bool other = configuration && reported_ && *configuration != *reported_;
+    if (!configuration || (other && plain_fence_)) {  // without a checksum a strange answer is more likely noise than another device
+      statistics_.malformed_messages += 1;
+      hasten_fence();
+    } else if (other) {
+      end(Status::mismatch, now_ns_);
+    } else {
+      reported_ = configuration;
+      late_refusals_ = 0;
+      fence_passed();
+    }
+  } else if (message.error == application_error::incomplete_command && message.letters.empty() && !reported_) {
+    late_refusals_ = fences_sent_ - 1;
+    fence_passed();
+  } else {
+    statistics_.stale_replies += 1;
+  }
+}
+
+void ClassicEngine::fence_passed() noexcept {
+  last_answer_ns_ = now_ns_;
+  state_ = State::ready;
+  fences_sent_ = fences_hastened_ = 0;
+  fence_code_ = 0;
+  if (Exchange* first = waiting_.front(); first != nullptr && first->operation == Operation::resynchronise) {
+    waiting_.pop_front();
+    first->sent = true;
+    first->attempts += 1;
+    finish(*first, Status::ok);
+  }
+}
+
+void ClassicEngine::fence_failed() noexcept {
+  statistics_.timeouts += 1;
+  state_ = State::fence_due;
+  if (!reported_) {
+    plain_fence_ = false;  // "?f1" may have been noise; if not it is found out again
+  }
+  ExchangeList remaining;
+  ExchangeList over;
+  while (!waiting_.empty()) {
+    Exchange& exchange = waiting_.pop_front();
+    exchange.attempts += 1;
+    exchange.failures_ += 1;
+    (exchange.failures_ < exchange.attempts_max ? remaining : over).push_back(exchange);
+  }
+  waiting_ = remaining;
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    exchange.datalink_code = fence_code_;
+    finish(exchange, fence_code_ == datalink_error::checksum ? Status::protocol_error : Status::timeout);
+  }
+}
+
+}  // namespace unitylink

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What goes out, and when. framed_engine_receive.cpp: what comes in. framed_engine_session.cpp: sessions, and what an answer's absence means.
+#include "layer2_message/framed_engine.hpp"
+
+#include <algorithm>
+
+#include "layer2_message/framed_request.hpp"
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::size_t confirm_after = PostQueue::capacity / 4;  // posts, so that the queue is never full on a line that carries them
+constexpr std::uint64_t wait_part = 20;                         // of the timeout, before a repeat, however quick the line is
+constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
+constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose answer may still be on its way
+
+}  // namespace
+
+FramedEngine::FramedEngine(const EngineSettings& settings, bool probe) noexcept
+    : settings_(settings), probe_(probe), random_(settings.seed) {
+  for (Exchange* own : {&confirmation_, &restoration_, &reading_}) {
+    own->state_ = Exchange::State::done;
+  }
+}
+
+void FramedEngine::configure(const Configuration& configuration) noexcept { configuration_ = configuration; }
+
+void FramedEngine::claim(std::uint32_t group, PublishRing* ring) noexcept {
+  Engine::claim(group, ring);
+  if (ring == nullptr) {
+    groups_[group] = {};
+  }
+}
+
+void FramedEngine::submit(Exchange& exchange, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  queue(exchange, false);
+}
+
+void FramedEngine::queue(Exchange& exchange, bool first) noexcept {
+  exchange.begun_ns = now_ns_;
+  exchange.state_ = Exchange::State::waiting;
+  exchange.follows_ = posts_.made();
+  if (ended_) {
+    finish(exchange, *ended_);
+    return;
+  }
+  if (exchange.timeout_ns == 0) {
+    exchange.timeout_ns = settings_.timeout_ns;
+  }
+  if (first && (waiting_.empty() || !waiting_.front()->chained)) {
+    exchange.follows_ = 0;
+    waiting_.push_front(exchange);
+  } else {
+    waiting_.push_back(exchange);
+  }
+}
+
+bool FramedEngine::post(const Post& post, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  if (ended_ || posts_.full()) {
+    return false;
+  }
+  posts_.make(post);
+  confirm_ns_ = std::min(confirm_ns_, now_ns + confirm_patience_ns);
+  return true;
+}
+
+// ---- sending
+
+std::span<const std::uint8_t> FramedEngine::transmit(std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  if (pending_begin_ == pending_end_) {
+    pending_begin_ = pending_end_ = 0;
+  }
+  if (!ended_) {
+    if (state_ == State::silent && (!waiting_.empty() || posts_.sent() < posts_.made())) {
+      ask();
+    }
+    if (greeting_due_) {
+      encode_greeting();
+    }
+    if (state_ == State::open) {
+      maintain();
+      while (send_due() || send_next()) {
+      }
+    }
+  }
+  return std::span<const std::uint8_t>(pending_).subspan(pending_begin_, pending_end_ - pending_begin_);
+}
+
+void FramedEngine::sent(std::size_t bytes) noexcept {
+  pending_begin_ += bytes;
+  statistics_.bytes_sent += bytes;
+  last_sent_ns_ = now_ns_;
+}
+
+void FramedEngine::encode_greeting() noexcept {
+  const std::span<std::uint8_t> space = room();
+  if (space.size() < 64) {
+    return;
+  }
+  space[0] = frame::delimiter;  // ends whatever stood half sent
+  std::size_t size = 1;
+  if (state_ == State::opening) {
+    size += FrameEncoder(space.subspan(size), request_kind::open, FrameKey{})
+                .word(greeting_->nonce, 2)
+                .word(offered_epoch_, 2)
+                .word(0, 1)
+                .finish();
+  } else {
+    size += FrameEncoder(space.subspan(size), request_kind::hello, FrameKey{}).word(frame::version, 1).word(frame::version, 1).finish();
+    if (probe_ && sessions_ == 0) {  // gateware that knows no frames has skipped HELLO, and answers this
+      std::copy(classic_question.begin(), classic_question.end(), space.begin() + static_cast<std::ptrdiff_t>(size));
+      size += classic_question.size();
+      space[size++] = frame::delimiter;
+    }
+    statistics_.fences += 1;
+  }
+  pending_end_ += size;
+  greeting_due_ = false;
+  greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(128);
+}
+
+// A place that is due, the oldest first.
+bool FramedEngine::send_due() noexcept {
+  for (std::uint16_t id = base_id_; due_ > 0 && id != next_id_; ++id) {
+    Place& place = place_of(id);
+    if (!place.used || !place.due || (place.exchange != nullptr && place.unbound && posts_.sent() < place.exchange->follows_)) {
+      continue;
+    }
+    const std::size_t size = encode(place);
+    if (size == 0) {
+      return false;
+    }
+    commit(place, size);
+    place.due = false;
+    due_ -= 1;
+    statistics_.retries += 1;
+    return true;
+  }
+  return false;
+}
+
+// The next of what has not been sent: posts and requests in the order in which they were made.
+bool FramedEngine::send_next() noexcept {
+  if (waiting_.empty() || waiting_.front()->follows_ > posts_.sent()) {
+    return posts_.sent() < posts_.made() && send_post();
+  }
+  Exchange& exchange = *waiting_.front();
+  if (exchange.operation == Operation::resynchronise) {  // a session is open: done
+    exchange.sent = true;
+    exchange.attempts += 1;
+    finish(waiting_.pop_front(), Status::ok);
+    return true;
+  }
+  if (exchange.batch != nullptr && exchange.batch->failed) {
+    finish(waiting_.pop_front(), exchange.cut_off());
+    return true;
+  }
+  Place& place = place_of(next_id_);
+  if (place.used) {
+    return false;
+  }
+  Place fresh;
+  fresh.exchange = &exchange;
+  fresh.id = next_id_;
+  const std::size_t size = encode(fresh);
+  if (size == 0) {
+    const bool hopeless = pending_begin_ == pending_end_;
+    if (hopeless) {
+      finish(waiting_.pop_front(), Status::range);
+    }
+    return hopeless;
+  }
+  const std::size_t limit = greeting_->credit;
+  if (credit_ > 0 && credit_ + size > limit) {
+    return false;
+  }
+  waiting_.pop_front();
+  place = fresh;
+  place.used = true;
+  place.bytes = static_cast<std::uint32_t>(size);
+  place.limit_ns = limit_of(exchange);
+  exchange.state_ = Exchange::State::in_flight;
+  exchange.sent = true;
+  if (exchange.operation == Operation::define_group) {  // at once: a publish may come before the answer
+    rings_[exchange.address] = exchange.ring;
+    groups_[exchange.address] = {exchange.ring, exchange.addresses, exchange.value, exchange.on_event, 0};
+  }
+  commit(place, size);
+  credit_ += place.bytes;
+  next_id_ += 1;
+  return true;
+}
+
+bool FramedEngine::send_post() noexcept {
+  const Post& post = posts_.next();
+  const std::size_t size = FrameEncoder(room(), request_kind::post, decoder_.key())
+                               .word(static_cast<std::uint32_t>(posts_.sent()), 2)
+                               .word(post.address, configuration_.address_bytes)
+                               .word(post.value, configuration_.data_bytes)
+                               .finish();
+  if (size == 0) {
+    return false;
+  }
+  pending_end_ += size;
+  statistics_.posts += posts_.repeats() ? 0 : 1;
+  statistics_.retries += posts_.repeats() ? 1 : 0;
+  posts_.send();
+  return true;
+}
+
+// The bytes of its frame, 0 where there is no room for them.
+std::size_t FramedEngine::encode(Place& place) noexcept {
+  const Exchange* const exchange = place.exchange;
+  if (place.unbound && exchange != nullptr) {
+    place.barrier = posts_.confirmed() < posts_.sent();
+    place.post = static_cast<std::uint16_t>(posts_.sent());
+  }
+  const bool barrier = place.barrier && exchange != nullptr;
+  std::uint32_t kind = exchange != nullptr ? framed_kind(*exchange) : request_kind::sync;
+  kind |= (exchange != nullptr && exchange->chained ? frame::chained_bit : 0) | (barrier ? frame::barrier_bit : 0);
+  FrameEncoder encoder(room(), static_cast<std::uint8_t>(kind), decoder_.key());
+  encoder.word(place.id, 2);
+  if (barrier) {
+    encoder.word(place.post, 2);
+  }
+  if (exchange != nullptr) {
+    put_request(encoder, *exchange, configuration_);
+  }
+  const std::size_t size = encoder.payload_bytes() <= greeting_->request_max ? encoder.finish() : 0;
+  if (size == 0) {
+    return 0;
+  }
+  return size;
+}
+
+// Its frame is on its way.
+void FramedEngine::commit(Place& place, std::size_t size) noexcept {
+  if (place.wait_ns == 0) {
+    const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
+    const std::uint64_t measured = smoothed_ns_ == 0 ? most : std::max(most / wait_part, smoothed_ns_ + 4 * variation_ns_);
+    place.wait_ns = std::min(most, measured) + allowance_ns(credit_ + size + greeting_->reply_max);
+  }
+  pending_end_ += size;
+  place.unbound = false;
+  place.transmissions += 1;
+  place.last_order = ++order_;
+  place.sent_ns = now_ns_;
+  if (place.transmissions == 1) {
+    place.first_order = place.last_order;
+    place.first_sent_ns = now_ns_;
+  }
+  if (place.exchange != nullptr) {
+    place.exchange->attempts += 1;
+  }
+  statistics_.requests += 1;
+}
+
+// The engine's own requests, where they are wanted: how far the posts have come, what time it is there, a sign of life.
+void FramedEngine::maintain() noexcept {
+  const std::uint64_t open_posts = posts_.made() - posts_.confirmed();
+  if (open_posts == 0) {
+    confirm_ns_ = no_deadline;
+  } else if (idle(confirmation_) && (open_posts >= confirm_after || now_ns_ >= confirm_ns_)) {
+    confirmation_ = Exchange{};
+    confirmation_.operation = Operation::synchronise;
+    confirmation_.attempts_max = 3;
+    queue(confirmation_, false);
+    confirm_ns_ = now_ns_ + std::max(confirm_patience_ns, 2 * smoothed_ns_);
+  }
+  const bool life_due = deadman_ticks_ > 0 && now_ns_ - last_sent_ns_ >= keep_alive_ns();
+  if (idle(reading_) && (now_ns_ >= clock_due_ns_ || life_due)) {
+    reading_ = Exchange{};
+    reading_.operation = Operation::read_control;
+    reading_.address = control::time_low;
+    reading_.values = read_clock_;
+    reading_.attempts_max = 1;
+    clock_due_ns_ = now_ns_ + clock_interval_ns();
+    queue(reading_, true);
+  }
+}
+
+bool FramedEngine::idle(const Exchange& exchange) const noexcept { return exchange.state_ == Exchange::State::done; }
+
+}  // namespace unitylink

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// FramedEngine: requests with ids to frames, frames to answers, and what to do when an answer does not come. Sans I/O. docs/protocol.md.
+//
+//   submit() -> waiting -> transmit() -> a place (id mod window) -> receive() -> done
+//                              ^  due again: its timeout, or an answer to a later id
+//                              +------------------------------+
+//
+// Rules, and why:
+// - The device keeps what it executed last in each place, so a request may be sent again as often as need be: it is executed once.
+// - Who gives a request up (timeout, interruption) leaves its place behind: a SYNC of the same id takes it over, so that the request, should
+//   it still be on its way, is a repeat for the device and never executed late.
+// - A session is opened by HELLO and OPEN. It is asked for again when the device says that it has none, or twice nothing. If it is another
+//   one then, all that was in flight and may have been executed ends unknown. Nothing is replayed but reads; groups are defined anew.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "layer1_stream/frame_decoder.hpp"
+#include "layer1_stream/frame_encoder.hpp"
+#include "layer2_message/clock_fit.hpp"
+#include "layer2_message/engine.hpp"
+#include "layer2_message/greeting.hpp"
+#include "layer2_message/post_queue.hpp"
+
+namespace unitylink {
+
+class FramedEngine final : public Engine {
+ public:
+  static constexpr std::size_t transmit_bytes_max = 16384;
+  static constexpr std::uint32_t window_max = 128;
+
+  // `probe`: the device may be one of the classic protocol, which shows when it answers a classic question and not HELLO.
+  FramedEngine(const EngineSettings& settings, bool probe) noexcept;
+
+  void configure(const Configuration& configuration) noexcept override;
+  // What the device last said; nothing before it has.
+  [[nodiscard]] const std::optional<Greeting>& greeting() const noexcept { return greeting_; }
+  // The clock of the device in the host's time.
+  [[nodiscard]] const ClockFit& clock() const noexcept { return clock_; }
+  void set_clock_hz(double clock_hz) noexcept { clock_.set_nominal_hz(clock_hz); }
+
+  void submit(Exchange& exchange, std::uint64_t now_ns) noexcept override;
+  void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept override;
+  void sent(std::size_t bytes) noexcept override;
+  void advance(std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept override;
+  void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
+  void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
+  void end(Status status, std::uint64_t now_ns) noexcept override;
+  void forget(Status status) noexcept override;
+  void claim(std::uint32_t group, PublishRing* ring) noexcept override;
+
+  // A write without an answer. False: no room until the device has confirmed some; it is asked to.
+  [[nodiscard]] bool post(const Post& post, std::uint64_t now_ns) noexcept;
+  [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
+  // Posts of sessions that were lost before the device had confirmed them; asking forgets them.
+  [[nodiscard]] std::uint64_t take_unknown_posts() noexcept { return std::exchange(unknown_posts_, 0); }
+  [[nodiscard]] std::uint64_t sessions() const noexcept { return sessions_; }
+  [[nodiscard]] std::uint16_t epoch() const noexcept { return decoder_.key().epoch; }
+
+ private:
+  // silent: nobody has asked yet. checking: HELLO has been sent to see whether the session is still there.
+  enum class State : std::uint8_t { silent, greeting, opening, open, checking };
+  struct Sink;  // what the decoder calls
+
+  struct Place {
+    Exchange* exchange = nullptr;     // nullptr while used: given up; a SYNC takes the id over
+    bool used = false;
+    bool due = false;                 // to be sent (again)
+    bool barrier = false;
+    bool unbound = true;              // its barrier is to be set at the next sending
+    std::uint16_t id = 0;
+    std::uint16_t post = 0;           // executed before it, if `barrier`
+    std::uint32_t bytes = 0;          // of its frame, against the credit
+    std::uint32_t transmissions = 0;
+    std::uint64_t first_order = 0;    // of all transmissions, its first and last
+    std::uint64_t last_order = 0;
+    std::uint64_t first_sent_ns = 0;
+    std::uint64_t sent_ns = 0;
+    std::uint64_t wait_ns = 0;        // from sent_ns until it is due
+    std::uint64_t limit_ns = 0;       // when it is given up
+  };
+
+  struct Group {
+    PublishRing* ring = nullptr;
+    std::span<const std::uint32_t> addresses;  // the subscription's, which outlives its claim
+    std::uint32_t divisor = 0;
+    bool on_event = false;
+    std::uint16_t sequence = 0;       // of the next publish
+  };
+
+  // what goes out (framed_engine.cpp)
+  [[nodiscard]] Place& place_of(std::uint32_t id) noexcept { return places_[id % window_]; }
+  [[nodiscard]] bool send_due() noexcept;
+  [[nodiscard]] bool send_next() noexcept;
+  [[nodiscard]] bool send_post() noexcept;
+  [[nodiscard]] std::size_t encode(Place& place) noexcept;
+  void commit(Place& place, std::size_t size) noexcept;
+  void encode_greeting() noexcept;
+  [[nodiscard]] std::span<std::uint8_t> room() noexcept { return std::span(pending_).subspan(pending_end_); }
+  void queue(Exchange& exchange, bool first) noexcept;
+  void maintain() noexcept;
+  [[nodiscard]] bool idle(const Exchange& exchange) const noexcept;
+
+  // what comes in (framed_engine_receive.cpp)
+  void on_frame(const Frame& frame) noexcept;
+  void on_text() noexcept;
+  void on_reply(std::uint8_t status, std::span<const std::uint8_t> payload) noexcept;
+  void on_publish(std::span<const std::uint8_t> payload) noexcept;
+  void on_answer(Place& place, std::uint8_t status, std::span<const std::uint8_t> body) noexcept;
+  void on_executed(const Place& place) noexcept;
+  void measure(std::uint64_t round_trip_ns) noexcept;
+  void release(Place& place) noexcept;
+
+  // sessions and time (framed_engine_session.cpp)
+  void ask() noexcept;
+  void on_greeting(const Greeting& told) noexcept;
+  void on_opened(std::uint16_t epoch) noexcept;
+  void lose_session() noexcept;
+  void restore() noexcept;
+  void expire(Place& place) noexcept;
+  void give_up(Place& place) noexcept;
+  void refuse() noexcept;
+  void fail_waiting() noexcept;
+  [[nodiscard]] std::uint64_t limit_of(const Exchange& exchange) const noexcept;
+  template <class Wanted>
+  void take_back(Wanted wanted) noexcept;
+  [[nodiscard]] std::uint64_t allowance_ns(std::size_t bytes) const noexcept { return 2 * settings_.byte_time_ns * bytes; }
+  [[nodiscard]] std::uint64_t keep_alive_ns() const noexcept;
+  [[nodiscard]] std::uint64_t clock_interval_ns() const noexcept;
+
+  EngineSettings settings_;
+  const bool probe_;
+  FrameDecoder decoder_;
+  State state_ = State::silent;
+  bool text_ = false;                   // within a classic line
+  std::uint8_t text_head_ = 0;          // its first byte
+  std::optional<Greeting> greeting_;
+  std::uint64_t random_;
+  std::uint16_t offered_epoch_ = 0;     // that OPEN has asked for
+  bool greeting_due_ = false;           // HELLO or OPEN, by the state
+  std::uint64_t greeting_deadline_ns_ = 0;
+  std::uint64_t greeting_wait_ns_ = 0;
+  std::uint32_t openings_ = 0;           // OPENs since the last HELLO answer
+  std::uint64_t sessions_ = 0;
+
+  ExchangeList waiting_;
+  std::uint32_t window_ = 1;
+  std::uint16_t next_id_ = 0;
+  std::uint16_t base_id_ = 0;           // the oldest that is not answered, or next_id_
+  std::uint32_t due_ = 0;               // places that are due
+  std::uint32_t credit_ = 0;            // bytes of requests in flight
+  std::uint64_t order_ = 0;             // transmissions so far
+  std::array<Place, window_max> places_;
+
+  std::uint64_t smoothed_ns_ = 0;       // round trip, 0: none measured
+  std::uint64_t variation_ns_ = 0;
+
+  PostQueue posts_;
+  std::uint64_t unknown_posts_ = 0;
+  std::uint64_t gone_back_order_ = 0;   // transmissions when the posts were last begun again
+  Exchange confirmation_;               // the engine's own question how far the posts have come
+  std::uint64_t confirm_ns_ = no_deadline;
+
+  std::array<Group, protocol::limits::groups_max> groups_;
+  Exchange restoration_;                // the engine's own request that sets a new session up
+  std::uint32_t restored_ = 0;          // steps of it that are done
+  bool publishing_ = false;
+  std::uint32_t deadman_ticks_ = 0;
+
+  ClockFit clock_;
+  Exchange reading_;                    // the engine's own reading of the device's clock
+  std::array<std::uint32_t, 2> read_clock_{};
+  std::uint64_t clock_due_ns_ = no_deadline;
+  std::uint64_t last_sent_ns_ = 0;
+
+  std::size_t pending_begin_ = 0;
+  std::size_t pending_end_ = 0;
+  std::array<std::uint8_t, transmit_bytes_max> pending_;
+};
+
+}  // namespace unitylink

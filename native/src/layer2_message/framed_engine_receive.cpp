@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What comes in: each frame to whom it belongs.
+#include <algorithm>
+
+#include "layer2_message/framed_engine.hpp"
+#include "layer2_message/framed_request.hpp"
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
+constexpr std::size_t reply_head_bytes = 4;    // id, posts
+constexpr std::size_t publish_head_bytes = 7;  // group, sequence, clock
+
+Status status_of(std::uint8_t status) noexcept {
+  switch (status) {
+    case reply_status::ok: return Status::ok;
+    case reply_status::bus_error:
+    case reply_status::bus_timeout: return Status::bus_error;
+    default: return Status::protocol_error;
+  }
+}
+
+}  // namespace
+
+struct FramedEngine::Sink {
+  FramedEngine& engine;
+  void on_frame(const Frame& frame) noexcept { engine.on_frame(frame); }
+  void on_discard(Discard why, std::uint8_t, std::size_t bytes) noexcept {
+    engine.statistics_.checksum_errors += why == Discard::check ? 1 : 0;
+    engine.statistics_.malformed_messages += why == Discard::check ? 0 : 1;
+    engine.statistics_.garbage_bytes += bytes;
+  }
+};
+
+void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  statistics_.bytes_received += bytes.size();
+  Sink sink{*this};
+  while (!bytes.empty()) {
+    if (!text_ && decoder_.pending() == 0 && bytes[0] < frame_kind_min && bytes[0] != frame::delimiter) {
+      text_ = true;
+      text_head_ = bytes[0];
+    }
+    if (text_) {
+      const auto end = std::find_if(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
+        return byte == frame::delimiter || byte == static_cast<std::uint8_t>(protocol::bytes::line_feed);
+      });
+      text_ = end == bytes.end();
+      if (!text_) {
+        on_text();
+      }
+      bytes = bytes.subspan(text_ ? bytes.size() : static_cast<std::size_t>(end - bytes.begin()) + 1);
+    } else {
+      bytes = bytes.subspan(decoder_.take(bytes, sink));
+    }
+  }
+}
+
+// A line of the classic protocol. The answer to the classic question shows who is there; that of a device with frames comes before it.
+void FramedEngine::on_text() noexcept {
+  if (probe_ && state_ == State::greeting && text_head_ == static_cast<std::uint8_t>(bytes::plain_head)) {
+    refuse();
+  }
+}
+
+void FramedEngine::on_frame(const Frame& frame) noexcept {
+  if (ended_) {
+    return;
+  }
+  const std::span<const std::uint8_t> payload = frame.payload;
+  switch (frame.kind) {
+    case device_kind::publish: on_publish(payload); return;
+    case device_kind::hello:
+      if (const auto told = Greeting::parse(payload)) {
+        on_greeting(*told);
+        return;
+      }
+      break;
+    case device_kind::open:
+      if (payload.size() == 6) {
+        on_opened(static_cast<std::uint16_t>(number_at(payload.data(), 2)));
+        return;
+      }
+      break;
+    case device_kind::closed:
+      if (payload.empty()) {
+        if (state_ == State::open) {
+          ask();
+        }
+        return;
+      }
+      break;
+    default:
+      if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + reply_status::no_group &&
+          payload.size() >= reply_head_bytes) {
+        on_reply(static_cast<std::uint8_t>(frame.kind - device_kind::reply), payload);
+        return;
+      }
+      break;
+  }
+  statistics_.malformed_messages += 1;
+}
+
+void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
+  last_answer_ns_ = now_ns_;
+  if (payload.size() < publish_head_bytes) {
+    statistics_.malformed_messages += 1;
+    return;
+  }
+  const std::uint8_t number = payload[0];
+  PublishRing* const ring = rings_[number];
+  const std::size_t width = configuration_.data_bytes;
+  if (ring == nullptr) {
+    statistics_.unclaimed_publishes += 1;
+  } else if (payload.size() != publish_head_bytes + ring->words() * width) {
+    statistics_.mismatched_publishes += 1;
+  } else {
+    Group& group = groups_[number];
+    const auto sequence = static_cast<std::uint16_t>(number_at(payload.data() + 1, 2));
+    const auto missing = static_cast<std::uint16_t>(sequence - group.sequence);
+    if (missing >= 0x8000) {  // an old one, out of order
+      statistics_.mismatched_publishes += 1;
+      return;
+    }
+    group.sequence = static_cast<std::uint16_t>(sequence + 1);
+    statistics_.missing_publishes += missing;
+    ring->miss(missing);
+    const std::uint32_t clocks = number_at(payload.data() + 3, 4);
+    const std::uint64_t time_ns = clock_.valid() ? std::min(now_ns_, clock_.host_ns(clocks, now_ns_)) : now_ns_;
+    statistics_.publishes += 1;
+    statistics_.overruns += ring->push(time_ns, payload.subspan(publish_head_bytes), width) ? 0 : 1;
+  }
+}
+
+void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> payload) noexcept {
+  const auto id = static_cast<std::uint16_t>(number_at(payload.data(), 2));
+  Place& place = place_of(id);
+  static_cast<void>(posts_.confirm(number_at(payload.data() + 2, 2)));  // an old answer tells an old count, which is refused
+  if (!place.used || place.id != id || place.transmissions == 0) {
+    statistics_.stale_replies += 1;
+    return;
+  }
+  last_answer_ns_ = now_ns_;
+  if (place.transmissions == 1) {
+    measure(now_ns_ - place.sent_ns);
+  }
+  for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {  // on a line that keeps the order their answers are lost
+    Place& other = place_of(earlier);
+    if (other.used && !other.due && other.last_order < place.first_order) {
+      other.due = true;
+      due_ += 1;
+    }
+  }
+  on_answer(place, status, payload.subspan(reply_head_bytes));
+}
+
+void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const std::uint8_t> body) noexcept {
+  Exchange* const exchange = place.exchange;
+  const auto again = [&] {
+    due_ += place.due ? 0 : 1;
+    place.due = true;
+  };
+  if (exchange == nullptr) {
+    release(place);
+    return;
+  }
+  if (status == reply_status::order && exchange->chained) {
+    const Place& before = place_of(static_cast<std::uint16_t>(place.id - 1));
+    if (before.used || exchange->batch == nullptr || !exchange->batch->failed) {
+      again();
+      return;
+    }
+    release(place);  // it will never be its turn
+    finish(*exchange, Status::cancelled);
+    return;
+  }
+  if (status == reply_status::behind && place.barrier) {
+    if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 && place.last_order > gone_back_order_) {
+      posts_.go_back();
+      gone_back_order_ = order_;
+    }
+    place.unbound = true;
+    again();
+    return;
+  }
+  if (!take_reply(*exchange, status, body, configuration_)) {  // a right check and a wrong form: the device is not what it says
+    statistics_.malformed_messages += 1;
+    release(place);
+    finish(*exchange, exchange->writes() ? Status::unknown : Status::protocol_error);
+    return;
+  }
+  statistics_.replies += 1;
+  statistics_.device_errors += status == reply_status::ok ? 0 : 1;
+  exchange->error = framed_status_name(status).value_or(std::string_view{});
+  if (status == reply_status::ok) {
+    on_executed(place);
+  }
+  release(place);
+  finish(*exchange, status_of(status));
+  if (exchange == &restoration_) {
+    restore();
+  }
+}
+
+// What the engine itself wants to know of an answer.
+void FramedEngine::on_executed(const Place& place) noexcept {
+  const Exchange& exchange = *place.exchange;
+  if (&exchange == &reading_) {
+    if (place.transmissions == 1) {
+      clock_.add(std::uint64_t{read_clock_[1]} << 32 | read_clock_[0], place.sent_ns, now_ns_);
+    }
+  } else if (exchange.operation == Operation::write_control && exchange.address == control::publish) {
+    publishing_ = exchange.value != 0;
+    clock_due_ns_ = now_ns_;
+  } else if (exchange.operation == Operation::write_control && exchange.address == control::deadman_ticks) {
+    deadman_ticks_ = exchange.value;
+  } else if (exchange.operation == Operation::close_session) {
+    state_ = State::silent;
+  }
+}
+
+// As TCP does it (RFC 6298), so that a repeat comes soon on a quick line and not too soon on an uneven one.
+void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
+  if (smoothed_ns_ == 0) {
+    smoothed_ns_ = std::max<std::uint64_t>(1, round_trip_ns);
+    variation_ns_ = round_trip_ns / 2;
+    return;
+  }
+  const std::uint64_t off = round_trip_ns > smoothed_ns_ ? round_trip_ns - smoothed_ns_ : smoothed_ns_ - round_trip_ns;
+  variation_ns_ = (3 * variation_ns_ + off) / 4;
+  smoothed_ns_ = std::max<std::uint64_t>(1, (7 * smoothed_ns_ + round_trip_ns) / 8);
+}
+
+void FramedEngine::release(Place& place) noexcept {
+  due_ -= place.due ? 1 : 0;
+  credit_ -= place.bytes;
+  place.used = place.due = false;
+  while (base_id_ != next_id_ && !place_of(base_id_).used) {
+    ++base_id_;
+  }
+}
+
+}  // namespace unitylink

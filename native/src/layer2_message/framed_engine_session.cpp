@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sessions and time: how one begins, how its loss is noticed and told, and when an answer is late.
+#include <algorithm>
+
+#include "layer2_message/framed_engine.hpp"
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::uint32_t openings_max = 3;
+constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the session is asked for
+constexpr std::uint32_t restoration_steps = 2 + limits::groups_max;  // dead-man, groups, publishing
+constexpr std::uint32_t restoration_attempts = 1000;  // as long as the session lasts
+constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
+constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
+constexpr std::uint32_t keep_alive_part = 3;    // of the dead-man's time
+
+}  // namespace
+
+void FramedEngine::ask() noexcept {
+  state_ = state_ == State::open ? State::checking : State::greeting;
+  greeting_due_ = true;
+  greeting_wait_ns_ = smoothed_ns_ == 0 ? settings_.timeout_ns : std::min(settings_.timeout_ns, 4 * (smoothed_ns_ + 4 * variation_ns_) + 2'000'000);
+}
+
+// The device knows no frames, or only those of another version.
+void FramedEngine::refuse() noexcept {
+  state_ = State::silent;
+  while (!waiting_.empty()) {
+    waiting_.front()->sent = true;
+    finish(waiting_.pop_front(), Status::mismatch);
+  }
+}
+
+void FramedEngine::on_greeting(const Greeting& told) noexcept {
+  last_answer_ns_ = now_ns_;
+  const bool asked = state_ == State::greeting || state_ == State::checking || (state_ == State::opening && told.nonce != greeting_->nonce);
+  if (!asked) {
+    statistics_.stale_replies += 1;
+    return;
+  }
+  if (greeting_ && (told.version != frame::version || !greeting_->same_device(told))) {
+    end(Status::mismatch, now_ns_);
+    return;
+  }
+  if (told.version != frame::version) {
+    refuse();
+    return;
+  }
+  greeting_ = told;
+  if (state_ == State::checking) {
+    if (told.epoch == epoch()) {
+      state_ = State::open;
+      greeting_due_ = false;
+      for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+        Place& place = place_of(id);
+        due_ += place.used && !place.due ? 1 : 0;
+        place.due = place.used;
+      }
+      return;
+    }
+    lose_session();
+  }
+  const std::uint16_t last = std::exchange(offered_epoch_, std::uint16_t{0});
+  do {
+    random_ += 0x9E3779B97F4A7C15;  // splitmix64
+    std::uint64_t mixed = random_;
+    mixed = (mixed ^ mixed >> 30) * 0xBF58476D1CE4E5B9;
+    mixed = (mixed ^ mixed >> 27) * 0x94D049BB133111EB;
+    offered_epoch_ = static_cast<std::uint16_t>(mixed ^ mixed >> 31);
+  } while (offered_epoch_ >> 8 == 0xFF || offered_epoch_ == last || offered_epoch_ == epoch());
+  state_ = State::opening;
+  openings_ = 1;
+  greeting_due_ = true;
+}
+
+void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
+  if (state_ != State::opening || epoch != offered_epoch_) {
+    statistics_.stale_replies += 1;
+    return;
+  }
+  last_answer_ns_ = now_ns_;
+  state_ = State::open;
+  greeting_due_ = false;
+  decoder_.set_key({.epoch = epoch, .always_long = false});
+  decoder_.set_payload_max(greeting_->reply_max);
+  window_ = std::min(greeting_->window, window_max);
+  while (window_ > settings_.window) {
+    window_ /= 2;
+  }
+  configuration_.address_bytes = greeting_->address_bytes;
+  configuration_.data_bytes = greeting_->data_bytes;
+  sessions_ += 1;
+  statistics_.sessions += 1;
+  restored_ = 0;
+  restore();
+}
+
+// All that was in flight ends: reads are asked again, the rest is unknown.
+void FramedEngine::lose_session() noexcept {
+  ExchangeList again;
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    Place& place = place_of(id);
+    Exchange* const exchange = place.used ? place.exchange : nullptr;
+    place = Place{};
+    if (exchange == nullptr) {
+      continue;
+    }
+    const bool own = exchange == &confirmation_ || exchange == &restoration_ || exchange == &reading_;
+    const bool harmless = !exchange->writes() && exchange->repeat && exchange->operation != Operation::write_control;
+    if (!own && harmless && exchange->attempts_max > 0) {
+      exchange->state_ = Exchange::State::waiting;
+      again.push_back(*exchange);
+    } else {
+      finish(*exchange, exchange->operation == Operation::write_control ? Status::unknown : exchange->cut_off());
+    }
+  }
+  base_id_ = next_id_ = 0;
+  credit_ = due_ = 0;
+  waiting_.prepend(again);
+  for (Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
+    waiting->follows_ = 0;
+  }
+  unknown_posts_ += posts_.restart();
+  gone_back_order_ = order_;
+  confirm_ns_ = clock_due_ns_ = no_deadline;
+  clock_.clear();
+}
+
+// Sets a new session up as the last one was, one request after the other.
+void FramedEngine::restore() noexcept {
+  for (; restored_ < restoration_steps; ++restored_) {
+    Exchange step;
+    step.attempts_max = restoration_attempts;
+    if (restored_ == 0 || restored_ == restoration_steps - 1) {
+      const bool deadman = restored_ == 0;
+      step.operation = Operation::write_control;
+      step.address = deadman ? control::deadman_ticks : control::publish;
+      step.value = deadman ? deadman_ticks_ : publishing_ ? 1 : 0;
+      if (step.value == 0) {
+        continue;
+      }
+    } else {
+      const Group& group = groups_[restored_ - 1];
+      if (group.ring == nullptr) {
+        continue;
+      }
+      step.operation = Operation::define_group;
+      step.address = restored_ - 1;
+      step.value = group.divisor;
+      step.on_event = group.on_event;
+      step.addresses = group.addresses;
+      step.ring = group.ring;
+    }
+    ++restored_;
+    restoration_ = step;
+    queue(restoration_, true);
+    return;
+  }
+}
+
+// ---- time
+
+std::uint64_t FramedEngine::clock_interval_ns() const noexcept {
+  if (!publishing_) {
+    return no_deadline - now_ns_;
+  }
+  return clock_.readings() < ClockFit::kept ? clock_interval_soon_ns : clock_interval_late_ns;
+}
+
+std::uint64_t FramedEngine::keep_alive_ns() const noexcept {
+  const std::uint64_t hz = std::max<std::uint64_t>(1, configuration_.base_hz);
+  return std::uint64_t{deadman_ticks_} * 1'000'000'000 / hz / keep_alive_part;
+}
+
+std::uint64_t FramedEngine::limit_of(const Exchange& exchange) const noexcept {
+  return now_ns_ + exchange.timeout_ns * std::max(1u, exchange.attempts_max) + allowance_ns(greeting_->credit + greeting_->reply_max);
+}
+
+std::uint64_t FramedEngine::next_deadline_ns() const noexcept {
+  if (ended_ || state_ == State::silent) {
+    return no_deadline;
+  }
+  std::uint64_t next = no_deadline;
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    const Place& place = places_[id % window_];
+    if (place.used && place.exchange != nullptr) {
+      next = std::min(next, place.limit_ns);
+    }
+    if (place.used && !place.due) {
+      next = std::min(next, place.sent_ns + place.wait_ns);
+    }
+  }
+  if (state_ != State::open) {
+    return std::min(next, greeting_deadline_ns_);
+  }
+  if (idle(confirmation_)) {
+    next = std::min(next, confirm_ns_);
+  }
+  if (idle(reading_)) {
+    next = std::min(next, clock_due_ns_);
+    next = deadman_ticks_ > 0 ? std::min(next, last_sent_ns_ + keep_alive_ns()) : next;
+  }
+  return next;
+}
+
+void FramedEngine::advance(std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  if (ended_ || now_ns < next_deadline_ns()) {
+    return;
+  }
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    Place& place = place_of(id);
+    if (place.used && place.exchange != nullptr && now_ns >= place.limit_ns) {
+      give_up(place);
+    } else if (place.used && !place.due && now_ns >= place.sent_ns + place.wait_ns) {
+      expire(place);
+    }
+  }
+  const bool asking = state_ == State::greeting || state_ == State::opening || state_ == State::checking;
+  if (asking && !greeting_due_ && now_ns >= greeting_deadline_ns_) {
+    statistics_.timeouts += 1;
+    fail_waiting();
+    if (state_ == State::opening && openings_++ >= openings_max) {
+      state_ = State::greeting;
+    }
+    greeting_due_ = true;
+    greeting_wait_ns_ = std::min(settings_.timeout_ns, 2 * greeting_wait_ns_);
+    if (state_ != State::checking && waiting_.empty() && !publishing_ && deadman_ticks_ == 0) {
+      state_ = State::silent;  // nobody is left to ask for
+      greeting_due_ = false;
+    }
+  }
+}
+
+void FramedEngine::expire(Place& place) noexcept {
+  statistics_.timeouts += 1;
+  if (place.exchange != nullptr && place.exchange->attempts_max == 0) {
+    give_up(place);
+    return;
+  }
+  place.due = true;
+  due_ += 1;
+  const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
+  place.wait_ns = std::max(place.wait_ns, std::min(most, 2 * place.wait_ns));
+  if (state_ == State::open && place.transmissions >= unanswered_max) {
+    ask();
+  }
+}
+
+// Its caller is told; its id is taken over by a SYNC.
+void FramedEngine::give_up(Place& place) noexcept {
+  Exchange& exchange = *place.exchange;
+  place.exchange = nullptr;
+  place.wait_ns = settings_.timeout_ns;
+  due_ += place.due ? 0 : 1;
+  place.due = true;
+  finish(exchange, exchange.operation == Operation::write_control ? Status::unknown : exchange.cut_off());
+}
+
+void FramedEngine::fail_waiting() noexcept {
+  take_back([this](Exchange& exchange) {
+    exchange.attempts += 1;
+    return now_ns_ >= exchange.begun_ns + exchange.timeout_ns * std::max(1u, exchange.attempts_max);
+  });
+}
+
+template <class Wanted>
+void FramedEngine::take_back(Wanted wanted) noexcept {
+  ExchangeList remaining;
+  ExchangeList over;
+  while (!waiting_.empty()) {
+    Exchange& exchange = waiting_.pop_front();
+    (wanted(exchange) ? over : remaining).push_back(exchange);
+  }
+  waiting_ = remaining;
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    finish(exchange, exchange.attempts_max == 0 ? exchange.cut_off() : Status::timeout);
+  }
+}
+
+void FramedEngine::abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  withdraw(exchanges, now_ns);
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    Place& place = place_of(id);
+    if (place.used && place.exchange != nullptr && place.exchange->attempts_max == 0) {
+      give_up(place);
+    }
+  }
+}
+
+void FramedEngine::withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept {
+  now_ns_ = now_ns;
+  for (Exchange& exchange : exchanges) {
+    exchange.attempts_max = 0;
+    exchange.timeout_ns = std::min(exchange.timeout_ns, settings_.timeout_ns);
+  }
+  take_back([](const Exchange& exchange) { return exchange.attempts_max == 0; });
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    Place& place = place_of(id);
+    if (place.used && place.exchange != nullptr && place.exchange->attempts_max == 0) {
+      place.limit_ns = std::min(place.limit_ns, now_ns + place.exchange->timeout_ns);
+    }
+  }
+}
+
+void FramedEngine::forget(Status status) noexcept {
+  ended_ = status;
+  waiting_ = {};
+  base_id_ = next_id_ = 0;
+}
+
+void FramedEngine::end(Status status, std::uint64_t now_ns) noexcept {
+  if (ended_) {
+    return;
+  }
+  now_ns_ = now_ns;
+  ended_ = status;
+  for (std::uint16_t id = base_id_; id != next_id_; ++id) {
+    Place& place = place_of(id);
+    if (place.used && place.exchange != nullptr) {
+      finish(*place.exchange, place.exchange->writes() ? Status::unknown : status);
+    }
+  }
+  base_id_ = next_id_ = 0;
+  while (!waiting_.empty()) {
+    finish(waiting_.pop_front(), status);
+  }
+}
+
+}  // namespace unitylink

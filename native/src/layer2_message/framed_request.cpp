@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer2_message/framed_request.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "unitylink/protocol.hpp"
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::size_t count_max = 255;  // words in one operation of a list
+constexpr std::size_t run_min = 8;      // addresses in a row from which on naming only the first is shorter at every width
+
+// How many addresses from the front rise by one each (`step` 1), or are all the same (0).
+std::size_t run_of(std::span<const std::uint32_t> addresses, std::uint32_t step) noexcept {
+  std::size_t count = 1;
+  while (count < addresses.size() && count < count_max && addresses[count] == addresses[count - 1] + step) {
+    ++count;
+  }
+  return count;
+}
+
+// The addresses, and the words to write there if there are any, as operations of a list.
+void put_words(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
+               const Configuration& configuration) noexcept {
+  const bool writes = !words.empty();
+  const unsigned width = configuration.address_bytes;
+  for (std::size_t at = 0; at < addresses.size();) {
+    const std::span<const std::uint32_t> rest = addresses.subspan(at);
+    const std::size_t rising = run_of(rest, 1);
+    const std::size_t same = writes ? run_of(rest, 0) : 0;  // reads of one address again and again may be told "too_long" as a list operation
+    const bool together = std::max(rising, same) >= run_min;
+    std::size_t count = std::max(rising, same);
+    if (!together) {  // up to where a run begins
+      count = std::min<std::size_t>(count, count_max);
+      while (count < rest.size() && count < count_max && run_of(rest.subspan(count), 1) < run_min &&
+             (!writes || run_of(rest.subspan(count), 0) < run_min)) {
+        ++count;
+      }
+    }
+    const std::uint32_t operation = !together        ? (writes ? list_operation::write : list_operation::read)
+                                    : rising >= same ? (writes ? list_operation::write_up : list_operation::read_up)
+                                                     : list_operation::write_fifo;
+    encoder.word(operation, 1).word(static_cast<std::uint32_t>(count), 1);
+    for (std::size_t index = 0; index < count; ++index) {
+      if (!together || index == 0) {
+        encoder.word(rest[index], width);
+      }
+      if (writes) {
+        encoder.word(words[at + index], configuration.data_bytes);
+      }
+    }
+    at += count;
+  }
+}
+
+constexpr std::array<std::string_view, 11> names{"",        "bus_error", "bus_timeout", "bad_address", "denied",  "busy",
+                                                 "invalid", "too_long",  "order",       "behind",      "no_group"};
+static_assert(names.size() == reply_status::no_group + 1);
+
+std::size_t reply_words(const Exchange& exchange) noexcept {
+  return exchange.operation == Operation::read ? 1 : exchange.addresses.size();
+}
+
+}  // namespace
+
+std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept {
+  return status < names.size() ? std::optional(names[status]) : std::nullopt;
+}
+
+std::uint8_t framed_kind(const Exchange& exchange) noexcept {
+  switch (exchange.operation) {
+    case Operation::read: return request_kind::read;
+    case Operation::write: return request_kind::write;
+    case Operation::read_many:
+    case Operation::transfer: return request_kind::list;
+    case Operation::define_group: return request_kind::define_group;
+    case Operation::read_control: return request_kind::read_control;
+    case Operation::write_control: return request_kind::write_control;
+    case Operation::close_session: return request_kind::close;
+    default: return request_kind::sync;
+  }
+}
+
+void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configuration& configuration) noexcept {
+  switch (exchange.operation) {
+    case Operation::read: encoder.word(exchange.address, configuration.address_bytes); break;
+    case Operation::write:
+      encoder.word(exchange.address, configuration.address_bytes).word(exchange.value, configuration.data_bytes);
+      break;
+    case Operation::read_many:
+    case Operation::transfer:
+      encoder.word(exchange.atomic ? frame::atomic_flag : 0, 1);
+      put_words(encoder, exchange.write_addresses, exchange.write_values, configuration);
+      put_words(encoder, exchange.addresses, {}, configuration);
+      break;
+    case Operation::define_group:
+      encoder.word(exchange.address, 1).word(exchange.value, 4).word(exchange.on_event ? frame::event_flag : 0, 1);
+      encoder.word(static_cast<std::uint32_t>(exchange.addresses.size()), 1);
+      for (const std::uint32_t address : exchange.addresses) {
+        encoder.word(address, configuration.address_bytes);
+      }
+      break;
+    case Operation::read_control:
+      encoder.word(exchange.address, 2).word(static_cast<std::uint32_t>(exchange.values.size()), 1);
+      break;
+    case Operation::write_control: encoder.word(exchange.address, 2).word(exchange.value, 4); break;
+    default: break;
+  }
+}
+
+bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body, const Configuration& configuration) noexcept {
+  const std::size_t width = configuration.data_bytes;
+  const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer;
+  const std::size_t done_bytes = list ? 2 : 0;
+  if (status != reply_status::ok) {
+    const bool executed = status == reply_status::bus_error || status == reply_status::bus_timeout;
+    if (body.size() != (executed ? done_bytes : 0)) {
+      return false;
+    }
+    exchange.words = executed && list ? number_at(body.data(), 2) : 0;
+    return true;
+  }
+  switch (exchange.operation) {
+    case Operation::read:
+    case Operation::read_many:
+    case Operation::transfer: {
+      const std::size_t words = reply_words(exchange);
+      if (body.size() != done_bytes + words * width) {
+        return false;
+      }
+      if (!list) {
+        exchange.value = number_at(body.data(), width);
+        return true;
+      }
+      exchange.words = number_at(body.data(), 2);
+      if (exchange.words != exchange.write_addresses.size() + words) {
+        return false;
+      }
+      for (std::size_t index = 0; index < words; ++index) {
+        exchange.values[index] = number_at(body.data() + 2 + index * width, width);
+      }
+      return true;
+    }
+    case Operation::read_control:
+      if (body.size() != 4 * exchange.values.size()) {
+        return false;
+      }
+      for (std::size_t index = 0; index < exchange.values.size(); ++index) {
+        exchange.values[index] = number_at(body.data() + 4 * index, 4);
+      }
+      return true;
+    case Operation::synchronise:
+      if (body.size() != 7) {
+        return false;
+      }
+      exchange.words = number_at(body.data() + 2, 2);
+      exchange.value = number_at(body.data() + 4, 2);
+      return true;
+    default: return body.empty();
+  }
+}
+
+}  // namespace unitylink

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The payload of each framed request, and of its reply. docs/protocol.md, section 3.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "layer1_stream/configuration.hpp"
+#include "layer1_stream/frame_encoder.hpp"
+#include "layer2_message/exchange.hpp"
+
+namespace unitylink {
+
+// A number of `bytes` bytes at the front, most significant first; `data` must have them.
+[[nodiscard]] constexpr std::uint32_t number_at(const std::uint8_t* data, std::size_t bytes) noexcept {
+  std::uint32_t value = 0;
+  for (std::size_t index = 0; index < bytes; ++index) {
+    value = value << 8 | data[index];
+  }
+  return value;
+}
+
+// The kind of an exchange's frame, without the chained and barrier bits.
+[[nodiscard]] std::uint8_t framed_kind(const Exchange& exchange) noexcept;
+// What stands behind id and barrier.
+void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configuration& configuration) noexcept;
+// Takes what stands behind `posts` in the reply of that status; false when it has not exactly the length it must have.
+[[nodiscard]] bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
+                              const Configuration& configuration) noexcept;
+// "bus_error", "denied" …; empty for ok, nothing for a status that the protocol does not have.
+[[nodiscard]] std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept;
+
+}  // namespace unitylink

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a link begins: resynchronise, find out which protocol is spoken and what the device can do.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+
+#include "layer2_message/link.hpp"
+
+namespace unitylink {
+namespace {
+
+using namespace protocol;
+
+constexpr std::size_t described = control::spec_hash_low + 1;  // registers of the description, from 0
+
+std::string hash_text(std::uint64_t hash) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace
+
+Outcome Link::begin() {
+  std::optional<Configuration> reported;
+  if (options_.protocol != Protocol::framed) {
+    Exchange exchange;
+    exchange.operation = Operation::resynchronise;
+    exchange.attempts_max = options_.attempts;
+    run(std::span(&exchange, 1));
+    if (exchange.status != Status::ok) {
+      return outcome_of(exchange);
+    }
+    const std::scoped_lock lock(mutex_);
+    checksums_ = classic_.checksums();
+    reported = classic_.reported();
+  }
+  const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012;
+  if (!known_classic) {
+    const Outcome outcome = begin_framed();
+    if (outcome.ok() || options_.protocol == Protocol::framed || outcome.status == Status::closed || outcome.status == Status::busy) {
+      return outcome;
+    }
+    if (framed_) {  // it does speak it, but cannot do what is asked
+      return outcome;
+    }
+    notice_ = "the device answers the classic protocol only: no exactly-once writes, no time stamps, and its spec is not verified";
+  }
+  const std::scoped_lock lock(mutex_);
+  if (!checksums_ && options_.checked) {
+    return {Status::mismatch, "the device has no checksums (it refuses '$'); remove crc=1 from the URL"};
+  }
+  if (options_.deadman_s > 0) {
+    return {Status::mismatch, "deadman= needs gateware with the framed protocol, and this device has only the classic one"};
+  }
+  Outcome outcome = settle_configuration(options_, reported, configuration_);
+  if (outcome.ok()) {
+    engine_->configure(configuration_);
+  }
+  return outcome;
+}
+
+// framed_ stays only if the device speaks the framed protocol, whatever else is wrong.
+Outcome Link::begin_framed() {
+  {
+    const std::scoped_lock lock(mutex_);
+    framed_ = std::make_unique<FramedEngine>(options_.engine, options_.protocol == Protocol::automatic);
+    engine_ = framed_.get();
+    engine_->statistics() = classic_.statistics();
+  }
+  Exchange exchange;
+  exchange.operation = Operation::resynchronise;
+  exchange.attempts_max = options_.attempts;
+  run(std::span(&exchange, 1));
+  Outcome outcome = outcome_of(exchange);
+  if (!outcome.ok()) {
+    const std::scoped_lock lock(mutex_);
+    if (outcome.status == Status::mismatch) {
+      outcome.text = "the device speaks no version of the framed protocol that this library knows; try protocol=classic";
+    }
+    if (!engine_->ended()) {
+      engine_ = &classic_;
+      framed_.reset();
+    }
+    return outcome;
+  }
+  outcome = describe_device();
+  if (outcome.ok() && options_.deadman_s > 0) {
+    if ((description_.features & control_value::feature_deadman) == 0) {
+      return {Status::mismatch, "deadman= is asked for, but this gateware was built without one"};
+    }
+    const double ticks = std::ceil(options_.deadman_s * static_cast<double>(configuration_.base_hz));
+    outcome = write_control(control::deadman_ticks, static_cast<std::uint32_t>(std::min(ticks, 4294967295.0)), {});
+    start_reader();  // for the signs of life while nobody calls
+  }
+  return outcome;
+}
+
+Outcome Link::describe_device() {
+  Greeting told;
+  {
+    const std::scoped_lock lock(mutex_);
+    told = *framed_->greeting();
+  }
+  std::array<std::uint32_t, described> value{};
+  const std::size_t block = std::clamp<std::size_t>((told.reply_max - 4) / 4, 1, described);
+  for (std::size_t begin = 0; begin < described; begin += block) {
+    const std::size_t count = std::min(block, described - begin);
+    if (Outcome outcome = read_control(static_cast<std::uint32_t>(begin), std::span(value).subspan(begin, count), {}); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  if (value[control::magic] != control_value::magic) {
+    return {Status::mismatch, "the device speaks the framed protocol but does not describe itself as gateware of Unity-Link"};
+  }
+  const std::array<std::tuple<const char*, std::optional<std::uint32_t>, std::uint32_t>, 2> widths{{
+      {"address_bytes", options_.address_bytes, told.address_bytes},
+      {"data_bytes", options_.data_bytes, told.data_bytes},
+  }};
+  for (const auto& [name, given, real] : widths) {
+    if (given && *given != real) {
+      return {Status::mismatch, std::string("the URL says ") + name + "=" + std::to_string(*given) + ", the device reports " +
+                                    std::to_string(real) + "; is this the right device?"};
+    }
+  }
+  description_ = {
+      .version = value[control::version],
+      .gateware_version = value[control::gateware_version],
+      .build = value[control::build],
+      .clock_hz = value[control::clock_hz],
+      .features = value[control::features],
+      .credit = told.credit,
+      .request_max = told.request_max,
+      .reply_max = told.reply_max,
+      .window = told.window,
+      .cache = told.cache,
+      .exchanges = value[control::exchanges] >> 16,
+      .exchange_size = value[control::exchanges] & 0xFFFF,
+      .spec_hash = told.spec_hash,
+  };
+  const bool publishing = (description_.features & control_value::feature_publishing) != 0;
+  configuration_ = {
+      .address_bytes = told.address_bytes,
+      .data_bytes = told.data_bytes,
+      .read_many = 0,
+      .publish_mode = publishing ? 2u : 0u,
+      .base_hz = value[control::base_hz],
+      .groups = publishing ? std::min<std::uint32_t>(value[control::groups] >> 16, limits::groups_max) : 0,
+      .group_size = publishing ? std::min<std::uint32_t>(value[control::groups] & 0xFFFF, limits::group_size_max) : 0,
+      .rate_bytes = 4,
+      .discovered = true,
+  };
+  configuration_.read_many = static_cast<std::uint32_t>(words_read(true));
+  if (options_.spec_hash && *options_.spec_hash != told.spec_hash) {
+    return {Status::mismatch, "this program was made for a spec with the hash " + hash_text(*options_.spec_hash) + ", the gateware for one with " +
+                                  hash_text(told.spec_hash) + ": addresses, widths, access or groups differ; build the gateware from this " +
+                                  "spec, or generate the program anew from the gateware's"};
+  }
+  const std::scoped_lock lock(mutex_);
+  engine_->configure(configuration_);
+  framed_->set_clock_hz(description_.clock_hz);
+  return {};
+}
+
+}  // namespace unitylink

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What only the framed protocol can do, and what stands in for it on a classic link.
+#include <algorithm>
+
+#include "layer2_message/failure.hpp"
+#include "layer2_message/link.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::size_t list_head_bytes = 7;       // id, the post a barrier names, flags, an operation and its count
+constexpr std::size_t operation_head_bytes = 2;
+constexpr std::size_t list_reply_head_bytes = 6; // id, posts, done
+constexpr std::size_t words_max = 255;           // in one operation
+constexpr std::size_t posts_per_flush = 256;
+
+Outcome classic_only(const char* what) {
+  return {Status::mismatch, std::string(what) + " needs gateware with the framed protocol; this link speaks the classic one"};
+}
+
+}  // namespace
+
+// Words that one message reads; so few that the device keeps the reply, where reading twice would do harm. 0: it knows no lists.
+std::size_t Link::words_read(bool repeat) const noexcept {
+  if ((description_.features & protocol::control_value::feature_lists) == 0) {
+    return 0;
+  }
+  const std::size_t kept = description_.cache > 2 + configuration_.data_bytes ? (description_.cache - 2) / configuration_.data_bytes : 0;
+  return std::min({words_max, (description_.reply_max - list_reply_head_bytes) / configuration_.data_bytes,
+                   (description_.request_max - list_head_bytes) / configuration_.address_bytes, repeat ? words_max : kept});
+}
+
+std::size_t Link::words_written() const noexcept {
+  if (!framed_ || (description_.features & protocol::control_value::feature_lists) == 0) {
+    return 0;
+  }
+  return std::min<std::size_t>(words_max,
+                               (description_.request_max - list_head_bytes) / (configuration_.address_bytes + configuration_.data_bytes));
+}
+
+Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
+                       std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how) {
+  if (write_values.size() != write_addresses.size() || values.size() < addresses.size()) {
+    return {Status::range, std::to_string(write_addresses.size()) + " addresses to write and " + std::to_string(write_values.size()) +
+                               " values; " + std::to_string(addresses.size()) + " to read and room for " + std::to_string(values.size())};
+  }
+  const std::size_t width = configuration_.address_bytes;
+  const std::size_t asked = list_head_bytes + 2 * operation_head_bytes + write_addresses.size() * (width + configuration_.data_bytes) +
+                            addresses.size() * width;
+  const std::size_t answered = list_reply_head_bytes + addresses.size() * configuration_.data_bytes;
+  const bool together = words_written() > 0 && asked <= description_.request_max && answered <= description_.reply_max &&
+                        write_addresses.size() <= words_max && addresses.size() <= words_max;
+  if (together && write_addresses.size() + addresses.size() > 0) {
+    Exchange exchange;
+    prepare(exchange, how);
+    exchange.operation = Operation::transfer;
+    exchange.write_addresses = write_addresses;
+    exchange.write_values = write_values;
+    exchange.addresses = addresses;
+    exchange.values = values;
+    exchange.atomic = atomic;
+    Outcome outcome = run_one(exchange);
+    outcome.index = exchange.status == Status::ok ? outcome.index : exchange.words;
+    return outcome;
+  }
+  if (atomic && !write_addresses.empty()) {
+    return {Status::mismatch, "the device cannot do " + std::to_string(write_addresses.size()) + " writes and " +
+                                  std::to_string(addresses.size()) + " reads in one message; do less at once, or without atomic"};
+  }
+  if (!write_addresses.empty()) {
+    if (Outcome outcome = write_many(write_addresses, write_values, how); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  if (addresses.empty()) {
+    return {};
+  }
+  Outcome outcome = read_many(addresses, values, atomic, how);
+  outcome.index += outcome.ok() ? 0 : static_cast<std::uint32_t>(write_addresses.size());
+  return outcome;
+}
+
+Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how) {
+  if (!framed_) {
+    return write_many(addresses, values, how);
+  }
+  if (values.size() != addresses.size()) {
+    return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
+  }
+  for (std::size_t index = 0; index < addresses.size(); ++index) {
+    if (Outcome outcome = check_address(addresses[index], index); !outcome.ok()) {
+      return outcome;
+    }
+    if (Outcome outcome = check_value(addresses[index], values[index], index); !outcome.ok()) {
+      return outcome;
+    }
+  }
+  const std::uint64_t limit_ns = (how.timeout_ns > 0 ? how.timeout_ns : options_.engine.timeout_ns) * options_.attempts;
+  Lock lock(mutex_);
+  ++callers_;
+  Outcome outcome;
+  std::uint64_t since_ns = now_ns();
+  std::uint64_t confirmed = framed_->posts().confirmed();
+  for (std::size_t index = 0; index < addresses.size() && outcome.ok(); ++index) {
+    while (!framed_->post({addresses[index], values[index]}, now_ns())) {
+      if (engine_->ended()) {
+        outcome = {*engine_->ended(), "the link is closed (" + reason_ + ")"};
+        break;
+      }
+      flush(now_ns());
+      turn(lock, now_ns() + options_.engine.timeout_ns);
+      if (framed_->posts().confirmed() != confirmed) {
+        confirmed = framed_->posts().confirmed();
+        since_ns = now_ns();
+      } else if (now_ns() - since_ns > limit_ns) {
+        outcome = {Status::timeout, "posts unconfirmed after " + duration_text(now_ns() - since_ns) + ", and no room for more"};
+        break;
+      } else if (interrupted(lock)) {
+        outcome = {Status::cancelled, "interrupted; earlier posts of this call were made"};
+        break;
+      }
+    }
+    outcome.index = static_cast<std::uint32_t>(index);
+    if (index % posts_per_flush == posts_per_flush - 1) {
+      flush(now_ns());
+    }
+  }
+  flush(now_ns());
+  --callers_;
+  last_call_ns_ = engine_->now_ns();
+  if (leading_ && (blocked_ || engine_->next_deadline_ns() < leading_until_ns_)) {
+    wake();
+  }
+  hand_over();
+  return outcome;
+}
+
+Outcome Link::sync(const RequestOptions& how) {
+  if (!framed_) {
+    return {};
+  }
+  Exchange exchange;
+  prepare(exchange, how);
+  exchange.operation = Operation::synchronise;
+  run(std::span(&exchange, 1));
+  if (exchange.status != Status::ok) {
+    return outcome_of(exchange);
+  }
+  const std::scoped_lock lock(mutex_);
+  if (const std::uint64_t unknown = framed_->take_unknown_posts(); unknown > 0) {
+    return {Status::unknown, std::to_string(unknown) + " posts were made, and the device was reset or taken over by another host before it "
+                                                       "had confirmed them: read back what matters before going on"};
+  }
+  const std::uint32_t known = failed_session_ == framed_->sessions() ? failed_posts_ : 0;
+  failed_session_ = framed_->sessions();
+  failed_posts_ = exchange.words;
+  if (exchange.words <= known) {
+    return {};
+  }
+  Outcome outcome(Status::bus_error, std::to_string(exchange.words - known) + " posts failed on the device's bus, or were denied after a " +
+                                         "dead-man");
+  const PostQueue& posts = framed_->posts();
+  const std::uint64_t first = posts.confirmed() - ((posts.confirmed() - exchange.value) & 0xFFFF);
+  if (known == 0 && posts.made() - first <= PostQueue::capacity) {
+    outcome.has_address = true;
+    outcome.address = posts.at(first).address;
+    outcome.text += "; the first was that of " + hex_address(outcome.address, configuration_.address_bytes);
+  }
+  return outcome;
+}
+
+Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how) {
+  if (!framed_) {
+    return classic_only("reading the device's own registers");
+  }
+  Exchange exchange;
+  prepare(exchange, how);
+  exchange.repeat = true;
+  exchange.operation = Operation::read_control;
+  exchange.address = address;
+  exchange.values = values;
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how) {
+  if (!framed_) {
+    return classic_only("writing the device's own registers");
+  }
+  Exchange exchange;
+  prepare(exchange, how);
+  exchange.operation = Operation::write_control;
+  exchange.address = address;
+  exchange.value = value;
+  run(std::span(&exchange, 1));
+  return outcome_of(exchange);
+}
+
+ClockState Link::clock() {
+  const std::scoped_lock lock(mutex_);
+  if (!framed_ || !framed_->clock().valid()) {
+    return {};
+  }
+  return {.period_ns = framed_->clock().period_ns(),
+          .drift_ppm = framed_->clock().drift_ppm(),
+          .uncertainty_ns = framed_->clock().uncertainty_ns()};
+}
+
+}  // namespace unitylink

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a framed device tells about itself: its description, its counters, its clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the gateware says it is (docs/protocol.md, section 6)."""
+
+    version: int
+    """Of the protocol: major in the upper half, minor in the lower."""
+    gateware_version: int
+    build: int
+    clock_hz: int
+    features: int
+    """Bits FEATURE_… of unitylink.protocol."""
+    credit: int
+    """Bytes of requests that may be unanswered."""
+    request_max: int
+    """Bytes of the longest payload of a request."""
+    reply_max: int
+    window: int
+    """Requests that may be unanswered."""
+    cache: int
+    """Bytes of a reply that are kept for a repeat."""
+    exchanges: int
+    exchange_size: int
+    spec_hash: int
+    """64 bits over all of the spec that reaches the wire."""
+
+
+@dataclass(frozen=True)
+class Health:
+    """The device's own counters since its reset; each stops at 2^32 - 1."""
+
+    frames: int
+    discarded_check: int
+    """Frames with a wrong check: noise on the line."""
+    discarded_kind: int
+    discarded_session: int
+    """Frames that came while no session was open."""
+    discarded_stale: int
+    discarded_long: int
+    duplicates: int
+    """Requests that came again; each was executed once."""
+    posts: int
+    posts_ahead: int
+    posts_old: int
+    post_errors: int
+    bus_errors: int
+    bus_timeouts: int
+    publishes: int
+    publish_overruns: int
+    receive_overruns: int
+    refused: int
+    """Writes that were denied after a dead-man."""
+    deadman_trips: int
+
+    @classmethod
+    def count(cls) -> int:
+        """How many counters there are, one register each, in the order of the fields."""
+        return len(fields(cls))
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The device's clock in the host's time, fitted to readings of it."""
+
+    period_ns: float
+    """Of one clock of the device, by the host's clock."""
+    drift_ppm: float
+    """By how much that is longer than the device says."""
+    uncertainty_ns: float
+    """How far a time stamp can be off: half of the quickest round trip."""
