@@ -27,7 +27,7 @@ SPECS = {
     "walker18": ROOT / "examples" / "walker18" / "walker18_si.ul",
     "rig": HERE / "rig.ul",
 }
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -64,6 +64,10 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     folder = tmp_path_factory.mktemp("catkin")
     made_by = [sys.executable, ROOT / "tools" / "ros_environment.py", folder / "env"]
     python = Path(subprocess.run(made_by, check=True, capture_output=True, text=True).stdout.strip())
+    prefix = folder / "unitylink"
+    cmake = Path(sys.executable).with_name("cmake")
+    install = [cmake, "--install", ROOT / "build" / "native", "--prefix", prefix]
+    subprocess.run(install, check=True, capture_output=True)  # for find_package(unitylink)
     for name in ("scara", "rig"):
         write(load(SPECS[name]), folder / "src", "ros1")
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("ROS", "CATKIN", "PYTHON", "CMAKE_P"))}
@@ -77,7 +81,14 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
         "ROS_LANG_DISABLE": "geneus:genlisp:gennodejs",  # messages in C++ and Python are enough here
     }
     done = subprocess.run(
-        ["catkin_make", "-C", str(folder), "-j1", f"-DPYTHON_EXECUTABLE={python}"],
+        [
+            "catkin_make",
+            "-C",
+            str(folder),
+            "-j2",
+            f"-DPYTHON_EXECUTABLE={python}",
+            f"-DCMAKE_PREFIX_PATH={prefix}",
+        ],
         cwd=folder,
         env=environment,
         capture_output=True,
@@ -105,7 +116,7 @@ class Ros:
     folder: Path
     _running: list[subprocess.Popen[str]] = field(default_factory=list)
 
-    def run(self, *command: str, timeout: float = 20) -> str:
+    def run(self, *command: str, timeout: float = PATIENCE_S) -> str:
         """Run a program to its end; return what it printed."""
         with subprocess.Popen(
             command,
@@ -157,7 +168,7 @@ class Ros:
                 process.send_signal(2)
         for process in reversed(self._running):
             try:
-                process.wait(timeout=20)
+                process.wait(timeout=PATIENCE_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

@@ -60,8 +60,9 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     folder.mkdir(parents=True, exist_ok=True)
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
-    write(spec, folder, "vhdl")
-    logic = logic_of(spec, order)
+    configuration = board.configuration(spec)
+    write(spec, folder, "vhdl", configuration)
+    logic = logic_of(spec, order, configuration)
     tell(logic.whence)
     tell(f"GHDL makes a netlist of {logic.top}")
     generics = {"clock_hz": clock_hz, "baud_hz": baud_hz}
@@ -87,7 +88,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     report = Report(
         spec=spec.name,
         hash=spec.hash,
-        board=board.name,
+        board=board.reference,
         title=board.title,
         top=logic.top,
         clock_hz=clock_hz,
@@ -95,11 +96,11 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         seed=placed.seed,
         area=placed.area,
         baud_hz=baud_hz,
-        url=f"serial:/dev/ttyUSB{1 if 'FT2232H' in ''.join(board.notes) else 0}?baud={baud_hz}",
+        url=_url(board, baud_hz),
         pins=_shown(board, pinout),
         notices=tuple(notices),
         bitstream=str(folder / made),
-        budget=tuple(budget_of(budget(device, baud_hz=baud_hz)) for device in spec.devices),
+        budget=tuple(budget_of(budget(device, baud_hz=baud_hz or None)) for device in spec.devices),
         tools=_versions(place[0]),
         seconds=round(time.monotonic() - started, 1),
     )
@@ -111,6 +112,10 @@ def rates(spec: Spec, order: Order) -> tuple[int, int]:
     """Return the clock of the design and the baud rate of the link; raise BoardError if they cannot be."""
     board = order.board
     clock_hz = order.clock_hz or board.design_hz
+    if board.physical != "uart":
+        if order.baud_hz is not None:
+            raise BoardError(f"--baud {order.baud_hz}: {board.name} has no line but a {board.physical}")
+        return clock_hz, 0
     baud_hz = order.baud_hz or told_baud_hz(spec) or board.baud_hz
     if baud_hz > board.baud_hz_most:
         raise BoardError(
@@ -177,10 +182,19 @@ def _run(command: Sequence[str], folder: Path) -> None:
         raise ToolError(f"{Path(command[0]).name} ended with {code}:\n{lines}")
 
 
+def _url(board: Board, baud_hz: int) -> str:
+    """Return the link that most likely leads to the board."""
+    if board.physical != "uart":
+        return "ftdi:?mode=fifo"
+    return f"serial:/dev/ttyUSB{1 if 'FT2232H' in ''.join(board.notes) else 0}?baud={baud_hz}"
+
+
 def _shown(board: Board, pinout: Pinout) -> dict[str, str]:
-    shown = {"clock": board.clock_pin, "rx": board.rx, "tx": board.tx}
-    sites = {name: f"{board.pins[name].name} (site {board.pins[name].site})" for name in shown.values()}
-    pins = {port: sites[name] for port, name in shown.items()}
+    names = ("clock", "rx", "tx")
+    pins = {
+        port: f"{name} (site {board.pins[name].site})"
+        for port, (name, _) in zip(names, board.fixed_pins, strict=False)
+    }
     for line, number, pin in pinout:
         low = ", active low" if pin.active_low else ""
         pins[line.bit(number)] = f"{pin.name} (site {pin.site}{low})"

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.generate import generate
 from unitylink.generate.templates import environment
-from unitylink.generate.vhdl import FOLDER, Leaf, component_ports, design_name, plan
+from unitylink.generate.vhdl import FOLDER, Leaf, Plan, component_ports, design_name, plan
 from unitylink.generate.vhdl.names import Names
 from unitylink.spec.model import Spec
 
@@ -48,17 +49,20 @@ class Wanted:
     pins: tuple[str, ...] = ()
 
 
-def logic_of(spec: Spec, wanted: Wanted) -> Logic:
+def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> Logic:
     """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here."""
     name = f"{design_name(spec)}_board.vhd"
     beside = Path(wanted.spec_file).with_name(name)
+    generics = ("clock_hz", "baud_hz") if configuration.physical == "uart" else ("clock_hz",)
     if wanted.logic:
-        return own_logic(wanted.logic, wanted.top)
+        return own_logic(wanted.logic, wanted.top, generics)
     if wanted.top is not None:
         raise BoardError(f"--top {wanted.top}: say with --logic which VHDL file it is in")
     if beside.is_file():
-        return own_logic([beside], None)
-    return pin_logic(spec, wished_names(wanted.pins), wanted.folder / FOLDER, name)
+        return own_logic([beside], None, generics)
+    design = plan(spec, configuration)
+    logic = pin_logic(design, component_ports(spec), wished_names(wanted.pins), wanted.folder / FOLDER / name)
+    return replace(logic, generics=frozenset(generics))
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ class WordPort:
         return field if self.base in ("std_ulogic", "std_ulogic_vector") else f"std_ulogic_vector({field})"
 
 
-def own_logic(files: Sequence[Path], top: str | None) -> Logic:
+def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> Logic:
     """Return the user's entity: `top`, or the only one of the first file. Raises BoardError."""
     for file in files:
         if not file.is_file():
@@ -100,34 +104,37 @@ def own_logic(files: Sequence[Path], top: str | None) -> Logic:
     ]
     if not found:
         raise BoardError(f"no entity {top} is in {', '.join(map(str, files))}")
-    generics = {
-        name for name in ("clock_hz", "baud_hz") if re.search(rf"\b{name}\b", found[0], re.IGNORECASE)
-    }
-    notices = [f"{top} has no generic {name}: what it has instead counts" for name in ("clock_hz", "baud_hz")]
+    generics = {name for name in wanted if re.search(rf"\b{name}\b", found[0], re.IGNORECASE)}
+    notices = [f"{top} has no generic {name}: what it has instead counts" for name in wanted]
     missing = tuple(text for text in notices if not any(f" {name}:" in text for name in generics))
     whence = f"{files[0]} is the logic around the link"
     return Logic(top.lower(), tuple(files), frozenset(generics), notices=missing, whence=whence)
 
 
-def pin_logic(spec: Spec, wished: set[str], folder: Path, name: str) -> Logic:
-    """Write an entity that puts the words of `spec` on pins whose name tells one or is `wished`; return it.
+def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: Path) -> Logic:
+    """Write into `path` an entity that puts the words on pins whose name tells one or is `wished`; return it.
 
     Words without a pin are there for the PC: a WRITE reads back, a READ is 0, which a notice says.
     """
-    design = plan(spec)
-    names = Names(_PORTS)
-    components = component_ports(spec)
+    names = Names((*_PORTS, *(item.name for item in design.layer.ports)))
     for port in components:
         names.claim(port)
     inputs, quiet = _words(design.to_pc.leaves, names, wished)
     outputs, _ = _words(design.from_pc.leaves, names, wished)
-    top = name.removesuffix(".vhd")
+    top = path.stem
     text = (
         environment(Path(__file__).parent)
         .get_template("board.vhd.jinja")
-        .render(plan=design, top=top, inputs=inputs, outputs=outputs, quiet=quiet, components=design.pins)
+        .render(
+            plan=design,
+            top=top,
+            uart=design.configuration.physical == "uart",
+            inputs=inputs,
+            outputs=outputs,
+            quiet=quiet,
+            components=design.pins,
+        )
     )
-    path = folder / name
     path.write_text(text, encoding="utf-8")
     notices: tuple[str, ...] = ()
     if quiet:
@@ -137,8 +144,8 @@ def pin_logic(spec: Spec, wished: set[str], folder: Path, name: str) -> Logic:
         notices = (
             f"nothing drives {shown}: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
         )
-    whence = f"no {name} is beside the spec: the words that have pins go to them"
-    return Logic(top, (path,), frozenset(("clock_hz", "baud_hz")), components, notices, whence)
+    whence = f"no {path.name} is beside the spec: the words that have pins go to them"
+    return Logic(top, (path,), frozenset(), components, notices, whence)
 
 
 def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list[WordPort], list[Leaf]]:

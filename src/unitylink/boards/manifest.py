@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from unitylink.board_configuration import SEND_IMMEDIATE, BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
+from unitylink.spec.model import Spec
 from unitylink.spec.suggest import nearest
 
 if sys.version_info >= (3, 11):
@@ -21,6 +23,7 @@ else:
 
 MANIFEST = "board.toml"
 FAMILIES = ("ice40", "ecp5")
+PHYSICAL = ("uart", "ft245_async")  # those that `build` can put on pins
 # What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
@@ -42,6 +45,7 @@ class Board:
     """What a manifest says. `roles` maps a role to its pins, in the order in which they are given out."""
 
     name: str
+    reference: str  # what load_board() takes for it from any folder
     title: str
     path: Path
     pins_from: tuple[str, ...]
@@ -53,13 +57,28 @@ class Board:
     clock_hz: int  # of the oscillator
     design_hz: int  # what the design runs at unless it is told otherwise
     pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
-    rx: str
+    physical: str  # the physical layer of the link
+    rx: str  # of a UART, as are the next three; else ""
     tx: str
     baud_hz: int  # where the spec tells none
     baud_hz_most: int
+    link_pins: Mapping[str, tuple[str, ...]]  # of another physical layer: its ports and their pins
+    send_immediate: str  # of an FT245, as in physical_pkg.vhd
     flash: Mapping[str, tuple[str, ...]]  # program -> its options, the preferred one first
     pins: Mapping[str, Pin]
     roles: Mapping[str, tuple[str, ...]]
+
+    @property
+    def fixed_pins(self) -> tuple[tuple[str, bool], ...]:
+        """The pins that are given away before all others, and whether each is an input."""
+        line = ((self.rx, True), (self.tx, False)) if self.physical == "uart" else ()
+        return ((self.clock_pin, True), *line)
+
+    def configuration(self, spec: Spec) -> BoardConfiguration:
+        """Return the gateware that `spec` asks for, on this board's physical layer."""
+        if self.physical == "uart":
+            return BoardConfiguration.for_spec(spec)
+        return BoardConfiguration.for_spec(spec, physical=self.physical, send_immediate=self.send_immediate)
 
 
 def board_names() -> list[str]:
@@ -97,16 +116,20 @@ def load_board(name: str) -> Board:
         raise BoardError(f"{name}: {_meant(variant, variants, place + ':')}")
     if len(variants) and not variant:
         raise BoardError(f"{name} comes in variants: {', '.join(f'{place}:{v}' for v in variants)}")
-    return _board(name, table, variants.part(variant) if variant else None)
+    end = f":{variant}" if variant else ""
+    reference = (place if folder != own else str(own.resolve())) + end
+    return _board(own.name + end, reference, table, variants.part(variant) if variant else None)
 
 
-def _board(name: str, table: _Table, variant: _Table | None) -> Board:
+def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> Board:
     table.only("title", "pins_from", "notes", "chip", "variants", "clock", "link", "flash", "pins", "roles")
     chip, clock, link = table.part("chip"), table.part("clock"), table.part("link")
     chip.only("family", "device", "package", "io")
     clock.only("pin", "hz", "design_hz", "pll")
-    link.only("physical", "rx", "tx", "baud_hz", "baud_hz_most")
-    link.text("physical", among=("uart",))
+    physical = link.text("physical", among=PHYSICAL)
+    uart = physical == "uart"
+    link.only("physical", *(("rx", "tx", "baud_hz", "baud_hz_most") if uart else ("pins", "send_immediate")))
+    link_pins = link.part("pins")
     io = chip.text("io", "")
     pins = {pin: _pin(table.part("pins"), pin, io) for pin in table.part("pins")}
     roles = table.part("roles")
@@ -114,6 +137,7 @@ def _board(name: str, table: _Table, variant: _Table | None) -> Board:
     flash = table.part("flash")
     board = Board(
         name=name,
+        reference=reference,
         title=table.text("title"),
         path=table.path,
         pins_from=table.texts("pins_from"),
@@ -125,10 +149,13 @@ def _board(name: str, table: _Table, variant: _Table | None) -> Board:
         clock_hz=clock.number("hz"),
         design_hz=clock.number("design_hz"),
         pll=clock.text("pll", "core", among=("core", "pad")),
-        rx=link.text("rx", among=pins),
-        tx=link.text("tx", among=pins),
-        baud_hz=link.number("baud_hz"),
-        baud_hz_most=link.number("baud_hz_most"),
+        physical=physical,
+        rx=link.text("rx", among=pins) if uart else "",
+        tx=link.text("tx", among=pins) if uart else "",
+        baud_hz=link.number("baud_hz") if uart else 0,
+        baud_hz_most=link.number("baud_hz_most") if uart else 0,
+        link_pins={port: link_pins.texts(port, among=pins) for port in link_pins},
+        send_immediate=link.text("send_immediate", "both", among=SEND_IMMEDIATE),
         flash={program: flash.texts(program) for program in flash},
         pins=pins,
         roles={role: roles.texts(role, (), among=pins) for role in ROLES},

@@ -64,17 +64,11 @@ class Report:
             lines.append(f"  {area.what:<12}{area.used} of {area.available} ({share})")
         lines.append(f"  link        {self.url}")
         for device in self.budget:
-            load = f"{device['load']:.1%} of the line" if device["load"] else "nothing"
-            lines.append(
-                f"  publishes   {device['root']}: {device['bytes_per_s']:,.0f} bytes a second, {load}"
-            )
+            load = f", {device['load']:.1%} of the line" if device["load"] else ""
+            lines.append(f"  publishes   {device['root']}: {device['bytes_per_s']:,.0f} bytes a second{load}")
             for group in device["groups"]:
                 late = group["latency_s"]
-                when = (
-                    f"sent within {late * 1e6:.0f} us"
-                    if late is not None
-                    else "no bound: it may be late by a period"
-                )
+                when = f"sent within {late * 1e6:.0f} us" if late is not None else "no bound known"
                 lines.append(f"              {group['name']}: {group['words']} words, {when}")
         lines.append("  pins")
         width = max((len(port) for port in self.pins), default=0)

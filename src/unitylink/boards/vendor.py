@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_sources, netlist, ports_of
 from unitylink.generate import write
@@ -58,7 +59,7 @@ def write_project(order: VendorOrder) -> list[Path]:
     spec = load(order.spec_file)
     order.folder.mkdir(parents=True, exist_ok=True)
     write(spec, order.folder, "vhdl")
-    logic = logic_of(spec, order)
+    logic = logic_of(spec, order, BoardConfiguration.for_spec(spec))
     clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
     check_line(clock_hz, baud_hz)
     generics = {

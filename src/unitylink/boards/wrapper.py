@@ -22,15 +22,12 @@ def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: 
     """Return the module `unitylink_board`, whose ports are called as the board's pins. Raises BoardError."""
     known = {port.name for port in ports}
     clock = _one_of(known, CLOCKS, top, "clock")
-    receive = _one_of(known, RECEIVES, top, "receive line of the link")
-    transmit = _one_of(known, TRANSMITS, top, "transmit line of the link")
-    heads = [f"  input {board.clock_pin}", f"  input {board.rx}", f"  output {board.tx}"]
-    body = [
-        f"  wire {board.rx}_, locked_, clock_;",
-        f"  assign {board.rx}_ = {board.rx};",
-        *_clock(board, pll),
-    ]
-    links = [(clock, "clock_"), (receive, f"{board.rx}_"), (transmit, board.tx)]
+    heads = [f"  {'input' if is_input else 'output'} {pin}" for pin, is_input in board.fixed_pins]
+    body = ["  wire locked_, clock_;", *_clock(board, pll)]
+    links = [(clock, "clock_")]
+    if board.physical == "uart":
+        links.append((_one_of(known, RECEIVES, top, "receive line of the link"), board.rx))
+        links.append((_one_of(known, TRANSMITS, top, "transmit line of the link"), board.tx))
     links += [(name, "~locked_") for name in RESETS if name in known]
     for line in pinout.lines:
         pins = pinout.pins[line.name]
@@ -64,8 +61,7 @@ def has_reset(ports: Sequence[Port]) -> bool:
 
 def constraints(board: Board, pinout: Pinout) -> str:
     """Return the constraint file of the family: where each port of the wrapper is, and how it is driven."""
-    fixed = [(board.clock_pin, True), (board.rx, True), (board.tx, False)]
-    pins = [(board.pins[name], is_input) for name, is_input in fixed]
+    pins = [(board.pins[name], is_input) for name, is_input in board.fixed_pins]
     pins += [(pin, line.direction != "out") for line, _, pin in pinout]
     lines = []
     for pin, is_input in pins:

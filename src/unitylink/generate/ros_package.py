@@ -72,11 +72,20 @@ def proxies(package: Package, folder: str) -> dict[str, str]:
     return {f"{folder}/{package.module}.py": text}
 
 
-def rendered(package: Package, templates: dict[str, str], artefact: str, folder: str) -> dict[str, str]:
+def headers(interface: Interface) -> list[str]:
+    """Return the message types of all topics, once each, as C++ includes them."""
+    return sorted({topic.type for topic in (*interface.published, *interface.commanded)})
+
+
+def rendered(
+    package: Package, templates: dict[str, str], artefact: str, folder: str, **more: Any
+) -> dict[str, str]:
     """Return {file: text} of {file: template}, templates being in the folder of the artefact."""
     templates_of = environment(FOLDER / artefact, FOLDER / "ros_common")
     return {
-        f"{folder}/{file}": templates_of.get_template(template).render(package=package, mark=package.mark)
+        f"{folder}/{file}": templates_of.get_template(template).render(
+            package=package, mark=package.mark, **more
+        )
         for file, template in templates.items()
     }
 

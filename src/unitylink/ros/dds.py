@@ -75,8 +75,8 @@ class DdsPlane:
         matched = _Matched(writer)
         return Port(writer.write, matched)
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
-        self._read(f"rt/{self.name(topic.name)}", self.types[topic.type], 1, topic.reliable, take)
+    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = 1) -> None:
+        self._read(f"rt/{self.name(topic.name)}", self.types[topic.type], depth, topic.reliable, take)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         """Offer a service as rmw_cyclonedds does: topics of requests and of replies."""

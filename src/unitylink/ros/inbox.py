@@ -11,6 +11,8 @@ from typing import Any
 from unitylink.errors import LinkError, ValueRangeError
 from unitylink.layer4_data import ValueGroup
 
+TRIES = 3  # of a write that fails while the link is up
+
 
 class Inbox:
     """Collect set-points per value, newest wins, while one write is on its way; then write all together.
@@ -64,7 +66,7 @@ class Inbox:
             self._thread.join()
 
     def _run(self) -> None:
-        silent_at = float("inf")
+        silent_at, tried = float("inf"), 0
         while True:
             with self._changed:
                 self._busy = False
@@ -88,6 +90,13 @@ class Inbox:
             try:
                 self._group.write(numbers)
                 self.writes += 1
+                tried = 0
             except LinkError as error:
                 self.failed += 1
+                tried += 1
                 self._complain(f"a command was not written: {error}")
+                with self._changed:  # it is still what is wanted, but for what has come since
+                    if tried < TRIES and not self._closed:
+                        self._pending = numbers | self._pending
+                    else:
+                        tried = 0

@@ -71,8 +71,8 @@ class RospyPlane:
         )
         return Port(publisher.publish, lambda: publisher.get_num_connections() > 0)
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
-        self.rospy.Subscriber(topic.name, self.message(topic.type), take, queue_size=1, tcp_nodelay=True)
+    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = 1) -> None:
+        self.rospy.Subscriber(topic.name, self.message(topic.type), take, queue_size=depth, tcp_nodelay=True)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         package, _, name_of_type = kind.rpartition("/")

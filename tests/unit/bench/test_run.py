@@ -13,8 +13,17 @@ from unitylink.tools.bench import FIGURES, BenchError, Figure, run
 from unitylink.tools.bench.figure import Run
 from unitylink.tools.bench.start_up import flat_spec
 
+ELSEWHERE = {  # tests/end_to_end and tests/ros
+    "rtl",
+    "ros1-out",
+    "ros1-in",
+    "dds-out",
+    "dds-in",
+    "ros-joints",
+}
 
-@pytest.mark.parametrize("name", [name for name in FIGURES if name != "rtl"])  # that one: tests/end_to_end
+
+@pytest.mark.parametrize("name", [name for name in FIGURES if name not in ELSEWHERE])
 def test_figure_yields_a_number(name: str, program: Callable[[str], Path]) -> None:
     said: list[str] = []
     report = run(only=[name], quick=True, say=said.append)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from unitylink.boards import Order, build_bitstream, load_board, read_report
 from unitylink.boards.report import forget
 from unitylink.errors import BoardError, ToolError
+from unitylink.resources import resource_folder
 
 SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
 FULL = """echo 'Info: Device utilisation:'
@@ -21,6 +23,10 @@ echo "ERROR: Unable to place cell 'x', no Bels remaining of type 'ICESTORM_LC'"
 exit 1
 """
 SLOW = """echo '{"fmax": {"clock_": {"achieved": 31.25, "constraint": 48}}, "utilization": {}}' > timing.json
+"""
+USED = '"utilization": {"SB_IO": {"used": 15, "available": 256}}'
+FINE = f"""echo '{{"fmax": {{"clock_": {{"achieved": 60.0}}}}, {USED}}}' > timing.json
+touch board.asc
 """
 BROKEN = "echo 'ERROR: IO constraint on pin 99 does not exist'; exit 1\n"
 
@@ -100,3 +106,30 @@ def test_what_an_earlier_build_left_is_forgotten(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     forget(tmp_path, "a.bin")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_a_board_with_an_ft245(order: Order, tmp_path: Path) -> None:
+    """The link's pins are the manifest's; the fakes do what the tools do when all goes well."""
+    text = (resource_folder("boards") / "ice40-hx8k" / "board.toml").read_text(encoding="utf-8")
+    names = ("rxf_n", "txe_n", "rd_n", "wr_n", "siwu_n")
+    data = ", ".join(f'"F{bit}"' for bit in range(8))
+    sites = ("C14", "D13", "C12", "E11", "C13")
+    lines = "".join(f'ft245_{name} = ["{pin}"]\n' for name, pin in zip(names, sites, strict=True))
+    link = f'[link]\nphysical = "ft245_async"\n[link.pins]\n{lines}ft245_data = [{data}]\n\n'
+    text = re.sub(r"\[link\].*?(?=\[flash\])", link, text, flags=re.DOTALL)
+    text = text.replace("[pins]\n", "[pins]\n" + "".join(f'F{bit} = "G{bit}"\n' for bit in range(8)))
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "board.toml").write_text(text, encoding="utf-8")
+    program(tmp_path / "bin", "nextpnr-ice40", FINE)
+    program(tmp_path / "bin", "icepack", 'cp "$1" "$2"\n')
+    mine = load_board(str(tmp_path / "mine"))
+    report = build_bitstream(replace(order, board=mine))
+    assert report.url == "ftdi:?mode=fifo" and report.baud_hz == 0 and report.fmax_hz == 60_000_000
+    assert report.pins["ft245_data[7]"] == "F7 (site G7)" and report.pins["ft245_rd_n"] == "C12 (site C12)"
+    assert "rx" not in report.pins
+    assert report.bitstream.endswith("/out/lamp-mine.bin") and load_board(report.board) == mine
+    assert "of the line" not in (order.folder / "report.txt").read_text()
+    wrapper = (order.folder / "board.v").read_text()
+    assert "inout F3" in wrapper and "SB_IO" in wrapper and ".ft245_data_drive(ft245_data_drive_)" in wrapper
+    with pytest.raises(BoardError, match="has no line but a ft245_async"):
+        build_bitstream(replace(order, board=mine, baud_hz=9600))

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.boards.logic import Wanted, design_sources, logic_of
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.boards.logic import Logic, Wanted, design_sources, logic_of
 from unitylink.errors import BoardError
 from unitylink.gateware import netlist, ports_of
 from unitylink.generate import write
@@ -36,19 +37,24 @@ def wanted(folder: Path, **more: object) -> Wanted:
     return Wanted(spec_file=str(folder / "arm.ul"), folder=folder / "out", **more)  # type: ignore[arg-type]
 
 
+def logic(order: Wanted, **configuration: str) -> Logic:
+    spec = load(order.spec_file)
+    return logic_of(spec, order, BoardConfiguration.for_spec(spec, **configuration))
+
+
 def test_words_on_pins_are_synthesised(tmp_path: Path) -> None:
     order = wanted(tmp_path, pins=("speed=P1A1", "level=BTN1"))
     spec = load(order.spec_file)
     write(spec, order.folder, "vhdl")
-    logic = logic_of(spec, order)
-    assert logic.components["drive_pins"] == "pwm" and logic.components["pad_pin_in"] == "gpio"
-    assert logic.notices == (
+    made = logic(order)
+    assert made.components["drive_pins"] == "pwm" and made.components["pad_pin_in"] == "gpio"
+    assert made.notices == (
         "nothing drives trips, j1.angle: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
     )
     verilog = netlist(
-        logic.top, sources=[*design_sources(spec, order.folder), *logic.sources], assertions=False
+        made.top, sources=[*design_sources(spec, order.folder), *made.sources], assertions=False
     )
-    ports = {port.name: (port.is_input, port.bits) for port in ports_of(verilog, logic.top)}
+    ports = {port.name: (port.is_input, port.bits) for port in ports_of(verilog, made.top)}
     assert ports == {
         "clock": (True, 1),
         "reset": (True, 1),
@@ -68,13 +74,12 @@ def test_words_on_pins_are_synthesised(tmp_path: Path) -> None:
 
 def test_own_vhdl_beside_the_spec(tmp_path: Path) -> None:
     order = wanted(tmp_path)
-    spec = load(order.spec_file)
     (tmp_path / "arm_board.vhd").write_text(
         "-- entity not_this is\nentity Arm_Board is\n generic (clock_hz : positive);\nend;\n"
     )
-    logic = logic_of(spec, order)
-    assert (logic.top, logic.generics) == ("arm_board", {"clock_hz"})
-    assert logic.notices == ("Arm_Board has no generic baud_hz: what it has instead counts",)
+    made = logic(order)
+    assert (made.top, made.generics) == ("arm_board", {"clock_hz"})
+    assert made.notices == ("Arm_Board has no generic baud_hz: what it has instead counts",)
 
 
 @pytest.mark.parametrize(
@@ -89,12 +94,25 @@ def test_own_vhdl_that_cannot_be(tmp_path: Path, text: str, top: str | None, mes
     (tmp_path / "x.vhd").write_text(text)
     order = wanted(tmp_path, logic=(tmp_path / "x.vhd",), top=top)
     with pytest.raises(BoardError, match=message):
-        logic_of(load(order.spec_file), order)
+        logic(order)
 
 
 def test_files_and_options_that_are_not_there(tmp_path: Path) -> None:
     order = wanted(tmp_path, logic=(tmp_path / "none.vhd",))
     with pytest.raises(BoardError, match=r"none\.vhd: there is no such VHDL file"):
-        logic_of(load(order.spec_file), order)
+        logic(order)
     with pytest.raises(BoardError, match="--top a: say with --logic"):
-        logic_of(load(order.spec_file), wanted(tmp_path, top="a"))
+        logic(wanted(tmp_path, top="a"))
+
+
+def test_an_ft245_instead_of_a_line(tmp_path: Path) -> None:
+    order = wanted(tmp_path)
+    spec = load(order.spec_file)
+    configuration = BoardConfiguration.for_spec(spec, physical="ft245_async")
+    write(spec, order.folder, "vhdl", configuration)
+    made = logic(order, physical="ft245_async")
+    assert made.generics == {"clock_hz"}
+    sources = [*design_sources(spec, order.folder), *made.sources]
+    ports = {port.name for port in ports_of(netlist(made.top, sources=sources, assertions=False), made.top)}
+    assert {"clock", "ft245_rxf_n", "ft245_siwu_n", "ft245_data_in", "ft245_data_drive"} <= ports
+    assert not ports & {"rx_line", "tx_line"}

@@ -53,7 +53,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "ports": {"layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},
     # A bitstream is made of generated VHDL; its report has the budget of the spec.
-    "boards": {"generate", "gateware", "resources", "spec", *SHARED},
+    "boards": {"board_configuration", "generate", "gateware", "resources", "spec", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
     "capture": {"layer1_stream", *SHARED},
     # The table of link URLs; what makes a virtual board is imported when one is asked for.

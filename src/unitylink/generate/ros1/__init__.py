@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from unitylink.spec.model import Spec
 
-from ..ros_package import definitions, packages, proxies, rendered
+from ..ros_cpp import cpp_robot
+from ..ros_package import definitions, headers, packages, proxies, rendered
 
 __all__ = ["generate_ros1"]
 
@@ -28,6 +29,9 @@ def generate_ros1(spec: Spec) -> dict[str, str]:
             f"{python}/interface.py": "interface.py.jinja",
         }
         files |= rendered(package, templates, "ros1", folder)
+        cpp = {"src/robot.hpp": "robot.hpp.jinja", "src/node.cpp": "node.cpp.jinja"}
+        more = {"cpp": cpp_robot(package), "headers": headers(package.interface)}
+        files |= rendered(package, cpp, "ros1", folder, **more)
         files |= definitions(package, folder)
         files |= proxies(package, f"{folder}/{python}")
     return files

@@ -3,9 +3,13 @@
 
 from __future__ import annotations
 
+import re
+
 from unitylink.spec.model import Spec
 
-from ..ros_package import definitions, packages, proxies, rendered
+from ..ros_cpp import cpp_robot
+from ..ros_package import definitions, headers, packages, proxies, rendered
+from .control import control
 
 __all__ = ["generate_ros2"]
 
@@ -26,7 +30,19 @@ def generate_ros2(spec: Spec) -> dict[str, str]:
             f"{python}/__init__.py": "package_init.py.jinja",
             f"{python}/interface.py": "interface.py.jinja",
         }
-        files |= rendered(package, templates, "ros2", folder)
+        plugin = control(package, folder)
+        files |= rendered(package, templates, "ros2", folder, control=bool(plugin))
+        files |= plugin
+        cpp = {"src/robot.hpp": "robot.hpp.jinja", "src/node.cpp": "node.cpp.jinja"}
+        more = {"cpp": cpp_robot(package), "headers": [_header(t) for t in headers(package.interface)]}
+        files |= rendered(package, cpp, "ros2", folder, **more)
         files |= definitions(package, folder)
         files |= proxies(package, f"{folder}/{python}")
     return files
+
+
+def _header(type_name: str) -> str:
+    """Return where rosidl puts a message: `sensor_msgs/JointState` in `sensor_msgs/msg/joint_state`."""
+    package, _, name = type_name.partition("/")
+    parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
+    return f"{package}/msg/{parted.lower()}"

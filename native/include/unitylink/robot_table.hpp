@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a generated node knows of its robot: the values of the spec, what is published together, what needs a commit;
+// and from words to numbers and back. C++17, no allocation.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace unitylink {
+
+// A value of the spec. Its number is raw * scale + offset in its unit; NaN says that there is no limit, no safe value.
+struct Value {
+  const char* path;
+  std::uint32_t address;
+  std::uint8_t words;   // the low one at `address`
+  std::uint8_t width;   // bits
+  bool is_signed;
+  bool is_float;        // IEEE 754, 32 or 64 bits
+  bool writable;
+  bool saturate;        // beyond the limits: the limit is written
+  std::int8_t unit;     // of `Table::units`, -1: takes effect when it is written
+  double scale, offset, minimum, maximum, safe;
+};
+
+// Values which the gateware publishes together; `divisor` 0: on an event. `polled` ones the PC reads at `divisor`.
+struct Group {
+  const std::uint16_t* values;
+  std::size_t count;
+  std::uint32_t divisor;
+  bool polled;
+};
+
+// Memory whose outputs take effect by a commit, and which swaps its buffers without copying: a commit needs all of them.
+struct Unit {
+  std::uint32_t commit;   // the address of the commit, and on TosNet of the status word
+  std::uint32_t pending;  // bits of the status word; 0: there is none
+  std::uint32_t aborted, online, halted;
+};
+
+struct Table {
+  const char* robot;
+  std::uint32_t data_bits;
+  const Value* values;
+  std::size_t value_count;
+  const Group* groups;
+  std::size_t group_count;
+  const Unit* units;
+  std::size_t unit_count;
+};
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+// The raw number as the type has it, without scale.
+inline std::int64_t whole(const Value& value, std::uint64_t raw) noexcept {
+  const unsigned unused = 64U - value.width;
+  return value.is_signed ? static_cast<std::int64_t>(raw << unused) >> unused : static_cast<std::int64_t>(raw << unused >> unused);
+}
+
+// The number in its unit.
+inline double number(const Value& value, std::uint64_t raw) noexcept {
+  if (value.is_float) {
+    double real = 0.0;
+    if (value.width == 32) {
+      const auto word = static_cast<std::uint32_t>(raw);
+      float single = 0.0F;
+      std::memcpy(&single, &word, sizeof single);
+      real = static_cast<double>(single);
+    } else {
+      std::memcpy(&real, &raw, sizeof real);
+    }
+    return real * value.scale + value.offset;
+  }
+  if (!value.is_signed) return static_cast<double>(static_cast<std::uint64_t>(whole(value, raw))) * value.scale + value.offset;
+  return static_cast<double>(whole(value, raw)) * value.scale + value.offset;
+}
+
+// The raw number of what is to be written; false, and `raw` as it was, where it cannot be.
+inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexcept {
+  if (std::isnan(wanted)) return false;
+  const bool low = wanted < value.minimum, high = wanted > value.maximum;  // false for a limit that is NaN
+  if ((low || high) && !value.saturate) return false;
+  if (low) wanted = value.minimum;
+  if (high) wanted = value.maximum;
+  const double scaled = (wanted - value.offset) / value.scale;
+  if (value.is_float) {
+    if (value.width == 32) {
+      const auto single = static_cast<float>(scaled);
+      std::uint32_t word = 0;
+      std::memcpy(&word, &single, sizeof word);
+      raw = word;
+    } else {
+      std::memcpy(&raw, &scaled, sizeof raw);
+    }
+    return true;
+  }
+  const double rounded = std::nearbyint(scaled);
+  const double top = std::ldexp(1.0, value.is_signed ? value.width - 1 : value.width);
+  const double bottom = value.is_signed ? -top : 0.0;
+  double fitting = rounded;
+  if (rounded < bottom || rounded >= top) {
+    if (!value.saturate) return false;
+    fitting = rounded < bottom ? bottom : std::nextafter(top, 0.0);
+  }
+  const std::uint64_t bits = fitting < 0.0 ? static_cast<std::uint64_t>(static_cast<std::int64_t>(fitting)) : static_cast<std::uint64_t>(fitting);
+  raw = value.width == 64 ? bits : bits & ((std::uint64_t{1} << value.width) - 1U);
+  return true;
+}
+
+}  // namespace unitylink

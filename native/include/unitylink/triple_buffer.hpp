@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The newest of a stream of vectors, from one thread to another: neither ever waits, allocates or sees half of one.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <vector>
+
+namespace unitylink {
+
+template <typename T>
+class TripleBuffer {
+ public:
+  explicit TripleBuffer(std::size_t size) : buffers_{{std::vector<T>(size), std::vector<T>(size), std::vector<T>(size)}} {}
+
+  // The writer's: fill it, then publish.
+  std::vector<T>& back() noexcept { return buffers_[back_]; }
+  void publish() noexcept { back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & index; }
+
+  // The reader's: true when there was a newer one; front() is it from then on.
+  bool update() noexcept {
+    if ((middle_.load(std::memory_order_relaxed) & fresh) == 0) return false;
+    front_ = middle_.exchange(front_, std::memory_order_acq_rel) & index;
+    return true;
+  }
+  const std::vector<T>& front() const noexcept { return buffers_[front_]; }
+
+ private:
+  static constexpr unsigned fresh = 4, index = 3;
+  std::array<std::vector<T>, 3> buffers_;
+  std::atomic<unsigned> middle_{1};
+  unsigned back_ = 0, front_ = 2;
+};
+
+}  // namespace unitylink

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The C++ of a robot's nodes: the table of its values, and what fills and reads each message."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from unitylink import protocol
+from unitylink.ros.interface import JOINTS, RECORD, SCALAR, Topic
+from unitylink.spec.model import Element, Instance, LinkBinding, Spec
+from unitylink.spec.types import Field as BitField
+from unitylink.values import Quantity
+
+from .ros_package import Package
+
+_COMMITTED = ("tosnet", "double_buffer")
+
+
+@dataclass(frozen=True)
+class CppGroup:
+    values: tuple[int, ...]
+    divisor: int
+    polled: bool
+
+
+@dataclass(frozen=True)
+class CppTopic:
+    """A topic of the node: statements that fill or read `message`; `group` is what it is published with."""
+
+    topic: Topic
+    package: str
+    message: str
+    statements: tuple[str, ...]
+    group: int = -1
+    stamped: bool = False
+
+
+@dataclass(frozen=True)
+class CppJoint:
+    name: str
+    values: tuple[int, int, int]  # of the table, -1: none
+    factors: tuple[str, str, str]
+
+
+@dataclass(frozen=True)
+class CppRobot:
+    values: tuple[str, ...]  # initialisers
+    groups: tuple[CppGroup, ...]
+    units: tuple[str, ...]
+    data_bits: int
+    published: tuple[CppTopic, ...]
+    commanded: tuple[CppTopic, ...]
+    joints: tuple[CppJoint, ...]  # of joint_commands
+    left_out: tuple[str, ...]  # topics of several groups
+
+
+def cpp_robot(package: Package) -> CppRobot:
+    """Return all that the templates of the C++ nodes need."""
+    return _Cpp(package.spec, package.root, package).robot()
+
+
+class _Cpp:
+    def __init__(self, spec: Spec, root: Instance, package: Package) -> None:
+        self.spec, self.root, self.package = spec, root, package
+        self.interface = package.interface
+        self.elements = list(root.walk())
+        self.index = {element.path: i for i, element in enumerate(self.elements)}
+        self.units: list[LinkBinding] = []
+        for element in self.elements:
+            if element.link.kind in _COMMITTED and element.link not in self.units:
+                self.units.append(element.link)
+        devices = [device for device in spec.devices if device.root == root.name]
+        self.data_bits = devices[0].link.data_bits if devices else 32
+        self.groups = [
+            CppGroup(tuple(self.index[e.path] for e in group.elements), group.divisor, False)
+            for device in devices
+            for group in device.groups
+        ]
+        polled: dict[int, list[int]] = {}
+        for element in self.elements:
+            if element.publish is not None and element.publish.mode == 2:
+                polled.setdefault(element.publish.divisor, []).append(self.index[element.path])
+        self.groups += [CppGroup(tuple(values), divisor, True) for divisor, values in polled.items()]
+
+    def robot(self) -> CppRobot:
+        published, left_out = [], []
+        for topic in self.interface.published:
+            indices = [self.index[path] for path in topic.paths]
+            group = next((n for n, g in enumerate(self.groups) if set(indices) <= set(g.values)), None)
+            if group is None:
+                left_out.append(topic.name)
+            else:
+                published.append(self._published(topic, group))
+        joints = next((t for t in self.interface.commanded if t.form == JOINTS), None)
+        return CppRobot(
+            tuple(self._value(element) for element in self.elements),
+            tuple(self.groups),
+            tuple(_unit(link) for link in self.units),
+            self.data_bits,
+            tuple(published),
+            tuple(self._commanded(topic) for topic in self.interface.commanded),
+            self._joints(joints) if joints is not None else (),
+            tuple(left_out),
+        )
+
+    def _value(self, element: Element) -> str:
+        unit = self.units.index(element.link) if element.link in self.units else -1
+        where = (_text(element.path), f"0x{element.address:X}", element.words)
+        return _initialiser(where, Quantity.of(element), element.access in ("WRITE", "READWRITE"), unit)
+
+    # Out
+
+    def _published(self, topic: Topic, group: int) -> CppTopic:
+        package, _, message = topic.type.partition("/")
+        at = {value: k for k, value in enumerate(self.groups[group].values)}
+        raws = [at[self.index[path]] for path in topic.paths]
+        lines: list[str] = []
+        if topic.form == SCALAR:
+            packed = topic.packed
+            lines.append(f"message.data = {self._read(topic.paths[0], raws[0], packed)};")
+        elif topic.form == RECORD:
+            position = 0
+            for field in self.interface.message(topic).fields:
+                for k in range(max(1, field.count)):
+                    target = f"message.{field.name}" + (f"[{k}]" if field.count else "")
+                    path = topic.paths[position]
+                    if field.members:
+                        lines += self._unpack(target, path, raws[position])
+                    else:
+                        lines.append(f"{target} = {self._read(path, raws[position])};")
+                    position += 1
+        else:
+            for joint in topic.joints:
+                lines.append(f"message.name.push_back({_text(joint.name)});")
+            for part in ("position", "velocity", "effort"):
+                if any(getattr(joint, part) >= 0 for joint in topic.joints):
+                    for joint in topic.joints:
+                        lines.append(
+                            f"message.{part}.push_back({self._joint_part(topic, joint, part, raws)});"
+                        )
+        stamped = topic.form == JOINTS or (topic.form == RECORD and self.interface.message(topic).stamped)
+        return CppTopic(topic, package, message, tuple(lines), group, stamped)
+
+    def _joint_part(self, topic: Topic, joint: Any, part: str, raws: Sequence[int]) -> str:
+        at = getattr(joint, part)
+        if at < 0:
+            return "unitylink::none"
+        value = self.index[topic.paths[at]]
+        return f"unitylink::number(values[{value}], raws[{raws[at]}]) * {getattr(joint, f'{part}_factor')!r}"
+
+    def _read(self, path: str, raw: int, packed: bool = False) -> str:
+        element = self.elements[self.index[path]]
+        return _expression(f"values[{self.index[path]}]", f"raws[{raw}]", Quantity.of(element), packed)
+
+    def _unpack(self, target: str, path: str, raw: int) -> list[str]:
+        kind = self.elements[self.index[path]].type
+        return [
+            f"{target}.{name} = {_expression(_field(one), f'raws[{raw}] >> {one.low}', Quantity.of(one))};"
+            for name, one in zip(self._names(kind.name, path), kind.fields, strict=True)
+        ]
+
+    def _names(self, name: str, path: str) -> list[str]:
+        for topic in (*self.interface.published, *self.interface.commanded):
+            if topic.form == RECORD and path in topic.paths:
+                position = 0
+                for field in self.interface.message(topic).fields:
+                    if topic.paths.index(path) < position + max(1, field.count):
+                        inner = next(m for m in self.interface.messages if m.name == field.type)
+                        return [one.name for one in inner.fields]
+                    position += max(1, field.count)
+        raise KeyError(name)
+
+    # In
+
+    def _commanded(self, topic: Topic) -> CppTopic:
+        package, _, message = topic.type.partition("/")
+        lines: list[str] = []
+        if topic.form == SCALAR:
+            lines.append(self._put(topic.paths[0], "message.data"))
+        elif topic.form == RECORD:
+            position = 0
+            for field in self.interface.message(topic).fields:
+                for k in range(max(1, field.count)):
+                    source = f"message.{field.name}" + (f"[{k}]" if field.count else "")
+                    path = topic.paths[position]
+                    if field.members:
+                        lines += self._pack(source, path)
+                    else:
+                        lines.append(self._put(path, source))
+                    position += 1
+        elif topic.form == JOINTS:
+            lines.append("joints(message);")
+        else:
+            for axis, path in zip(topic.axes, topic.paths, strict=True):
+                lines.append(self._put(path, f"message.{axis.replace('_', '.')}"))
+        return CppTopic(topic, package, message, tuple(lines))
+
+    def _put(self, path: str, source: str) -> str:
+        return f"command.put({self.index[path]}, static_cast<double>({source}));"
+
+    def _pack(self, source: str, path: str) -> list[str]:
+        kind = self.elements[self.index[path]].type
+        lines = ["{", "  std::uint64_t packed = 0;"]
+        for name, one in zip(self._names(kind.name, path), kind.fields, strict=True):
+            mask, value = (1 << one.high - one.low + 1) - 1, f"static_cast<double>({source}.{name})"
+            lines.append(f"  command.pack({_field(one)}, {value}, {mask}U, {one.low}, packed);")
+        lines += [f"  command.put({self.index[path]}, static_cast<double>(packed));", "}"]
+        return lines
+
+    def _joints(self, topic: Topic) -> tuple[CppJoint, ...]:
+        made = []
+        for joint in topic.joints:
+            parts = (joint.position, joint.velocity, joint.effort)
+            indices = [self.index[topic.paths[at]] if at >= 0 else -1 for at in parts]
+            factors = (joint.position_factor, joint.velocity_factor, joint.effort_factor)
+            made.append(
+                CppJoint(
+                    _text(joint.name),
+                    (indices[0], indices[1], indices[2]),
+                    (repr(factors[0]), repr(factors[1]), repr(factors[2])),
+                )
+            )
+        return tuple(made)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text)
+
+
+def _real(number: float | None) -> str:
+    return "unitylink::none" if number is None else repr(float(number))
+
+
+def _true(flag: bool) -> str:
+    return "true" if flag else "false"
+
+
+def _initialiser(where: tuple[str, str, int], quantity: Quantity, writable: bool, unit: int) -> str:
+    kind = quantity.type
+    low, high = quantity.minimum, quantity.maximum
+    if kind.enum is not None and not kind.enum.open:
+        low, high = min(v.value for v in kind.enum.values), max(v.value for v in kind.enum.values)
+    scale = quantity.scale / (1 << kind.fraction)
+    safe = float(quantity.safe) if quantity.safe is not None else None
+    flags = (kind.signed, kind.kind == "float", writable, quantity.overflow == "saturate")
+    return (
+        f"{{{where[0]}, {where[1]}, {where[2]}, {kind.width}, {', '.join(map(_true, flags))}, {unit}, "
+        f"{_real(scale)}, {_real(quantity.offset)}, {_real(low)}, {_real(high)}, {_real(safe)}}}"
+    )
+
+
+def _field(one: BitField) -> str:
+    return f"unitylink::Value{_initialiser((_text(one.name), '0', 1), Quantity.of(one), False, -1)}"
+
+
+def _expression(value: str, raw: str, quantity: Quantity, packed: bool = False) -> str:
+    if quantity.type.kind == "bool":
+        return f"({raw} & 1U) != 0"
+    if (quantity.scaled or quantity.type.kind == "float") and not packed:
+        return f"unitylink::number({value}, {raw})"
+    return f"unitylink::whole({value}, {raw})"
+
+
+def _unit(link: LinkBinding) -> str:
+    if link.kind != "tosnet":
+        return f"{{0x{link.base + link.size:X}, 0, 0, 0, 0}}"
+    bits = (
+        protocol.TOSNET_STATUS_COMMIT_PENDING_BIT,
+        protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT,
+        protocol.TOSNET_STATUS_ONLINE_BIT,
+        protocol.TOSNET_STATUS_SYSTEM_HALT_BIT,
+    )
+    return f"{{0x{link.base + protocol.TOSNET_STATUS:X}, {', '.join(f'1U << {bit}' for bit in bits)}}}"

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Topics of ROS 1 and of ROS 2 on DDS, against a bare publisher or subscriber in the same run."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from statistics import median
+
+from .figure import BenchError, Figure, Run
+from .programs import Process
+
+WORKER = "unitylink.tools.bench.ros_worker"
+LOOPBACK = (
+    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>'
+    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    '<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>'
+)
+
+
+@contextmanager
+def plane(run: Run, name: str) -> Iterator[list[str]]:
+    """Make the surroundings of a plane; give the command that workers begin with."""
+    if name == "dds":
+        os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(1 + os.getpid() % 230)}
+        yield [sys.executable, "-m", WORKER, name]
+        return
+    maker = run.checkout / "tools" / "ros_environment.py"
+    made = subprocess.run(
+        [sys.executable, maker, run.checkout / "build" / "ros-bench"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if made.returncode:
+        raise BenchError("ROS 1 is not here: tools/setup.sh ros installs it on Debian")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    os.environ |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1"}
+    logs = str(Path(run.checkout / "build" / "ros-bench" / "log"))
+    os.environ |= {"ROS_LOG_DIR": logs, "ROS_HOME": logs}
+    master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], stdout=subprocess.DEVNULL)
+    try:
+        yield [made.stdout.strip(), "-m", WORKER, name]
+    finally:
+        master.terminate()
+        master.wait()
+
+
+def rate(
+    run: Run, command: list[str], giver: str, taker: str, other: Process | None = None
+) -> tuple[list[float], float]:
+    """Return messages a second that the taker (and `other`, right after) counted, and its share of a core."""
+    window_s = 0.3 if run.quick else 1.0
+    with ExitStack() as stack:
+        counting = stack.enter_context(Process([*command, taker]))
+        counting.line()
+        giving = stack.enter_context(Process([*command, giver]))
+        giving.line()
+        for _ in range(100):  # until they have found each other
+            if int(counting.ask("0.1").split()[0]) > 10:
+                break
+        else:
+            raise BenchError(f"nothing came from {giver} to {taker}")
+        windows = [
+            [float(part) for part in counting.ask(str(window_s)).split()] for _ in range(run.rounds(5))
+        ]
+        rates = [median(n / s for n, s, _ in windows)]
+        if other is not None:
+            count, wall_s, _ = (float(part) for part in other.ask(str(window_s)).split())
+            rates.append(count / wall_s)
+        return rates, median(c / s for _, s, c in windows)
+
+
+def _compare(
+    run: Run, name: str, *, title: str, which: str, bare: tuple[str, str], ours: tuple[str, str]
+) -> Figure:
+    with plane(run, which) as command:
+        (ceiling,), _ = rate(run, command, *bare)
+        (reached,), _ = rate(run, command, *ours)
+    details = {"node messages/s": reached, "bare messages/s": ceiling}
+    return Figure(name, title, 0.9, False, reached / ceiling, "x", details)
+
+
+def measure_ros1_out(run: Run) -> Figure:
+    """Measure FPGA -> ROS 1, a single integer."""
+    title = "FPGA -> rospy topic of an integer, over a bare publisher"
+    return _compare(
+        run, "ros1-out", title=title, which="ros1", bare=("bare-out", "sink"), ours=("node-out", "sink")
+    )
+
+
+def measure_ros1_in(run: Run) -> Figure:
+    """Measure ROS 1 -> FPGA: commands taken."""
+    title = "rospy topic of an integer -> FPGA, over a bare subscriber"
+    return _compare(
+        run, "ros1-in", title=title, which="ros1", bare=("source", "bare-in"), ours=("source", "node-in")
+    )
+
+
+def measure_dds_out(run: Run) -> Figure:
+    """Measure FPGA -> ROS 2 on DDS."""
+    title = "FPGA -> DDS topic of an integer, over a bare writer"
+    return _compare(
+        run, "dds-out", title=title, which="dds", bare=("sink", "bare-out"), ours=("sink", "node-out")
+    )
+
+
+def measure_dds_in(run: Run) -> Figure:
+    """Measure ROS 2 on DDS -> FPGA."""
+    title = "DDS topic of an integer -> FPGA, over a bare reader"
+    return _compare(
+        run, "dds-in", title=title, which="dds", bare=("source", "bare-in"), ours=("source", "node-in")
+    )
+
+
+def measure_joints(run: Run) -> Figure:
+    """Measure 18 joints at 1 kHz both ways on DDS: the node's share of a core, twin and all."""
+    with plane(run, "dds") as command, Process([*command, "joints-sink"]) as sink:
+        sink.line()
+        commands, share = rate(run, command, "joints-source", "joints", sink)
+    told = {"commands/s": commands[0], "joint_states/s": commands[1]}
+    complaint = "" if min(told.values()) > 950 else "not all of 1000 a second came through"
+    title = "18 joints at 1 kHz both ways on DDS"
+    return Figure("ros-joints", title, 100, True, 100 * share, "% of a core", told, complaint)

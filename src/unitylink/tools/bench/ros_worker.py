@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One end of a ROS figure, in a process of its own: `python -m unitylink.tools.bench.ros_worker PLANE ROLE`.
+
+PLANE is ros1 or dds. A line on standard input asks for a window of so many seconds; the answer is what was
+counted in it: "COUNT SECONDS CPU_SECONDS". `bare-out` and `source` publish as fast as they can,
+`joints-source` 1000 a second, all the time; `node-out`, `node-in` and `joints` are nodes, the twin in their
+process.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from unitylink.layer2_message import Link
+from unitylink.layer4_data import Node, load_spec_objects
+from unitylink.ros import Interface, Topic, plan_interface
+from unitylink.ros.node import RobotNode
+from unitylink.ros.plane import Port
+from unitylink.simulate import Board, BoardConfiguration
+from unitylink.spec import compile_text
+from unitylink.spec.model import Spec
+
+BASE_HZ = 100_000  # more than any plane takes
+OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # nothing that was sent is given up
+IN = Topic("in", "std_msgs/Int32", "scalar", ("in",))
+WORDS = """public bench() {
+   @ros(queue=4096) @out = 0x0: i32 READ(PUBLISH(1,1));
+   @in = 0x1: i32 WRITE();
+}"""
+JOINTS = """public bench() { j[18]: joint() @ (0x10+i*2, 0x11+i*2); }
+joint(): @ (p,s) { @p: i16 READ(UNIT="rad", SCALE=0.001, PUBLISH(1,1));
+                   @s: i16 WRITE(UNIT="rad", SCALE=0.001); }"""
+
+
+def spec_of(text: str) -> Spec:
+    """Return a spec of the bench."""
+    found = compile_text(text, "bench.ul").spec
+    assert found is not None
+    return found
+
+
+def plane_of(name: str, interface: Interface) -> Any:
+    """Return a front end."""
+    if name == "ros1":
+        os.environ["ROS_NAMESPACE"] = "/bench"
+        from unitylink.ros.ros1 import RospyPlane
+
+        ros1 = RospyPlane("bench")
+        ros1.rospy.init_node("bench", anonymous=True, disable_signals=True)
+        return ros1
+    from unitylink.ros.dds import DdsPlane
+
+    return DdsPlane(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
+
+
+def node(plane: Any, spec: Spec, base_hz: int) -> RobotNode:
+    """Return a node with the twin in this process, connected."""
+    board = Board(spec, configuration=BoardConfiguration.for_spec(spec, base_hz=base_hz, baud_hz=50_000_000))
+
+    def build(link: Link) -> Node:
+        return load_spec_objects(spec, link)
+
+    made = RobotNode(
+        plan_interface(spec, standard=True), plane, lambda: Link(board.url), build, services=False
+    )
+    made.keeper.up.wait(30)
+    return made
+
+
+def main() -> None:
+    """Serve a role."""
+    name, role = sys.argv[1:3]
+    joints = role.startswith("joints")
+    spec = spec_of(JOINTS if joints else WORDS)
+    interface = plan_interface(spec, standard=True)
+    plane = plane_of(name, interface)
+    counted, advertise = [0], plane.advertise
+
+    def counting(topic: Topic) -> Port:
+        port = advertise(topic)
+
+        def send(message: Any) -> None:
+            port.send(message)
+            counted[0] += 1
+
+        return Port(send, port.wanted) if topic.name == "out" else port
+
+    plane.advertise = counting
+
+    def count(_: Any) -> None:
+        counted[0] += 1
+
+    read: Callable[[], int] = lambda: counted[0]  # noqa: E731
+    if role in ("bare-out", "source", "joints-source"):
+        topic = {"bare-out": OUT, "source": IN, "joints-source": interface.commanded[-1]}[role]
+        threading.Thread(target=_flood, args=(plane, topic, joints), daemon=True).start()
+    elif role in ("sink", "bare-in"):
+        plane.subscribe(OUT if role == "sink" else IN, count, depth=4096 if role == "sink" else 1)
+    elif role == "joints-sink":
+        plane.subscribe(interface.published[-1], count, depth=4096)
+    else:
+        made = node(plane, spec, BASE_HZ if role == "node-out" else 1000)
+        if role != "node-out":  # of which is counted what it sends
+            read = lambda: made.accepted  # noqa: E731
+    if name == "dds":
+        plane.start()
+    print("ready", flush=True)
+    for line in sys.stdin:
+        before, wall, cpu = read(), time.perf_counter(), time.process_time()
+        time.sleep(float(line))
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        print(read() - before, wall, cpu, flush=True)
+    os._exit(0)
+
+
+def _flood(plane: Any, topic: Topic, joints: bool) -> None:
+    port = plane.advertise(topic)
+    if joints:
+        make = plane.maker(topic.type, ("header", "name", "position", "velocity", "effort"))
+        names = [joint.name for joint in topic.joints]
+    else:
+        make = plane.maker(topic.type, ("data",))
+    number, due = 0, time.perf_counter()
+    while True:
+        number += 1
+        if not port.wanted():
+            time.sleep(0.01)
+        elif joints:
+            due += 0.001
+            time.sleep(max(0.0, due - time.perf_counter()))
+            header = plane.header(time.monotonic(), "")
+            port.send(make(header, names, [number % 1000 / 1000] * len(names), [], []))
+        else:
+            port.send(make(number & 0xFFFF))
+
+
+if __name__ == "__main__":
+    main()
