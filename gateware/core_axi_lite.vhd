@@ -12,6 +12,7 @@ library ieee;
 
 use work.axi_lite_pkg.all;
 use work.bii_pkg.all;
+use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
 
 entity core_axi_lite is
@@ -30,6 +31,16 @@ entity core_axi_lite is
     checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"; of the full datalink
     polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c));
     edge_events   : std_ulogic_vector(255 downto 0) := (others => '0');  -- bit g: event of group g by edge, else level
+    protocol      : string                  := "classic";  -- "classic", "framed" or "both"; of framed, as of core_bii:
+    exchanges     : natural  range 0 to 4   := 2;
+    exchange_size : natural  range 0 to 60  := 16;
+    lists         : boolean                 := true;
+    deadman       : boolean                 := true;
+    safe_values   : safe_values_t           := no_safe_values;
+    window        : positive range 2 to 128 := frame_window_default_c;
+    gateware_version : word32_t             := (others => '0');
+    build         : word32_t                := (others => '0');
+    spec_hash     : std_ulogic_vector(63 downto 0) := (others => '0');
     timeout_clocks : positive               := limits_bus_timeout_clocks_c
   );
   port (
@@ -63,7 +74,10 @@ begin
       address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
       groups => groups, group_size => group_size, rate_bytes => rate_bytes, read_many => read_many,
       publish_mode => publish_mode, configuration_command => configuration_command, datalink => datalink,
-      checksum => checksum, polynomial => polynomial, edge_events => edge_events)
+      checksum => checksum, polynomial => polynomial, edge_events => edge_events, protocol => protocol,
+      exchanges => exchanges, exchange_size => exchange_size, lists => lists, deadman => deadman,
+      safe_values => safe_values, window => window, gateware_version => gateware_version, build => build,
+      spec_hash => spec_hash)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The Unity-Link core without a bus: classic protocol on byte streams, requests and publishes on the bus-independent
+-- The Unity-Link core without a bus: a protocol or both on byte streams, requests and publishes on the bus-independent
 -- interface. `core` puts a Wishbone master behind it, `core_axi_lite` an AXI4-Lite one; yours may be another.
 --
---   rx --> datalink --> request_buffer --> application <--> bii
---   tx <--    "     <-- fifo <-----------------+   ^
---                                subscription_manager <-- events
+--   rx --> port_splitter --> classic, framed <--> application_switch <--> bii
+--   tx <-- port_joiner   <------+                        |
+--                                              subscription_manager <-- events
 --
+-- Protocol  "classic", "framed" or "both"; with one of them alone, nothing of the other is there.
 -- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message, tx_publish: with all bytes of a
 --           publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
 --           events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
@@ -21,12 +22,10 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
-use work.application_pkg.all;
 use work.bii_pkg.all;
-use work.datalink_pkg.all;
+use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
 use work.subscription_pkg.all;
-use work.width_pkg.all;
 
 entity core_bii is
   generic (
@@ -43,7 +42,17 @@ entity core_bii is
     datalink      : string                  := "full";  -- "full", "lite" or "none"
     checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"; of the full datalink
     polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c));
-    edge_events   : std_ulogic_vector(255 downto 0) := (others => '0')  -- bit g: event of group g by edge, else level
+    edge_events   : std_ulogic_vector(255 downto 0) := (others => '0');  -- bit g: event of group g by edge, else level
+    protocol      : string                  := "classic";  -- "classic", "framed" or "both"; from here on, of framed:
+    exchanges     : natural  range 0 to 4   := 2;    -- exchange groups; 0: there are none
+    exchange_size : natural  range 0 to 60  := 16;   -- words in one, outputs and inputs
+    lists         : boolean                 := true;
+    deadman       : boolean                 := true;
+    safe_values   : safe_values_t           := no_safe_values;  -- what the dead-man writes
+    window        : positive range 2 to 128 := frame_window_default_c;  -- requests in flight, a power of two
+    gateware_version : word32_t             := (others => '0');
+    build         : word32_t                := (others => '0');
+    spec_hash     : std_ulogic_vector(63 downto 0) := (others => '0')
   );
   port (
     clock        : in  std_ulogic;
@@ -65,72 +74,134 @@ end entity;
 
 architecture rtl of core_bii is
 
-  constant words : positive := 16;  -- between application and transmitter, so that they work at the same time
+  constant has_classic : boolean := protocol /= "framed";
+  constant has_framed  : boolean := protocol /= "classic";
+  constant both        : boolean := has_classic and has_framed;
 
-  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
-
-  constant entries : positive := entries_for(
-    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes, mask_bytes);
-
-  signal receive                          : receive_t;
-  signal room                             : std_ulogic;
-  signal message_end                      : std_ulogic;
-
-  signal request            : request_t;
-  signal request_take       : std_ulogic;
-  signal request_rewind     : std_ulogic;
-  signal request_done       : std_ulogic;
-
-  signal subscription_request  : subscription_request_t;
+  -- Of each side, where it is there.
+  signal classic_valid, classic_ready, frame_valid, frame_ready : std_ulogic;
+  signal classic_tx_valid, classic_tx_ready, classic_tx_last, classic_tx_publish : std_ulogic;
+  signal frame_tx_valid, frame_tx_ready, frame_tx_last, frame_tx_publish         : std_ulogic;
+  signal classic_tx_data, frame_tx_data : byte_t;
+  signal classic_error        : std_ulogic_vector(2 downto 0);
+  signal classic_busy, classic_may_begin              : std_ulogic;
+  signal framed_busy, framed_wants, framed_may_begin  : std_ulogic;
+  signal session_open         : std_ulogic;
+  signal classic_subscription, framed_subscription, subscription_request : subscription_request_t;
   signal subscription_response : subscription_response_t;
+  signal classic_bii, framed_bii : bii_request_t;
+  signal classic_bii_response, framed_bii_response : bii_response_t;
 
-  signal said_valid, said_ready   : std_ulogic;
-  signal said_data                : word_t;
-  signal word_valid, word_ready   : std_ulogic;
-  signal word_data                : word_t;
+  function groups_of(mode : natural) return natural is
+  begin
+    if mode = 0 then
+      return 0;
+    end if;
+    return groups;
+  end function;
 
 begin
 
-  datalink_layer : entity work.datalink
-    generic map (datalink => datalink, message_entries => entries, checksum => checksum, polynomial => polynomial)
-    port map (
-      clock => clock, reset => reset,
-      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
-      receive => receive, room => room, message_end => message_end,
-      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
-      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+  assert protocol = "classic" or protocol = "framed" or protocol = "both"
+    report "core_bii: protocol must be classic, framed or both" severity failure;
+  assert not both or datalink = "full"
+    report "core_bii: with both protocols the classic datalink must be full" severity failure;
 
-  requests : if datalink = "full" generate
-    request_buffer : entity work.request_buffer
+  classic_side : if has_classic generate
+    classic : entity work.classic
       generic map (
-        message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        has_checksum => checksum /= "none", configuration_command => configuration_command)
+        address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
+        group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
+        configuration_command => configuration_command, datalink => datalink, checksum => checksum,
+        polynomial => polynomial)
       port map (
-        clock => clock, reset => reset, receive => receive, room => room,
-        request => request, take => request_take, rewind => request_rewind, request_done => request_done);
-    message_end <= '0';
-  else generate
-    request_stream : entity work.request_stream
-      generic map (
-        address_bytes => bytes_for(address_width), data_bytes => bytes_for(data_width), rate_bytes => rate_bytes,
-        mask_bytes => mask_bytes, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        configuration_command => configuration_command)
-      port map (
-        clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
-        request => request, take => request_take, request_done => request_done);
+        clock => clock, reset => reset,
+        rx_valid => classic_valid, rx_ready => classic_ready, rx_data => rx_data, rx_error => classic_error,
+        tx_valid => classic_tx_valid, tx_ready => classic_tx_ready, tx_data => classic_tx_data,
+        tx_last => classic_tx_last, tx_publish => classic_tx_publish,
+        locked => session_open, may_begin => classic_may_begin, busy => classic_busy,
+        subscription_request => classic_subscription, subscription_response => subscription_response,
+        bii_request => classic_bii, bii_response => classic_bii_response);
   end generate;
 
-  application : entity work.application
-    generic map (
-      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode,
-      whole_requests => datalink = "full")
-    port map (
-      clock => clock, reset => reset,
-      request => request, take => request_take, rewind => request_rewind, request_done => request_done,
-      subscription_request => subscription_request, subscription_response => subscription_response,
-      bii_request => bii_request, bii_response => bii_response,
-      word_valid => said_valid, word_ready => said_ready, word_data => said_data);
+  framed_side : if has_framed generate
+    framed : entity work.framed
+      generic map (
+        address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
+        groups => groups_of(publish_mode), group_size => group_size, rate_bytes => rate_bytes, exchanges => exchanges,
+        exchange_size => exchange_size, lists => lists, deadman => deadman, safe_values => safe_values,
+        window => window, classic => has_classic, gateware_version => gateware_version, build => build,
+        spec_hash => spec_hash)
+      port map (
+        clock => clock, reset => reset,
+        frame_valid => frame_valid, frame_ready => frame_ready, frame_data => rx_data, receive_overrun => rx_error(2),
+        tx_valid => frame_tx_valid, tx_ready => frame_tx_ready, tx_data => frame_tx_data,
+        tx_last => frame_tx_last, tx_publish => frame_tx_publish,
+        session_open => session_open, may_begin => framed_may_begin, wants => framed_wants, busy => framed_busy,
+        subscription_request => framed_subscription, subscription_response => subscription_response,
+        bii_request => framed_bii, bii_response => framed_bii_response);
+  end generate;
+
+  frames_among_bytes : if has_framed generate
+    port_splitter : entity work.port_splitter
+      port map (
+        clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
+        classic_valid => classic_valid, classic_ready => classic_ready,
+        frame_valid => frame_valid, frame_ready => frame_ready);
+  end generate;
+
+  two_sides : if both generate
+    -- A line that hurts is told as text only where text is spoken: never between the frames of a session.
+    classic_error <= rx_error when session_open = '0' else "000";
+
+    port_joiner : entity work.port_joiner
+      port map (
+        clock => clock, reset => reset,
+        classic_valid => classic_tx_valid, classic_ready => classic_tx_ready, classic_data => classic_tx_data,
+        classic_last => classic_tx_last, classic_publish => classic_tx_publish,
+        frame_valid => frame_tx_valid, frame_ready => frame_tx_ready, frame_data => frame_tx_data,
+        frame_last => frame_tx_last, frame_publish => frame_tx_publish,
+        tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+
+    application_switch : entity work.application_switch
+      port map (
+        classic_busy => classic_busy, classic_may_begin => classic_may_begin,
+        classic_subscription => classic_subscription, classic_bii => classic_bii,
+        classic_bii_response => classic_bii_response,
+        framed_busy => framed_busy, framed_wants => framed_wants, framed_may_begin => framed_may_begin,
+        framed_subscription => framed_subscription, framed_bii => framed_bii,
+        framed_bii_response => framed_bii_response,
+        subscription_request => subscription_request, bii_request => bii_request, bii_response => bii_response);
+  end generate;
+
+  classic_alone : if not has_framed generate
+    classic_error        <= rx_error;
+    session_open         <= '0';
+    classic_may_begin    <= '1';
+    classic_valid        <= rx_valid;
+    rx_ready             <= classic_ready;
+    tx_valid             <= classic_tx_valid;
+    classic_tx_ready     <= tx_ready;
+    tx_data              <= classic_tx_data;
+    tx_last              <= classic_tx_last;
+    tx_publish           <= classic_tx_publish;
+    subscription_request <= classic_subscription;
+    bii_request          <= classic_bii;
+    classic_bii_response <= bii_response;
+  end generate;
+
+  framed_alone : if not has_classic generate
+    classic_ready        <= '1';  -- text is nobody's
+    framed_may_begin     <= '1';
+    tx_valid             <= frame_tx_valid;
+    frame_tx_ready       <= tx_ready;
+    tx_data              <= frame_tx_data;
+    tx_last              <= frame_tx_last;
+    tx_publish           <= frame_tx_publish;
+    subscription_request <= framed_subscription;
+    bii_request          <= framed_bii;
+    framed_bii_response  <= bii_response;
+  end generate;
 
   publishing : if publish_mode > 0 generate
     subscription_manager : entity work.subscription_manager
@@ -144,19 +215,6 @@ begin
 
   silence : if publish_mode = 0 generate
     subscription_response <= subscription_response_idle;
-  end generate;
-
-  between : if datalink = "full" generate
-    word_fifo : entity work.fifo
-      generic map (width => word_t'length, depth => words)
-      port map (
-        clock => clock, reset => reset,
-        write_valid => said_valid, write_ready => said_ready, write_data => said_data,
-        read_valid => word_valid, read_ready => word_ready, read_data => word_data);
-  else generate
-    word_valid <= said_valid;
-    said_ready <= word_ready;
-    word_data  <= said_data;
   end generate;
 
 end architecture;

@@ -3,7 +3,8 @@
 -- Executes requests on the bus, answers them, and publishes groups between them. One thing at a time: a small processor
 -- whose program (program_pkg) lies in block RAM, an instruction a clock.
 --
--- Ports     request, take, rewind, request_done: see request_buffer. subscription: see subscription_pkg. bii: see bii_pkg.
+-- Ports     request, take, rewind, request_done: see request_buffer. busy: a message is in hand.
+--           subscription: see subscription_pkg. bii: see bii_pkg.
 --           word: valid/ready, what the datalink makes characters of.
 -- Latency   The head of a reply goes out in the clock in which the request is valid, if nothing else is in hand. Clocks
 --           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write
@@ -47,6 +48,7 @@ entity application is
     take                  : out std_ulogic;
     rewind                : out std_ulogic;
     request_done          : out std_ulogic;
+    busy                  : out std_ulogic;
     subscription_request  : out subscription_request_t;
     subscription_response : in  subscription_response_t;
     bii_request           : out bii_request_t;
@@ -157,6 +159,7 @@ begin
   act_now <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take));
   step    <= act_now and (request.valid or subscription_response.publish or not instruction(do_begin)) and
              (access_done or not instruction(do_await));
+  busy    <= not instruction(do_begin);
   begins  <= instruction(do_begin) and word_ready and (request.valid or subscription_response.publish);
 
   choose : process (all)

@@ -207,7 +207,7 @@ begin
       elsif request.disable = '1' then
         publishing <= '0';
       end if;
-      if reset = '1' then
+      if reset = '1' or request.clear = '1' then
         publishing <= '0';
         divider    <= 0;
         beginning  <= '1';
@@ -292,7 +292,10 @@ begin
           enabled(g) <= request.word(g mod 8);
         end if;
       end loop;
-      if reset = '1' then
+      if request.write_event = '1' then
+        enabled(group_number) <= request.word(0);
+      end if;
+      if reset = '1' or request.clear = '1' then
         filled  <= (others => '0');
         active  <= (others => '0');
         due     <= (others => '0');

@@ -25,6 +25,8 @@ package subscription_pkg is
     empty        : std_ulogic;  -- the group has none any more
     write_rate   : std_ulogic;  -- set the group's rate; to be held until `done`
     write_mask   : std_ulogic;  -- write that byte of the event mask
+    write_event  : std_ulogic;  -- the event input triggers the group: the lowest bit of word
+    clear        : std_ulogic;  -- as after reset: no group has addresses, rate or event, publishing off
     enable       : std_ulogic;  -- publishing on
     disable      : std_ulogic;  -- publishing off
     publish_take : std_ulogic;  -- the publish that was due in the clock before is taken on; it is of group_number

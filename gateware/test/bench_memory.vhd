@@ -16,6 +16,7 @@ entity bench_memory is
     address_width : positive;
     data_width    : positive;
     recorded      : boolean  := true;  -- else all words are 0 and every address answers
+    bad_base      : natural  := 0;       -- not 0: from there four words answer with err, and four not at all
     waits         : natural  := 0;
     stall_percent : natural  := 0;
     seed          : positive := 1
@@ -61,13 +62,13 @@ begin
       if wishbone_m2s.cyc = '1' and wishbone_m2s.stb = '1' and answer.ack = '0' and answer.err = '0' then
         top   := to_integer(unsigned(wishbone_m2s.adr(8 * address_bytes - 1 downto 8 * address_bytes - 8)));
         index := to_integer(unsigned(wishbone_m2s.adr(minimum(address_width, 16) - 1 downto 0)));
-        if recorded and top >= 16#F0# then
+        if (recorded and top >= 16#F0#) or (bad_base > 0 and index >= bad_base + 4 and index < bad_base + 8) then
           null;
         elsif left > 0 then
           left := left - 1;
         elsif random.chance(stall_percent) then
           null;
-        elsif recorded and top >= 16#E0# then
+        elsif (recorded and top >= 16#E0#) or (bad_base > 0 and index >= bad_base and index < bad_base + 4) then
           answer.err <= '1';
         else
           answer.ack <= '1';

@@ -21,6 +21,7 @@ library ieee;
 
 use std.textio.all;
 use work.bench_pkg.all;
+use work.frame_layout_pkg.all;
 use work.wishbone_pkg.all;
 
 entity replay_tb is
@@ -40,7 +41,14 @@ entity replay_tb is
     checksum      : string   := "crc8";
     polynomial    : natural  := 7;
     edge_events   : natural  := 0;
+    protocol      : string   := "classic";
+    lists         : boolean  := true;
+    deadman       : boolean  := true;
+    exchange_groups : natural := 2;
+    window        : positive := 32;
+    clock_hz      : positive := 50_000_000;
     recorded      : natural  := 1;       -- memory as in the recordings
+    bad_base      : natural  := 0;       -- see bench_memory
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
     physical      : string   := "none";  -- or behind "ft245_async" or "ft245_sync" and a model of its chip
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
@@ -52,6 +60,9 @@ entity replay_tb is
 end entity;
 
 architecture bench of replay_tb is
+
+  constant safe_values : safe_values_t(0 to 1) := ((address => x"00000010", value => x"00000001"),
+                                                   (address => x"00000011", value => x"FFFFFFFF"));
 
   constant step_clocks_most : natural := 4_000_000;  -- watchdog of one step
 
@@ -97,10 +108,12 @@ begin
 
   core : entity work.core
     generic map (
-      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
+      address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
       group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
       configuration_command => with_rlc = 1, datalink => datalink, checksum => checksum, polynomial => polynomial,
-      edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)))
+      edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol, lists => lists,
+      deadman => deadman, exchanges => exchange_groups, window => window, safe_values => safe_values,
+      gateware_version => x"00010000", spec_hash => x"0123456789ABCDEF")
     port map (
       clock => clock, reset => reset,
       rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => rx_error,
@@ -177,8 +190,8 @@ begin
   end generate;
 
   memory : entity work.bench_memory
-    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, waits => bus_waits,
-                 stall_percent => bus_stall_percent, seed => seed + 2000)
+    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, bad_base => bad_base,
+                 waits => bus_waits, stall_percent => bus_stall_percent, seed => seed + 2000)
     port map (clock => clock, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
 
   listen : process (clock)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from resource import struct_rusage
 from statistics import median
@@ -14,7 +15,7 @@ from time import perf_counter
 from unitylink.generate import ARTEFACTS
 
 from .figure import BenchError, Figure, Run
-from .start_up import flat_spec
+from .start_up import as_installed, flat_spec
 
 
 def measure_thousand(run: Run) -> Figure:
@@ -46,12 +47,14 @@ def _generate(registers: int, runs: int) -> tuple[float, float, float]:
     times: list[float] = []
     usages: list[struct_rusage] = []
     with tempfile.TemporaryDirectory() as folder:
+        environment = as_installed(Path(folder) / "byte code")
         spec = Path(folder) / "flat.ul"
         spec.write_text(flat_spec(registers), encoding="utf-8")
         for number in range(runs + 1):  # the first run writes the byte code
             out = str(Path(folder) / str(number))
             start = perf_counter()
-            code, usage = _run("generate", str(spec), "--out", out, "--only", ",".join(ARTEFACTS))
+            command = ["generate", str(spec), "--out", out, "--only", ",".join(ARTEFACTS)]
+            code, usage = _run(command, environment)
             times.append(perf_counter() - start)
             usages.append(usage)
             if code:
@@ -60,10 +63,10 @@ def _generate(registers: int, runs: int) -> tuple[float, float, float]:
     return median(times[1:]), busy, max(usage.ru_maxrss for usage in usages) / 1024
 
 
-def _run(*arguments: str) -> tuple[int, struct_rusage]:
+def _run(arguments: Sequence[str], environment: Mapping[str, str]) -> tuple[int, struct_rusage]:
     """Run the command; return its exit code and what it used."""
     quiet = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
     command = [sys.executable, "-m", "unitylink", *arguments]
-    process = os.posix_spawn(sys.executable, command, os.environ, file_actions=quiet)
+    process = os.posix_spawn(sys.executable, command, environment, file_actions=quiet)
     _, status, usage = os.wait4(process, 0)
     return os.waitstatus_to_exitcode(status), usage

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -25,19 +26,34 @@ def flat_spec(statements: int) -> str:
     return "\n".join([*lines, "}", ""])
 
 
+def as_installed(folder: str | Path) -> dict[str, str]:
+    """Return an environment in which Python keeps its byte code, in `folder`.
+
+    An installed package comes with byte code; a checkout whose user has Python write none would compile the
+    library at each start.
+    """
+    environment = dict(os.environ)
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    return environment | {"PYTHONPYCACHEPREFIX": str(folder)}
+
+
 def seconds(arguments: Sequence[str], runs: int) -> float:
     """Return the median time of `runs` runs of the command, in s."""
     script = Path(sys.executable).with_name("unitylink")
     command = [str(script)] if script.exists() else [sys.executable, "-m", "unitylink"]
 
     def call() -> None:
-        done = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [*command, *arguments], capture_output=True, text=True, check=False, env=environment
+        )
         if done.returncode:
             said = (done.stderr or done.stdout).strip()[-300:]
             raise BenchError(f"`unitylink {' '.join(arguments)}` failed: {said}")
 
-    call()  # the first run writes the byte code
-    return median(times(call, runs)) / 1e9
+    with tempfile.TemporaryDirectory() as folder:
+        environment = as_installed(folder)
+        call()  # the first run writes the byte code
+        return median(times(call, runs)) / 1e9
 
 
 def measure_check(run: Run) -> Figure:
@@ -54,13 +70,15 @@ def measure_import(run: Run) -> Figure:
 
     def python(code: str) -> float:
         def call() -> None:
-            subprocess.run([sys.executable, "-c", code], check=True)
+            subprocess.run([sys.executable, "-c", code], check=True, env=environment)
 
         call()
         return median(times(call, run.rounds(15, 1))) / 1e6
 
-    details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
-    return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
+    with tempfile.TemporaryDirectory() as folder:
+        environment = as_installed(folder)
+        details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
+        return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
 
 
 def measure_version(run: Run) -> Figure:

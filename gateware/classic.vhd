@@ -1,0 +1,179 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The classic side of a core: text in and out, requests and publishes on the bus-independent interface
+-- (docs/classic-protocol.md).
+--
+--   rx --> datalink --> request_buffer --> application <--> bii, subscription
+--   tx <--    "     <-- fifo <-----------------+
+--
+-- Ports     may_begin: low while another application has the bus; busy: this one is in a message. locked: a session of the
+--           framed protocol is open, so nothing may be changed. The rest: see core_bii.
+-- Errors    While locked, a write ends as one that the bus refuses, and touches nothing; what would change groups or
+--           publishing is an unknown command.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.application_pkg.all;
+use work.bii_pkg.all;
+use work.datalink_pkg.all;
+use work.protocol_pkg.all;
+use work.subscription_pkg.all;
+use work.width_pkg.all;
+
+entity classic is
+  generic (
+    address_width : positive range 1 to 32  := 8;
+    data_width    : positive range 8 to 32  := 32;
+    base_hz       : positive                := limits_base_hz_default_c;
+    groups        : positive range 1 to 256 := 2;
+    group_size    : positive range 1 to 255 := 16;
+    rate_bytes    : positive range 1 to 4   := 2;
+    read_many     : natural  range 0 to 255 := 32;
+    publish_mode  : natural  range 0 to 2   := 2;
+    configuration_command : boolean         := true;
+    datalink      : string                  := "full";
+    checksum      : string                  := "crc8";
+    polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c))
+  );
+  port (
+    clock        : in  std_ulogic;
+    reset        : in  std_ulogic;
+    rx_valid     : in  std_ulogic;
+    rx_ready     : out std_ulogic;
+    rx_data      : in  byte_t;
+    rx_error     : in  std_ulogic_vector(2 downto 0) := "000";
+    tx_valid     : out std_ulogic;
+    tx_ready     : in  std_ulogic;
+    tx_data      : out byte_t;
+    tx_last      : out std_ulogic;
+    tx_publish   : out std_ulogic;
+    locked      : in  std_ulogic := '0';
+    may_begin    : in  std_ulogic := '1';
+    busy         : out std_ulogic;
+    subscription_request  : out subscription_request_t;
+    subscription_response : in  subscription_response_t := subscription_response_idle;
+    bii_request  : out bii_request_t;
+    bii_response : in  bii_response_t
+  );
+end entity;
+
+architecture rtl of classic is
+
+  constant words : positive := 16;  -- between application and transmitter, so that they work at the same time
+
+  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
+
+  constant entries : positive := entries_for(
+    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes, mask_bytes);
+
+  signal receive                          : receive_t;
+  signal room                             : std_ulogic;
+  signal message_end                      : std_ulogic;
+
+  signal request_came, request : request_t;  -- as it came, and as it may begin
+  signal request_take       : std_ulogic;
+  signal request_rewind     : std_ulogic;
+  signal request_done       : std_ulogic;
+
+  signal groups_response : subscription_response_t;
+  signal bus_request     : bii_request_t;
+  signal bus_response    : bii_response_t;
+  signal refused         : std_ulogic;  -- a write
+
+  signal said_valid, said_ready   : std_ulogic;
+  signal said_data                : word_t;
+  signal word_valid, word_ready   : std_ulogic;
+  signal word_data                : word_t;
+
+  -- Whether a command changes groups or publishing.
+  function changes(command : command_t) return boolean is
+  begin
+    return command = std_ulogic_vector(to_unsigned(command_write_group_addresses, 5)) or
+           command = std_ulogic_vector(to_unsigned(command_write_group_rate, 5)) or
+           command = std_ulogic_vector(to_unsigned(command_enable_publishing, 5)) or
+           command = std_ulogic_vector(to_unsigned(command_enable_checked_publishing, 5)) or
+           command = std_ulogic_vector(to_unsigned(command_disable_publishing, 5)) or
+           command = std_ulogic_vector(to_unsigned(command_write_event_mask, 5));
+  end function;
+
+begin
+
+  datalink_layer : entity work.datalink
+    generic map (datalink => datalink, message_entries => entries, checksum => checksum, polynomial => polynomial)
+    port map (
+      clock => clock, reset => reset,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      receive => receive, room => room, message_end => message_end,
+      word_valid => word_valid, word_ready => word_ready, word_data => word_data,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+
+  requests : if datalink = "full" generate
+    request_buffer : entity work.request_buffer
+      generic map (
+        message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
+        has_checksum => checksum /= "none", configuration_command => configuration_command)
+      port map (
+        clock => clock, reset => reset, receive => receive, room => room,
+        request => request_came, take => request_take, rewind => request_rewind, request_done => request_done);
+    message_end <= '0';
+  else generate
+    request_stream : entity work.request_stream
+      generic map (
+        address_bytes => bytes_for(address_width), data_bytes => bytes_for(data_width), rate_bytes => rate_bytes,
+        mask_bytes => mask_bytes, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
+        configuration_command => configuration_command)
+      port map (
+        clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
+        request => request_came, take => request_take, request_done => request_done);
+  end generate;
+
+  guard : process (all)
+  begin
+    request       <= request_came;
+    request.valid <= request_came.valid and may_begin;
+    if locked = '1' and changes(request_came.command) then
+      request.command <= std_ulogic_vector(to_unsigned(command_unknown, 5));
+    end if;
+
+    groups_response         <= subscription_response;
+    groups_response.publish <= subscription_response.publish and may_begin and not locked;
+
+    bii_request       <= bus_request;
+    bii_request.valid <= bus_request.valid and not refused;
+    bus_response      <= bii_response;
+    if refused = '1' then
+      bus_response.done   <= '1';
+      bus_response.status <= error;
+    end if;
+  end process;
+
+  refused <= locked and bus_request.valid and bus_request.write;
+
+  application : entity work.application
+    generic map (
+      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
+      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode,
+      whole_requests => datalink = "full")
+    port map (
+      clock => clock, reset => reset,
+      request => request, take => request_take, rewind => request_rewind, request_done => request_done,
+      busy => busy, subscription_request => subscription_request, subscription_response => groups_response,
+      bii_request => bus_request, bii_response => bus_response,
+      word_valid => said_valid, word_ready => said_ready, word_data => said_data);
+
+  between : if datalink = "full" generate
+    word_fifo : entity work.fifo
+      generic map (width => word_t'length, depth => words)
+      port map (
+        clock => clock, reset => reset,
+        write_valid => said_valid, write_ready => said_ready, write_data => said_data,
+        read_valid => word_valid, read_ready => word_ready, read_data => word_data);
+  else generate
+    word_valid <= said_valid;
+    said_ready <= word_ready;
+    word_data  <= said_data;
+  end generate;
+
+end architecture;

@@ -1,0 +1,446 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Executes the requests of the framed protocol, each of them once, answers them, and publishes groups between them. A small
+-- processor, an instruction a clock, whose program (frame_program_pkg) lies in block RAM, as do its words, the ids that were
+-- executed (`places`) and the replies to them (`cache`).
+--
+-- Ports     request, take, rewind, request_done: see frame_receiver. reply, reply_ready, reply_idle: see frame_transmitter.
+--           bii: see bii_pkg. subscription: see subscription_pkg. epoch: FFFF while no session is open. may_begin: low while
+--           another application has the bus; busy: this one has it. overrun: one-clock pulses, each counted.
+-- Latency   From a request to the kind of its reply, with a 2-clock bus and 2 address bytes: 8 clocks for a read; a read
+--           every 17 clocks, a post every 12.
+-- Errors    The status of docs/protocol.md. A refused request changes nothing but counters.
+-- Arbitration  Ticks, then publishes, then requests; between messages only.
+-- Pressure  reply_ready stalls the program wherever it wants to say something; nothing is lost.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.bii_pkg.all;
+use work.frame_assembler_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+use work.frame_program_pkg.all;
+use work.protocol_pkg.all;
+use work.subscription_pkg.all;
+use work.width_pkg.all;
+
+entity frame_application is
+  generic (
+    settings    : frame_settings_t;  -- see framed
+    safe_values : safe_values_t := no_safe_values
+  );
+  port (
+    clock                 : in  std_ulogic;
+    reset                 : in  std_ulogic;
+    request               : in  frame_request_t;
+    take                  : out std_ulogic;
+    rewind                : out std_ulogic;
+    request_done          : out std_ulogic;
+    reply                 : out frame_reply_t;
+    reply_ready           : in  std_ulogic;
+    reply_idle            : in  std_ulogic;
+    epoch                 : out crc16_t;
+    may_begin             : in  std_ulogic := '1';
+    wants                 : out std_ulogic;
+    busy                  : out std_ulogic;
+    receive_overrun       : in  std_ulogic := '0';
+    publish_overrun       : in  std_ulogic := '0';
+    subscription_request  : out subscription_request_t;
+    subscription_response : in  subscription_response_t := subscription_response_idle;
+    bii_request           : out bii_request_t;
+    bii_response          : in  bii_response_t
+  );
+end entity;
+
+architecture rtl of frame_application is
+
+  constant exchanges  : natural  := settings.exchanges;
+  constant groups     : natural  := settings.groups;
+  constant lists      : boolean  := settings.lists;
+  constant deadman    : boolean  := settings.deadman;
+
+  constant program       : frame_program_t := frame_program_for(settings);
+  constant content       : word_memory_t   := memory_content(settings, safe_values);
+  constant address_bits  : positive        := 8 * settings.address_bytes;
+  constant data_bytes    : positive        := settings.data_bytes;
+
+  subtype pointer_t is unsigned(bits_for(content'length) - 1 downto 0);
+
+  signal instruction  : frame_instruction_t;
+  signal number_now   : byte_t;
+  signal first, last  : std_ulogic;
+  signal holds, jump  : std_ulogic;
+  signal act_now      : std_ulogic;  -- the instruction is done in this clock
+  signal does         : std_ulogic;  -- unless it awaited an access that failed
+  signal finishes     : std_ulogic;  -- and for the last time
+  signal pending, begins : std_ulogic;
+  signal entry        : entry_t;
+
+  signal data         : word32_t := (others => '0');
+  signal address      : unsigned(address_bits - 1 downto 0) := (others => '0');
+  signal id           : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal posts        : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal epoch_now    : crc16_t := (others => '1');
+  signal count        : unsigned(7 downto 0) := (others => '0');
+  signal group_number : unsigned(7 downto 0) := (others => '0');
+  signal size         : unsigned(2 downto 0) := (others => '0');
+  signal flags        : byte_t := (others => '0');
+  signal marks        : byte_t := (others => '0');
+  signal shape        : byte_t := (others => '0');
+  signal pointer      : pointer_t := (others => '0');
+
+  signal word_index : pointer_t;
+  signal word       : word32_t;
+  signal word_full  : std_ulogic;
+  signal store      : std_ulogic_vector(1 downto 0);
+
+  signal new_id, repeated, unordered, not_kept : std_ulogic;
+  signal kept_status, status_now : std_ulogic_vector(3 downto 0);
+  signal kept_count              : unsigned(4 downto 0);
+  signal remember, forget, starts, keep, recall : std_ulogic;
+  signal recalled                : byte_t;
+
+  signal time_now : unsigned(31 downto 0);
+  signal half, look, turned, ticking, tick_seen : std_ulogic;
+  signal heard, publish : std_ulogic;
+
+  signal said     : byte_t;
+  signal says     : std_ulogic;
+  signal turns_up : std_ulogic;                    -- `data` moves up a byte
+  signal distance : unsigned(15 downto 0);         -- of the number in `data` from the count of posts
+  signal reads, writes, holds_bus, found, access_done, failed, silent_bus : std_ulogic;
+
+  function to_bit(value : boolean) return std_ulogic is
+  begin
+    if value then
+      return '1';
+    end if;
+    return '0';
+  end function;
+
+begin
+
+  assert settings.exchange_size * data_bytes <= 255
+    report "frame_application: exchange_size words must be fewer than 256 bytes" severity failure;
+  assert content'length <= 512
+    report "frame_application: groups, exchange groups and safe values need more than 512 words" severity failure;
+
+  sequencer : entity work.frame_sequencer
+    generic map (program => program, sizes => exchanges > 0)
+    port map (
+      clock => clock, reset => reset, act => act_now, holds => holds, begins => begins, entry => entry,
+      operation => request.entry(3 downto 0), size => size, instruction => instruction, jump => jump, first => first,
+      last => last);
+
+  memory : entity work.frame_memory
+    generic map (content => content)
+    port map (clock => clock, index => word_index, store => store, data => data, word => word, full => word_full);
+
+  cache : entity work.reply_cache
+    generic map (window => settings.window)
+    port map (
+      clock => clock, id => id, before => instruction(do_before), new_id => new_id, repeated => repeated,
+      order => unordered, status => kept_status, kept => kept_count, too_long => not_kept, remember => remember,
+      status_in => status_now, forget => forget, forget_index => pointer(6 downto 0), start => starts, keep => keep,
+      data_in => said, recall => recall, data_out => recalled);
+
+  timer : entity work.frame_clock
+    generic map (clock_hz => settings.clock_hz, base_hz => settings.base_hz)
+    port map (
+      clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned,
+      running => flags(1), ticking => ticking, seen => tick_seen);
+
+  dispatcher : entity work.frame_dispatcher
+    generic map (publishing => groups > 0, deadman => deadman)
+    port map (
+      clock => clock, reset => reset, turned => turned, ticking => ticking, publish => publish,
+      receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => request.valid,
+      frame_entry => request.entry, begins => begins, pending => pending, entry => entry, heard => heard);
+
+  bus_access : entity work.frame_bus
+    generic map (address_width => settings.address_width, data_width => settings.data_width)
+    port map (
+      clock => clock, reset => reset, read => reads, write => writes, hold => holds_bus, free => instruction(do_begin),
+      address => std_ulogic_vector(address(settings.address_width - 1 downto 0)), data => data, found => found,
+      done => access_done, failed => failed, silent_bus => silent_bus, bii_request => bii_request, bii_response => bii_response);
+
+  -- What to do next.
+
+  number_now <= instruction(number_f);
+  distance   <= unsigned(data(15 downto 0)) - unsigned(posts);
+
+  judge : process (all)
+  begin
+    case to_integer(unsigned(instruction(condition_f))) is
+      when if_missing      => holds <= request.missing;
+      when if_left_not     => holds <= to_bit(request.left /= unsigned(number_now));
+      when if_left_other   => holds <= to_bit(request.left /= unsigned(data(7 downto 0))) and to_bit(exchanges > 0);
+      when if_not_plain    => holds <= to_bit(request.left /= unsigned(number_now)) or request.chained or request.barrier;
+      when if_chained      => holds <= request.chained;
+      when if_barrier      => holds <= request.barrier;
+      when if_some_left    => holds <= or count;
+      when if_not_new      => holds <= not new_id;
+      when if_duplicate    => holds <= repeated;
+      when if_not_kept     => holds <= not_kept;
+      when if_order        => holds <= unordered;
+      when if_other_number => holds <= or distance;
+      when if_old_number   => holds <= distance(15);
+      when if_flag         => holds <= or (flags and number_now);
+      when if_mark         => holds <= or (marks and number_now);
+      when if_shape        => holds <= or (shape and number_now) and to_bit(lists);
+      when if_low          => holds <= to_bit(data(7 downto 0) = number_now);
+      when if_low_not      => holds <= to_bit(data(7 downto 0) /= number_now);
+      when if_above        => holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
+      when if_word_not     => holds <= to_bit(data /= word);
+      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));
+      when if_top          => holds <= data(31) and to_bit(exchanges > 0);
+      when if_full         => holds <= word_full and to_bit(deadman);
+      when if_no_register  =>
+        holds <= not to_bit(pointer <= control_spec_hash_low_c or
+                            (pointer >= control_frames_c and pointer <= control_deadman_trips_c) or
+                            (pointer >= control_time_low_c and pointer <= control_publish_c));
+      when if_pointer      => holds <= to_bit(resize(pointer, 8) = unsigned(number_now));
+      when if_failed       => holds <= failed;
+      when if_silent       => holds <= silent_bus;
+      when if_busy         => holds <= not reply_idle;
+      when if_rate_pending => holds <= not subscription_response.done;
+      when if_half_turn    => holds <= half;
+      when always          => holds <= '1';
+      when others          => holds <= '0';
+    end case;
+  end process;
+
+  says     <= instruction(say_f'left) or or instruction(say_f'left - 1 downto say_f'right);
+  act_now  <= (reply_ready or not says) and (access_done or not instruction(do_await));
+  does     <= act_now and not (instruction(do_await) and failed);
+  finishes <= does and last;
+  begins   <= instruction(do_begin) and pending and may_begin;
+  wants    <= instruction(do_begin) and pending;
+  busy     <= not instruction(do_begin);
+
+  -- What is said.
+
+  -- A status: of the reply that was kept, of `data`, or of the instruction.
+  state_status : process (all)
+  begin
+    status_now <= number_now(3 downto 0);
+    if number_now(5) = '1' then
+      status_now <= data(3 downto 0);
+    end if;
+  end process;
+
+  speak : process (all)
+    variable what : std_ulogic_vector(2 downto 0);
+  begin
+    case instruction(source_f) is
+      when from_top   => said <= data(31 downto 24);
+      when from_word  => said <= data(8 * data_bytes - 1 downto 8 * data_bytes - 8);
+      when from_half  => said <= data(15 downto 8);
+      when from_id    => said <= id(15 downto 8);
+      when from_posts => said <= posts(15 downto 8);
+      when from_cache => said <= recalled;
+      when from_other =>
+        said <= byte_t(group_number);
+        if instruction(say_f) = say_kind or groups = 0 then
+          said <= "1100" & kept_status;
+          if number_now(5) = '1' then
+            said <= "1100" & data(3 downto 0);
+          end if;
+        end if;
+      when others     => said <= number_now;
+    end case;
+    what          := instruction(say_f);
+    reply.put     <= does and to_bit(what = say_byte or what = say_kept);
+    reply.kind    <= does and to_bit(what = say_kind or what = say_last);
+    reply.finish  <= does and to_bit(what = say_end or what = say_last);
+    reply.restart <= does and to_bit(what = say_again);
+    reply.data    <= said;
+  end process;
+
+  -- What is asked of the others.
+
+  take         <= does and or instruction(take_f);
+  rewind       <= (finishes and instruction(do_rewind)) or begins;
+  request_done <= finishes and instruction(do_done);
+
+  word_index <= pointer when instruction(do_pointer) = '1' else resize(unsigned(number_now), pointer'length);
+  store      <= instruction(store_f) when finishes = '1' else store_nothing;
+
+  remember <= finishes and instruction(do_place);
+  forget   <= finishes and to_bit(instruction(special_f) = forget_place);
+  starts   <= instruction(do_begin) or (does and to_bit(instruction(say_f) = say_again));
+  keep     <= does and to_bit(instruction(say_f) = say_kept);
+  recall   <= does and to_bit(instruction(source_f) = from_cache);
+  look     <= finishes and to_bit(instruction(special_f) = half_turn);
+  tick_seen <= begins and to_bit(unsigned(entry) = entry_tick);
+  publish   <= subscription_response.publish and flags(2);
+
+  reads     <= finishes and not jump and instruction(do_read);
+  writes    <= finishes and not jump and instruction(do_write);
+  holds_bus <= finishes and to_bit(instruction(special_f) = hold_bus);
+
+  -- The registers.
+
+  turns_up <= to_bit(instruction(data_f) = data_turn or instruction(source_f) = from_top or
+                     instruction(source_f) = from_word or instruction(source_f) = from_half);
+
+  shift_data : process (clock)
+  begin
+    if rising_edge(clock) then
+      if found = '1' then
+        data <= bii_response.data;
+      elsif does = '1' then
+        if turns_up = '1' then
+          data <= data(23 downto 0) & data(31 downto 24);
+        elsif instruction(take_f) = take_first and first = '1' then
+          data <= x"000000" & request.data;
+        elsif instruction(take_f) = take_data or instruction(take_f) = take_first then
+          data <= data(23 downto 0) & request.data;
+        elsif last = '1' then
+          case instruction(data_f) is
+            when data_word  => data <= word;
+            when data_clock => data <= std_ulogic_vector(time_now);
+            when data_flags => data <= (31 downto 3 => '0') & flags(2 downto 0);
+            when data_group =>
+              if groups > 0 then
+                data <= subscription_response.word;
+              end if;
+            when data_add =>
+              if lists or exchanges > 0 then
+                data <= std_ulogic_vector(unsigned(data) + unsigned(word));
+              end if;
+            when data_and =>
+              if lists then
+                data <= data and word;
+              end if;
+            when data_and_not =>
+              if lists or deadman then
+                data <= data and not word;
+              end if;
+            when others => null;
+          end case;
+        end if;
+      end if;
+    end if;
+  end process;
+
+  shift_others : process (clock)
+  begin
+    if rising_edge(clock) then
+      if does = '1' then
+        if instruction(take_f) = take_id then
+          id <= id(7 downto 0) & request.data;
+        elsif instruction(source_f) = from_id then
+          id <= id(7 downto 0) & id(15 downto 8);
+        end if;
+        if instruction(take_f) = take_address then
+          address <= address(address_bits - 9 downto 0) & unsigned(request.data);
+        end if;
+        if instruction(source_f) = from_posts then
+          posts <= posts(7 downto 0) & posts(15 downto 8);
+        end if;
+      end if;
+      if finishes = '1' then
+        if instruction(do_load_address) = '1' and (exchanges > 0 or deadman) then
+          address <= unsigned(word(address'range));
+        elsif instruction(do_find_address) = '1' and groups > 0 then
+          address <= unsigned(subscription_response.word(address'range));
+        elsif instruction(special_f) = address_up and lists then
+          address <= address + 1;
+        end if;
+        if instruction(special_f) = no_posts then
+          posts <= (others => '0');
+        elsif instruction(special_f) = one_post then
+          posts <= std_ulogic_vector(unsigned(posts) + 1);
+        end if;
+      end if;
+    end if;
+  end process;
+
+  registers : process (clock)
+    variable special : std_ulogic_vector(4 downto 0);
+    variable base    : pointer_t;
+  begin
+    if rising_edge(clock) then
+      special := instruction(special_f);
+      base    := unsigned(instruction(target_f'right + pointer_t'length - 1 downto target_f'right));
+
+      if instruction(do_begin) = '1' then
+        count <= (others => '0');
+        marks <= (7 => heard and to_bit(deadman), others => '0');
+        if groups > 0 then
+          group_number <= subscription_response.publish_group;
+        end if;
+      elsif finishes = '1' then
+        if instruction(do_count) = '1' then
+          count <= count - 1;
+        end if;
+        case special is
+          when set_flags    => flags        <= flags or number_now;
+          when clear_flags  => flags        <= flags and not number_now;
+          when set_marks    => marks        <= marks or number_now;
+          when load_shape   => shape        <= shape_of(data(7 downto 0));
+          when load_count   => count        <= unsigned(data(7 downto 0));
+          when load_kept    => count        <= resize(kept_count, 8);
+          when load_number  => count        <= unsigned(number_now);
+          when load_group   => group_number <= unsigned(data(7 downto 0));
+          when load_size    => size         <= unsigned(data(2 downto 0));
+          when load_epoch   => epoch_now    <= data(15 downto 0);
+          when load_running => flags(1)     <= or data and to_bit(deadman);
+          when others       => null;
+        end case;
+        if instruction(manage_f) = manage_publish and groups > 0 then
+          flags(2) <= data(0);
+        end if;
+
+        if instruction(do_point) = '1' then
+          pointer <= base;
+          if instruction(do_point_group) = '1' and groups > 0 then
+            pointer <= base or resize(group_number, pointer'length);
+          elsif instruction(do_point_other) = '1' and exchanges > 0 then
+            pointer <= base or shift_left(resize(group_number, pointer'length), bits_for(exchange_stride(settings)));
+          end if;
+        elsif instruction(do_point_data) = '1' then
+          pointer <= resize(unsigned(data(7 downto 0)), pointer'length);
+        elsif instruction(do_point_up) = '1' then
+          pointer <= pointer + 1;
+        end if;
+      end if;
+
+      if reset = '1' then
+        epoch_now <= (others => '1');
+        flags     <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+  epoch <= epoch_now;
+
+  manage_groups : process (all)
+  begin
+    subscription_request              <= subscription_request_idle;
+    subscription_request.group_number <= group_number;
+    subscription_request.place        <= '0' & count;
+    subscription_request.word         <= data;
+    subscription_request.rate         <= data;
+    if finishes = '1' then
+      case instruction(manage_f) is
+        when manage_word    => subscription_request.write_word   <= '1';
+        when manage_fill    => subscription_request.fill         <= '1';
+        when manage_empty   => subscription_request.empty        <= '1';
+        when manage_rate    => subscription_request.write_rate   <= '1';
+        when manage_event   => subscription_request.write_event  <= '1';
+        when manage_publish =>
+          subscription_request.enable  <= data(0);
+          subscription_request.disable <= not data(0);
+        when manage_clear   => subscription_request.clear        <= '1';
+        when manage_take    => subscription_request.publish_take <= '1';
+        when others         => null;
+      end case;
+    end if;
+  end process;
+
+end architecture;

@@ -1,0 +1,196 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Writes the framed application's program down: instructions one behind the other, and where they lead.
+--
+-- Position 0 is where it starts. At 32 + entry stands what is done with that entry of frame_pkg; at 64 and 80 plus the
+-- operation of a kind, how its form is checked and how it is executed. The rest is wherever there is room. The program is
+-- written three times: the first time shows what the tables take, the second where the labels are.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_instruction_pkg.all;
+use work.protocol_pkg.all;
+
+package frame_assembler_pkg is
+
+  constant first_of_entries : natural := 32;
+  constant first_of_forms   : natural := 64;
+  constant first_of_checks  : natural := 80;
+
+  type frame_program_t is array (natural range <>) of frame_instruction_t;
+
+  type label_t is (
+    -- what all share
+    next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
+    finish_plain, write_ok,
+    invalid, bad_address, denied, too_long, order,
+    behind, no_group, failed, count_failure, count_silence, drop_kind, drop_stale, drop_done, clear_next,
+    -- sessions
+    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins, forget_next,
+    -- requests
+    general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch, skip_barrier,
+    check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read, exec_write,
+    -- control registers, time, dead-man
+    registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
+    registers_kept, registers_say, turn_down, tick_heard, tick_count, tick_trip, trip, trip_next, write_arm,
+    write_publish, write_ticks,
+    -- posts
+    post_other, post_old, post_denied, post_failed, post_note, post_noted, post_formed, post_end,
+    -- lists
+    list_start, list_op, list_fifo, list_count, list_reads, list_many, list_back, list_total, list_counted, list_once,
+    list_word, list_value, list_mask, list_data, list_access, list_next, list_again, list_more, list_checked, list_plain,
+    list_free, list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_read, run_masked, run_add,
+    run_skip, run_again, run_await, run_next, run_up, list_executed, list_failed,
+    -- exchange groups
+    define_output, define_outputs, define_input, define_inputs, define_barrier, define_go, define_entry, define_entries,
+    exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
+    exchange_inputs, exchange_entry,
+    -- publish groups
+    group_word, group_words, group_go, group_rate, group_store, group_end, publish_word, publish_failed);
+
+  type labels_t is array (label_t) of natural;
+
+  type positions_t is array (natural range <>) of boolean;
+
+  type assembler_t is record
+    code   : frame_program_t(0 to 511);
+    taken  : positions_t(0 to 511);  -- by the tables
+    labels : labels_t;
+    free   : natural;  -- the first position not used yet
+    here   : natural;  -- where the next instruction goes
+    last   : natural;  -- where the last one went
+  end record;
+
+  constant assembler_empty : assembler_t := (
+    code => (others => nothing_done), taken => (others => false), labels => (others => 0), free => 0, here => 0, last => 0);
+
+  -- Everything from the start again; labels, and what the tables take, are kept.
+  procedure next_pass(p : inout assembler_t);
+
+  procedure put(p : inout assembler_t; i : frame_instruction_t; condition : natural := never; target : label_t := next_work);
+
+  -- The next instruction goes there.
+  procedure at(p : inout assembler_t; label_name : label_t);
+  procedure at_entry(p : inout assembler_t; entry : natural);
+  procedure at_form(p : inout assembler_t; kind : natural);
+  procedure at_check(p : inout assembler_t; kind : natural);
+
+  -- The last instruction leads there.
+  procedure go_to(p : inout assembler_t; label_name : label_t);
+
+  -- `pointer` becomes a place of the memory.
+  procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
+
+  -- A counter of the control registers, one more.
+  procedure bump(p : inout assembler_t; counter : natural; i : frame_instruction_t := nothing_done);
+
+  -- `data` becomes a word of the memory.
+  procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
+
+  -- So many bytes taken to `data`, whose others become zero.
+  procedure take_bytes(p : inout assembler_t; bytes : positive; condition : natural := never; target : label_t := next_work);
+
+  -- A routine there, then the next instruction.
+  procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done);
+
+  -- Id and count of posts, with which every reply begins.
+  procedure say_head(p : inout assembler_t);
+
+end package;
+
+package body frame_assembler_pkg is
+
+  procedure next_pass(p : inout assembler_t) is
+  begin
+    p.free := 0;
+    p.here := 0;
+  end procedure;
+
+  procedure put(p : inout assembler_t; i : frame_instruction_t; condition : natural := never; target : label_t := next_work) is
+  begin
+    if p.here = p.free then
+      loop
+        p.free := p.free + 1;
+        assert p.free < 512
+          report "frame_assembler_pkg: the program has more than 511 instructions" severity failure;
+        exit when not p.taken(p.free);
+      end loop;
+    end if;
+    p.code(p.here) := i;
+    p.code(p.here)(condition_f) := std_ulogic_vector(to_unsigned(condition, 5));
+    if condition = if_missing then
+      p.code(p.here)(if_any_time) := '1';
+    end if;
+    if condition /= never then
+      p.code(p.here)(target_f) := std_ulogic_vector(to_unsigned(p.labels(target), 9));
+    end if;
+    p.code(p.here)(following_f) := std_ulogic_vector(to_unsigned(p.free, 9));
+    p.last := p.here;
+    p.here := p.free;
+  end procedure;
+
+  procedure at(p : inout assembler_t; label_name : label_t) is
+  begin
+    p.here               := p.free;
+    p.labels(label_name) := p.here;
+  end procedure;
+
+  procedure at_entry(p : inout assembler_t; entry : natural) is
+  begin
+    p.here := first_of_entries + entry;
+    p.taken(p.here) := true;
+  end procedure;
+
+  procedure at_form(p : inout assembler_t; kind : natural) is
+  begin
+    p.here := first_of_forms + kind mod 16;
+    p.taken(p.here) := true;
+  end procedure;
+
+  procedure at_check(p : inout assembler_t; kind : natural) is
+  begin
+    p.here := first_of_checks + kind mod 16;
+    p.taken(p.here) := true;
+  end procedure;
+
+  procedure go_to(p : inout assembler_t; label_name : label_t) is
+  begin
+    p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(p.labels(label_name), 9));
+  end procedure;
+
+  procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
+  begin
+    put(p, i or act(do_point));
+    p.code(p.last)(target_f) := std_ulogic_vector(to_unsigned(place, 9));
+  end procedure;
+
+  procedure bump(p : inout assembler_t; counter : natural; i : frame_instruction_t := nothing_done) is
+  begin
+    put(p, store(store_count, counter) or times(2) or i);
+  end procedure;
+
+  procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
+  begin
+    put(p, data(data_word) or number(place) or times(2) or i);
+  end procedure;
+
+  procedure take_bytes(p : inout assembler_t; bytes : positive; condition : natural := never; target : label_t := next_work)
+    is
+  begin
+    put(p, take(take_first) or times(bytes), condition, target);
+  end procedure;
+
+  procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done) is
+  begin
+    put(p, i or act(do_call), always, label_name);
+  end procedure;
+
+  procedure say_head(p : inout assembler_t) is
+  begin
+    put(p, say(say_byte, from_id) or times(2));
+    put(p, say(say_byte, from_posts) or times(2));
+  end procedure;
+
+end package body;

@@ -1,0 +1,92 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Says what the framed application does next: what happened besides, a tick, a publish, or the next frame.
+--
+-- Ports     entry: of frame_pkg, while `pending`. begins: it is taken. receive_overrun, publish_overrun: one-clock pulses, each
+--           kept until it is taken. heard: a request or post of the session was taken since the last tick was.
+-- Latency   None.
+-- Errors    None. A pulse that comes while another one waits joins it.
+-- Arbitration  In this order: half_turn, overruns, ticks, publishes, frames.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_pkg.all;
+
+entity frame_dispatcher is
+  generic (
+    publishing : boolean := true;  -- there are publishes
+    deadman    : boolean := true   -- there are ticks
+  );
+  port (
+    clock           : in  std_ulogic;
+    reset           : in  std_ulogic;
+    turned          : in  std_ulogic;
+    ticking         : in  std_ulogic;
+    publish         : in  std_ulogic;
+    receive_overrun : in  std_ulogic;
+    publish_overrun : in  std_ulogic;
+    frame_valid     : in  std_ulogic;
+    frame_entry     : in  entry_t;
+    begins          : in  std_ulogic;
+    pending         : out std_ulogic;
+    entry           : out entry_t;
+    heard           : out std_ulogic
+  );
+end entity;
+
+architecture rtl of frame_dispatcher is
+
+  signal receive_overran, publish_overran, was_heard : std_ulogic := '0';
+  signal choice : entry_t;
+
+begin
+
+  entry <= choice;
+  heard <= was_heard;
+
+  choose : process (all)
+  begin
+    pending <= '1';
+    choice  <= frame_entry;
+    if turned = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_half_turn, 5));
+    elsif receive_overran = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5));
+    elsif publishing and publish_overran = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_publish_overrun, 5));
+    elsif deadman and ticking = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_tick, 5));
+    elsif publishing and publish = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_publish, 5));
+    else
+      pending <= frame_valid;
+    end if;
+  end process;
+
+  note : process (clock)
+  begin
+    if rising_edge(clock) then
+      receive_overran <= receive_overran or receive_overrun;
+      publish_overran <= publish_overran or publish_overrun;
+      if begins = '1' then
+        if unsigned(choice) = entry_receive_overrun then
+          receive_overran <= receive_overrun;
+        elsif unsigned(choice) = entry_publish_overrun then
+          publish_overran <= publish_overrun;
+        elsif unsigned(choice) = entry_tick then
+          was_heard <= '0';
+        elsif choice(choice'left) = '0' then
+          was_heard <= '1';
+        end if;
+      end if;
+      if reset = '1' then
+        receive_overran <= '0';
+        publish_overran <= '0';
+        was_heard       <= '0';
+      end if;
+    end if;
+  end process;
+
+end architecture;

@@ -1,0 +1,251 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The part of the framed application's program about groups: DEFINE_EXCHANGE and EXCHANGE; DEFINE_GROUP and publishes.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_assembler_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+package frame_group_pkg is
+
+  procedure exchanges(p : inout assembler_t; s : frame_settings_t);
+  procedure publishes(p : inout assembler_t; s : frame_settings_t);
+
+end package;
+
+package body frame_group_pkg is
+
+  procedure define_exchange(p : inout assembler_t; s : frame_settings_t) is
+
+    procedure check_members(entry, next_entry : label_t) is
+    begin
+      put(p, also(load_count));
+      at(p, next_entry);
+      put(p, nothing_done, if_some_left, entry);
+    end procedure;
+
+    -- Address and bytes, whose sum goes to a word.
+    procedure check_member(entry, next_entry : label_t; sum : natural) is
+    begin
+      at(p, entry);
+      put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
+      put(p, take(take_first), if_missing, invalid);
+      put(p, number(0), if_low, invalid);
+      put(p, number(s.data_bytes), if_above, invalid);
+      put(p, data(data_add) or number(sum) or times(2));
+      put(p, store(store_data, sum) or act(do_count));
+      go_to(p, next_entry);
+    end procedure;
+  begin
+    at_form(p, request_kind_define_exchange_c);
+    put(p, take(take_skip), if_missing, invalid);
+    load(p, word_defined);
+    put(p, store(store_data, word_out_size));
+    load(p, word_zero);
+    put(p, store(store_data, word_in_size));
+    take_bytes(p, 2, if_missing, invalid);
+    put(p, store(store_data, word_counts));
+    put(p, data(data_turn) or times(3));
+    check_members(define_output, define_outputs);
+    load(p, word_counts);
+    check_members(define_input, define_inputs);
+    go_to(p, form_end);
+    check_member(define_output, define_outputs, word_out_size);
+    check_member(define_input, define_inputs, word_in_size);
+
+    at_check(p, request_kind_define_exchange_c);
+    put(p, take(take_first));
+    put(p, number(s.exchanges - 1), if_above, no_group);
+    put(p, also(load_group));
+    put(p, take(take_first));
+    put(p, store(store_data, word_operand));
+    put(p, take(take_first));
+    put(p, data(data_add) or number(word_operand) or times(2));
+    put(p, also(load_count, s.exchange_size), if_above, no_group);  -- members of both sorts
+    load(p, word_in_size);
+    put(p, number(s.reply_max - 4), if_above, too_long);
+    load(p, word_counts);
+    point(p, exchange_base(s), act(do_point_other));
+    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
+    load(p, word_out_size);
+    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
+    at(p, define_entries);
+    put(p, nothing_done, if_some_left, define_entry);
+    go_to(p, write_ok);
+    at(p, define_entry);
+    take_bytes(p, s.address_bytes);
+    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
+    put(p, take(take_first));
+    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up) or act(do_count));
+    go_to(p, define_entries);
+  end procedure;
+
+  procedure exchange(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_form(p, request_kind_exchange_c);
+    put(p, take(take_skip), if_missing, invalid);
+    go_to(p, places);
+
+    at_check(p, request_kind_exchange_c);
+    put(p, take(take_first));
+    put(p, number(s.exchanges - 1), if_above, no_group);
+    put(p, also(load_group));
+    point(p, exchange_base(s), act(do_point_other));
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, store(store_data, word_counts));
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, nothing_done, if_top, exchange_defined);
+    go_to(p, no_group);
+    at(p, exchange_defined);
+    put(p, nothing_done, if_left_other, invalid);
+    put(p, number(mark_repeated), if_mark, exchange_go);
+    if s.deadman then
+      put(p, number(flag_tripped), if_flag, exchange_tripped);
+    end if;
+    at(p, exchange_free);
+    bump(p, control_frames_c);
+    at(p, exchange_go);
+    call(p, head);
+    put(p, also(hold_bus));
+    load(p, word_counts);
+    put(p, data(data_turn) or times(3));
+    put(p, also(load_count));
+    at(p, exchange_outputs);
+    put(p, nothing_done, if_some_left, exchange_out);
+    load(p, word_counts);
+    put(p, also(load_count));
+    at(p, exchange_inputs);
+    put(p, nothing_done, if_some_left, exchange_in);
+    go_to(p, finish_ok);
+
+    at(p, exchange_out);
+    call(p, exchange_entry);
+    put(p, take(take_first) or for_size(times_size));
+    put(p, number(mark_repeated), if_mark, exchange_outputs);
+    put(p, act(do_write));
+    put(p, act(do_await), if_failed, failed);
+    go_to(p, exchange_outputs);
+
+    at(p, exchange_in);
+    call(p, exchange_entry);
+    put(p, act(do_read));
+    put(p, act(do_await), if_failed, failed);
+    put(p, data(data_turn) or for_size(times_rest));
+    put(p, say(say_kept, from_top) or for_size(times_size));
+    go_to(p, exchange_inputs);
+
+    at(p, exchange_entry);
+    put(p, act(do_load_address) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, also(load_size) or act(do_count) or act(do_return));
+
+    if s.deadman then
+      at(p, exchange_tripped);
+      put(p, number(0), if_low, exchange_free);  -- no outputs
+      go_to(p, denied);
+    end if;
+  end procedure;
+
+  procedure exchanges(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    define_exchange(p, s);
+    exchange(p, s);
+  end procedure;
+
+  procedure define_group(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_form(p, request_kind_define_group_c);
+    put(p, take(take_skip), if_missing, invalid);
+    put(p, take(take_skip) or times(4), if_missing, invalid);
+    put(p, take(take_first), if_missing, invalid);
+    put(p, number(frame_event_flag_c), if_above, invalid);
+    put(p, take(take_first), if_missing, invalid);
+    put(p, also(load_count));
+    at(p, group_words);
+    put(p, nothing_done, if_some_left, group_word);
+    go_to(p, form_end);
+    at(p, group_word);
+    put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
+    put(p, act(do_count));
+    go_to(p, group_words);
+
+    at_check(p, request_kind_define_group_c);
+    put(p, take(take_first));
+    put(p, number(mark_executing), if_mark, group_go);
+    put(p, number(s.groups - 1), if_above, no_group);
+    put(p, also(load_group));
+    for index in 1 to 4 - s.rate_bytes loop
+      put(p, take(take_first));
+      put(p, number(0), if_low_not, invalid);  -- a divisor beyond what the generic holds
+    end loop;
+    put(p, take(take_skip) or times(s.rate_bytes));
+    put(p, take(take_skip));
+    put(p, take(take_first));
+    put(p, number(s.group_size), if_above, no_group);
+    put(p, number((s.reply_max - 7) / s.data_bytes), if_above, too_long);
+    put(p, also(set_marks, mark_executing));
+    go_to(p, skip_check);
+    at(p, group_go);
+    take_bytes(p, 4);
+    put(p, manage(manage_empty));
+    at(p, group_rate);
+    put(p, manage(manage_rate), if_rate_pending, group_rate);
+    put(p, take(take_first));
+    put(p, manage(manage_event));
+    put(p, take(take_first));
+    put(p, manage(manage_word));  -- at place 0
+    put(p, also(load_count));
+    put(p, nothing_done, if_some_left, group_store);
+    go_to(p, group_end);
+    at(p, group_store);
+    take_bytes(p, s.address_bytes);
+    put(p, manage(manage_word) or act(do_count));
+    put(p, nothing_done, if_some_left, group_store);
+    put(p, manage(manage_fill));
+    at(p, group_end);
+    load(p, word_zero);
+    point(p, sequence_base(s), act(do_point_group));
+    put(p, act(do_pointer) or store(store_data, 0));
+    go_to(p, write_ok);
+  end procedure;
+
+  procedure publish(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_entry(p, entry_publish);
+    put(p, manage(manage_take) or also(hold_bus));
+    put(p, data(data_group));  -- its number of addresses, since `count` is 0
+    put(p, also(load_count));
+    put(p, data(data_clock));
+    point(p, sequence_base(s), act(do_point_group) or store(store_data, word_operand));
+    put(p, say(say_byte, from_other));
+    put(p, data(data_word) or act(do_pointer) or times(2));
+    put(p, say(say_byte, from_half) or times(2));
+    load(p, word_operand);
+    put(p, say(say_byte, from_top) or times(4));
+    at(p, publish_word);
+    put(p, act(do_find_address) or act(do_read) or act(do_count));
+    put(p, act(do_await), if_failed, publish_failed);
+    put(p, say(say_byte, from_word) or times(s.data_bytes), if_some_left, publish_word);
+    put(p, act(do_pointer) or store(store_next, 0) or times(2));
+    bump(p, control_publishes_c);
+    put(p, say(say_last) or number(device_kind_publish_c));
+    go_to(p, next_work);
+
+    at(p, publish_failed);
+    call(p, count_failure, say(say_again));
+    go_to(p, next_work);
+  end procedure;
+
+  procedure publishes(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    define_group(p, s);
+    publish(p, s);
+  end procedure;
+
+end package body;

@@ -1,0 +1,62 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The part of the framed application's program about posts: POST, and what becomes of those that fail.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+use work.frame_assembler_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+package frame_post_pkg is
+
+  procedure posts(p : inout assembler_t; s : frame_settings_t);
+
+end package;
+
+package body frame_post_pkg is
+
+  procedure posts(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_entry(p, request_kind_post_c mod 16);
+    put(p, take(take_first) or times(2) or number(1 + s.address_bytes + s.data_bytes), if_left_not, drop_kind);
+    put(p, take(take_address) or times(s.address_bytes), if_other_number, post_other);
+    if s.deadman then
+      put(p, number(flag_tripped), if_flag, post_denied);
+    end if;
+    put(p, take(take_data) or times(s.data_bytes) or act(do_write));
+    bump(p, control_posts_c);
+    put(p, act(do_await) or also(one_post) or act(do_done), if_failed, post_failed);
+    go_to(p, next_work);
+
+    at(p, post_other);
+    put(p, nothing_done, if_old_number, post_old);
+    bump(p, control_posts_ahead_c, act(do_done));
+    go_to(p, next_work);
+    at(p, post_old);
+    bump(p, control_posts_old_c, act(do_done));
+    go_to(p, next_work);
+
+    at(p, post_denied);
+    bump(p, control_posts_c);
+    bump(p, control_refused_c);
+    load(p, word_four);
+    go_to(p, post_note);
+    at(p, post_failed);
+    call(p, count_failure);
+    at(p, post_note);
+    bump(p, control_post_errors_c);
+    put(p, number(flag_failed), if_flag, post_noted);
+    put(p, store(store_data, word_status));
+    put(p, also(set_flags, flag_failed) or act(do_rewind));
+    take_bytes(p, 2);
+    put(p, store(store_data, word_first));
+    at(p, post_noted);
+    bump(p, word_failed, also(one_post, word_failed) or act(do_done));
+    go_to(p, next_work);
+  end procedure;
+
+end package body;

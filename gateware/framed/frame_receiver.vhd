@@ -1,0 +1,283 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Bytes to judged frames: the verify buffer of the framed protocol. Nobody hears of a frame before its closing 00 has come
+-- and its check was right; then the frame stands with its payload decoded, to be read, read again and dropped.
+--
+--   frame --> delay of 3 --> CRC, COBS --> | payloads, a ring |  --> request.data
+--   (the check)    00 --> verdict -------> | frames, a FIFO   |  --> request
+--
+-- Ports     frame: valid/ready, each from its kind to its closing 00. request: see frame_pkg; `rewind` makes the first byte of
+--           the payload the next one and has to come first, `take` moves on by one, `done` to the next frame.
+-- Latency   A frame stands two clocks behind its 00. One byte a clock, in and out.
+-- Errors    What is dropped stands in the order of arrival too, without payload, as an entry that tells the reason. A byte
+--           that may not be costs its own frame and nothing else.
+-- Pressure  frame_ready is low while the ring or the FIFO of 16 frames is full, and from an OPEN or CLOSE to its `done`:
+--           with it the epoch changes, with which the next frame is judged.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+use work.width_pkg.all;
+
+entity frame_receiver is
+  generic (
+    request_max : positive range 16 to 250 := 250;  -- longest payload of a request
+    ring_bytes  : positive := 512                   -- a power of two: bytes of all payloads not done yet
+  );
+  port (
+    clock       : in  std_ulogic;
+    reset       : in  std_ulogic;
+    epoch       : in  crc16_t;     -- FFFF: no session is open
+    frame_valid : in  std_ulogic;
+    frame_ready : out std_ulogic;
+    frame_data  : in  byte_t;
+    request     : out frame_request_t;
+    take        : in  std_ulogic;
+    rewind      : in  std_ulogic;
+    done        : in  std_ulogic
+  );
+end entity;
+
+architecture rtl of frame_receiver is
+
+  constant index_bits : positive := bits_for(ring_bytes);
+  -- The longest piece that a request_max of its kind and the longer check can have, without the shorter check.
+  constant payload_most : positive := request_max + 2;
+
+  -- HELLO and OPEN, which differ in their lowest bit.
+  constant outside_kinds : std_ulogic_vector(6 downto 0) := std_ulogic_vector(to_unsigned(request_kind_hello_c / 2, 7));
+
+  subtype index_t is unsigned(index_bits - 1 downto 0);
+  type ring_t is array (0 to ring_bytes - 1) of byte_t;
+
+  signal ring : ring_t;
+
+  -- The frame that comes in.
+  type bytes_t is array (0 to 2) of byte_t;
+  signal delay    : bytes_t := (others => (others => '0'));  -- the last bytes, 0 the newest
+  signal present  : std_ulogic_vector(2 downto 0) := "000"; -- which of them have come
+  signal kind     : byte_t := (others => '0');
+  signal outside  : std_ulogic := '0';  -- it is HELLO or OPEN, which are of no session
+  signal in_cobs  : std_ulogic := '0';  -- the kind has left the delay
+  signal coded    : std_ulogic := '0';  -- so has the first code byte
+  signal crc      : crc16_t := (others => '0');
+  signal run      : unsigned(7 downto 0) := (others => '0');  -- bytes left in the block
+  signal whole    : std_ulogic := '1';  -- the block before has no zero behind it
+  signal length   : unsigned(7 downto 0) := (others => '0');
+  signal too_long : std_ulogic := '0';
+
+  signal write_index, frame_index : index_t := (others => '0');  -- next byte; first byte of the frame
+  signal accepts, border, stores, outside_now : std_ulogic;
+  signal free_bytes               : index_t;
+  signal at_code                  : std_ulogic;  -- the byte that leaves the delay is a code byte
+  signal stored                   : byte_t;
+  signal full                     : std_ulogic := '0';
+  signal paused                   : std_ulogic := '0';
+
+  signal judged       : std_ulogic;                      -- a frame ends
+  signal verdict      : entry_t;
+  signal pauses       : std_ulogic;
+  signal kept         : std_ulogic;
+  signal record_in    : std_ulogic_vector(15 downto 0);
+  signal record_out   : std_ulogic_vector(15 downto 0);
+  signal record_room, record_valid : std_ulogic;
+
+  -- The frame that is read.
+  signal start_index, read_index, read_next : index_t := (others => '0');
+  signal left : unsigned(7 downto 0) := (others => '0');
+
+begin
+
+  assert ring_bytes = 2 ** index_bits and ring_bytes >= request_max + 7
+    report "frame_receiver: ring_bytes must be a power of two, and hold a request" severity failure;
+  assert request_kind_open_c = request_kind_hello_c + 1 and request_kind_hello_c mod 2 = 0
+    report "frame_receiver: HELLO and OPEN are one bit apart" severity failure;
+
+  frame_ready <= record_room and not full and not paused;
+  accepts     <= frame_valid and record_room and not full and not paused;
+  border      <= nor frame_data;
+  outside_now <= '1' when frame_data(7 downto 1) = outside_kinds else '0';
+
+  free_bytes <= start_index - write_index - 1;
+
+  at_code <= nor run;
+  stored  <= delay(2) when at_code = '0' else (others => '0');
+  stores  <= accepts and not border and present(2) and in_cobs and not too_long and not (at_code and whole);
+
+  judge : process (all)
+    variable entry : natural range 0 to 31;
+  begin
+    judged <= accepts and border and present(0);
+    entry := to_integer(unsigned(kind(3 downto 0)));
+    if entry = 0 or entry = 1 or entry = 15 then
+      entry := entry_unknown;
+    elsif (entry = 4 or entry = 6) and kind(5 downto 4) /= "00" then
+      entry := entry_kind;  -- a post has no such bits
+    end if;
+    if outside = '1' then
+      entry := entry_hello;
+      if kind(0) = '1' then
+        entry := entry_open;
+      end if;
+    end if;
+    if too_long = '1' then
+      entry := entry_long;
+    elsif outside = '0' and and epoch(15 downto 8) = '1' then
+      entry := entry_session;
+    elsif coded = '0' or at_code = '0' or delay(2) /= check_byte(crc, 0) or
+        delay(1) /= check_byte(crc, 1) or delay(0) /= check_byte(crc, 2) then
+      entry := entry_check;
+    elsif outside = '0' and length > request_max then
+      entry := entry_long;
+    elsif outside = '0' and kind(6) = '1' then
+      entry := entry_kind;
+    end if;
+    verdict <= std_ulogic_vector(to_unsigned(entry, 5));
+    pauses  <= '0';
+    if entry = entry_open or entry = request_kind_close_c mod 16 then
+      pauses <= '1';
+    end if;
+  end process;
+
+  -- What is dropped has no payload.
+  kept      <= not verdict(4) or nor verdict(3 downto 1);
+  record_in <= pauses & verdict & kind(5 downto 4) & (std_ulogic_vector(length) and (7 downto 0 => kept));
+
+  receive : process (clock)
+  begin
+    if rising_edge(clock) then
+      if accepts = '1' and border = '0' then
+        delay <= frame_data & delay(0 to 1);
+        present <= present(1 downto 0) & '1';
+        if present(0) = '0' then
+          kind    <= frame_data;
+          outside <= outside_now;
+          crc     <= epoch or (crc16_t'range => outside_now);
+        end if;
+        if present(2) = '1' then
+          crc     <= next_crc16(crc, delay(2));
+          in_cobs <= '1';
+          if in_cobs = '1' then
+            coded <= '1';
+            if at_code = '1' then
+              run   <= unsigned(delay(2)) - 1;
+              whole <= and delay(2);
+            else
+              run <= run - 1;
+            end if;
+          end if;
+        end if;
+        if stores = '1' then
+          length      <= length + 1;
+          write_index <= write_index + 1;
+          if length = payload_most then
+            too_long <= '1';
+          end if;
+        end if;
+      end if;
+      if judged = '1' then
+        if kept = '1' then
+          frame_index <= write_index;
+        else
+          write_index <= frame_index;
+        end if;
+      end if;
+      if (accepts and border) = '1' or reset = '1' then
+        present  <= "000";
+        in_cobs  <= '0';
+        coded    <= '0';
+        run      <= (others => '0');
+        whole    <= '1';
+        length   <= (others => '0');
+        too_long <= '0';
+      end if;
+      if reset = '1' then
+        write_index <= (others => '0');
+        frame_index <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+  records : entity work.fifo
+    generic map (width => 16, depth => 16)
+    port map (
+      clock => clock, reset => reset,
+      write_valid => judged, write_ready => record_room, write_data => record_in,
+      read_valid => record_valid, read_ready => done, read_data => record_out);
+
+  pause : process (clock)
+  begin
+    if rising_edge(clock) then
+      if judged = '1' and pauses = '1' then
+        paused <= '1';
+      elsif done = '1' and record_out(15) = '1' then
+        paused <= '0';
+      end if;
+      -- A few bytes early, for it is a clock late.
+      full <= nor free_bytes(free_bytes'left downto 2);
+      if reset = '1' then
+        paused <= '0';
+        full   <= '0';
+      end if;
+    end if;
+  end process;
+
+  memory : process (clock)
+  begin
+    if rising_edge(clock) then
+      if stores = '1' then
+        ring(to_integer(write_index)) <= stored;
+      end if;
+    end if;
+  end process;
+
+  memory_read : process (clock)
+  begin
+    if rising_edge(clock) then
+      request.data <= ring(to_integer(read_next));
+    end if;
+  end process;
+
+  request.valid   <= record_valid;
+  request.entry   <= record_out(14 downto 10);
+  request.barrier <= record_out(9);
+  request.chained <= record_out(8);
+  request.length  <= unsigned(record_out(7 downto 0));
+  request.left    <= left;
+  request.missing <= nor left;
+
+  point : process (all)
+  begin
+    read_next <= read_index;
+    if done = '1' then
+      read_next <= start_index + resize(unsigned(record_out(7 downto 0)), index_bits);
+    elsif rewind = '1' then
+      read_next <= start_index;
+    elsif take = '1' then
+      read_next <= read_index + 1;
+    end if;
+  end process;
+
+  follow : process (clock)
+  begin
+    if rising_edge(clock) then
+      read_index <= read_next;
+      if done = '1' then
+        start_index <= read_next;
+      end if;
+      if rewind = '1' then
+        left <= unsigned(record_out(7 downto 0));
+      elsif take = '1' and left /= 0 then
+        left <= left - 1;
+      end if;
+      if reset = '1' then
+        read_index  <= (others => '0');
+        start_index <= (others => '0');
+      end if;
+    end if;
+  end process;
+
+end architecture;

@@ -1,0 +1,161 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The part of the framed application's program about the device itself: control registers, time, dead-man.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_assembler_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+package frame_state_pkg is
+
+  -- READ_CONTROL, WRITE_CONTROL, and what a tick does.
+  procedure registers(p : inout assembler_t; s : frame_settings_t);
+
+end package;
+
+package body frame_state_pkg is
+
+  -- The dead-man trips: safe values, whatever the bus says to them.
+  procedure safe(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at(p, trip);
+    put(p, also(set_flags, flag_tripped + flag_tripped_now));
+    put(p, also(clear_flags, flag_running));
+    load(p, word_zero);
+    put(p, store(store_data, control_deadman_ticks_c));
+    bump(p, control_deadman_trips_c);
+    if s.safe_count > 0 then
+      put(p, also(load_number, s.safe_count));
+      point(p, safe_base(s));
+      at(p, trip_next);
+      put(p, act(do_load_address) or act(do_pointer) or act(do_point_up) or times(2));
+      put(p, data(data_word) or act(do_pointer) or act(do_point_up) or act(do_count) or times(2));
+      put(p, act(do_write));
+      put(p, act(do_await));
+      put(p, nothing_done, if_some_left, trip_next);
+    end if;
+    put(p, act(do_return));
+  end procedure;
+
+  procedure read_control(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_form(p, request_kind_read_control_c);
+    put(p, take(take_skip) or number(3), if_left_not, invalid);
+    put(p, take(take_skip));
+    put(p, take(take_first));
+    put(p, number(0), if_low, invalid);
+    go_to(p, places);
+
+    at_check(p, request_kind_read_control_c);
+    put(p, take(take_first));
+    put(p, take(take_data) or number(0), if_low_not, bad_address);
+    put(p, take(take_data) or act(do_point_data));
+    put(p, also(load_count));
+    at(p, registers_next);
+    put(p, act(do_point_up) or act(do_count), if_no_register, bad_address);
+    put(p, nothing_done, if_some_left, registers_next);
+    put(p, data(data_turn) or times(3));  -- address and count are in `data` still
+    put(p, data(data_turn) or act(do_point_data));
+    put(p, say(say_kind) or number(device_kind_reply_c) or also(load_count, device_kind_reply_c));
+    put(p, number(mark_repeated), if_mark, registers_free);
+    bump(p, control_frames_c);
+    at(p, registers_free);
+    call(p, head);
+    at(p, registers_word);
+    put(p, number(control_time_low_c) or data(data_clock), if_pointer, registers_time);
+    put(p, number(control_arm_c) or data(data_flags), if_pointer, registers_say);
+    put(p, data(data_word) or act(do_pointer) or times(2));
+    at(p, registers_say);
+    put(p, say(say_kept, from_top) or times(4));
+    at(p, registers_said);
+    put(p, act(do_count) or act(do_point_up));
+    put(p, nothing_done, if_some_left, registers_word);
+    put(p, number(mark_repeated), if_mark, end_plain);
+    go_to(p, end_ok);
+
+    -- A turn of the clock that nobody has looked at yet is counted here.
+    at(p, registers_time);
+    put(p, nothing_done, if_half_turn, registers_turn);
+    at(p, registers_high);
+    put(p, say(say_kept, from_top) or times(4));
+    load(p, word_high);
+    put(p, store(store_data, control_time_high_c));
+    go_to(p, registers_said);
+    at(p, registers_turn);
+    put(p, nothing_done, if_top, registers_high);
+    put(p, store(store_next, word_high) or also(half_turn, word_high) or times(2));
+    go_to(p, registers_high);
+  end procedure;
+
+  procedure write_control(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    at_check(p, request_kind_write_control_c);
+    put(p, take(take_first));
+    put(p, take(take_first) or number(0), if_low_not, bad_address);
+    if s.groups > 0 then
+      put(p, number(control_publish_c), if_low, write_publish);
+    end if;
+    if s.deadman then
+      put(p, number(control_arm_c), if_low, write_arm);
+      put(p, number(control_deadman_ticks_c), if_low, write_ticks);
+    end if;
+    put(p, nothing_done);
+    go_to(p, bad_address);
+
+    if s.groups > 0 then
+      at(p, write_publish);
+      take_bytes(p, 4);
+      put(p, number(1), if_above, invalid);
+      put(p, manage(manage_publish));
+      put(p, store(store_data, control_publish_c));
+      go_to(p, write_ok);
+    end if;
+
+    if s.deadman then
+      at(p, write_arm);
+      take_bytes(p, 4);
+      put(p, number(word_one) or times(2), if_word_not, invalid);
+      put(p, number(flag_tripped_now), if_flag, denied);
+      put(p, also(clear_flags, flag_tripped));
+        go_to(p, write_ok);
+
+      at(p, write_ticks);
+      put(p, take(take_first) or times(4) or number(flag_tripped), if_flag, denied);
+      put(p, store(store_data, control_deadman_ticks_c) or also(load_running, control_deadman_ticks_c));
+      load(p, word_ones);
+      put(p, data(data_and_not) or number(control_deadman_ticks_c) or times(2));
+      put(p, store(store_data, word_ticks));
+      put(p, store(store_data, word_silent));
+        go_to(p, write_ok);
+    end if;
+  end procedure;
+
+  procedure registers(p : inout assembler_t; s : frame_settings_t) is
+  begin
+    read_control(p, s);
+    write_control(p, s);
+    if s.deadman then
+      at_entry(p, entry_tick);
+      put(p, number(mark_heard), if_mark, tick_heard);
+      at(p, tick_count);
+      bump(p, word_silent);
+      put(p, number(word_silent) or times(2), if_full, tick_trip);
+      go_to(p, next_work);
+      at(p, tick_heard);
+      load(p, word_ticks);
+      put(p, store(store_data, word_silent));
+      go_to(p, tick_count);
+      at(p, tick_trip);
+      call(p, trip);
+      go_to(p, next_work);
+      safe(p, s);
+    end if;
+  end procedure;
+
+end package body;

@@ -1,0 +1,222 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Payloads to frames: kind, COBS, check and closing 00 of the framed protocol.
+--
+--   kind ------------------------------> tx   at once, if the frame before has left
+--   put --> | payload, two of them |  -> tx   as soon as it is whole
+--
+-- A zero is not stored: in its place goes, when the next zero or the end comes, the distance to there, which is its code. So
+-- every byte is one write, and the payload is encoded when its last byte has come.
+--
+-- Ports     reply: see frame_pkg; may be given while `ready`, otherwise it waits. tx: valid/ready/data, with tx_last beside the
+--           closing 00 and tx_publish beside all of a publish. idle: nothing is on its way.
+-- Latency   A kind is on tx two clocks later; the rest two clocks after finish, then a byte a clock: the payload, 1 code,
+--           3 of the check, 00. Meanwhile the next payload may be put.
+-- Errors    None. A payload of more than 254 bytes must not be put.
+-- Pressure  tx_ready stalls the frame that leaves; `ready` is low while a whole payload waits for it.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+entity frame_transmitter is
+  port (
+    clock      : in  std_ulogic;
+    reset      : in  std_ulogic;
+    epoch      : in  crc16_t;
+    reply      : in  frame_reply_t;
+    ready      : out std_ulogic;
+    idle       : out std_ulogic;
+    tx_valid   : out std_ulogic;
+    tx_ready   : in  std_ulogic;
+    tx_data    : out byte_t;
+    tx_last    : out std_ulogic;
+    tx_publish : out std_ulogic
+  );
+end entity;
+
+architecture rtl of frame_transmitter is
+
+  type memory_t is array (0 to 511) of byte_t;
+
+  signal memory : memory_t;
+
+  -- The payload that is put.
+  signal bank     : std_ulogic := '0';
+  signal position : unsigned(7 downto 0) := x"01";  -- of its next byte; its encoding begins at 0
+  signal zero     : unsigned(7 downto 0) := x"00";  -- where the next code goes
+  signal whole    : std_ulogic := '0';              -- it waits to leave
+  signal codes    : std_ulogic;                     -- a code is written
+  signal written  : byte_t;
+  signal write_index : unsigned(7 downto 0);
+
+  signal kind        : byte_t := (others => '0');
+  signal kind_waits  : std_ulogic := '0';
+
+  type state_t is (
+    resting,   -- leaves on a kind
+    opened,    -- the kind is out; leaves when the payload is whole
+    sending,   -- the payload; leaves behind its last byte
+    checking,  -- three bytes
+    closing    -- the 00
+  );
+
+  signal state      : state_t := resting;
+  signal read_index : unsigned(7 downto 0) := (others => '0');
+  signal read_next  : unsigned(7 downto 0);
+  signal read_bank  : std_ulogic;
+  signal stop       : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoding
+  signal encoded    : byte_t;
+  signal crc        : crc16_t := (others => '0');
+  signal turn       : natural range 0 to 2 := 0;     -- which byte of the check
+  signal full       : std_ulogic := '0';             -- tx has a byte
+  signal free       : std_ulogic;                    -- or takes one
+  signal starts     : std_ulogic;                    -- a kind leaves
+  signal outside    : std_ulogic;                    -- which is of no session
+  signal sent       : byte_t;                        -- what leaves, the check and 00 excepted
+  signal before     : crc16_t;                       -- the CRC before it
+  signal opens      : std_ulogic;                    -- and a payload
+
+begin
+
+  assert device_kind_hello_c mod 16 = 0 and device_kind_open_c mod 16 = 1 and device_kind_publish_c mod 16 = 2 and
+         device_kind_closed_c mod 16 = 3
+    report "frame_transmitter: the kinds are told apart by these bits" severity failure;
+
+  ready    <= not whole;
+  free     <= not full or tx_ready;
+  tx_valid <= full;
+  idle     <= '1' when state = resting and kind_waits = '0' and full = '0' else '0';
+
+  -- The payload.
+
+  codes <= reply.finish or (reply.put and nor reply.data);
+
+  place : process (all)
+  begin
+    written     <= reply.data;
+    write_index <= position;
+    if codes = '1' then
+      written     <= byte_t(position - zero);
+      write_index <= zero;
+    end if;
+  end process;
+
+  put : process (clock)
+  begin
+    if rising_edge(clock) then
+      if whole = '0' and (reply.put = '1' or reply.finish = '1') then
+        memory(to_integer(unsigned'(bank & write_index))) <= written;
+      end if;
+      if whole = '0' then
+        if reply.put = '1' then
+          position <= position + 1;
+          if codes = '1' then
+            zero <= position;
+          end if;
+        end if;
+        whole <= reply.finish;
+      end if;
+      if opens = '1' then
+        whole <= '0';
+        bank  <= not bank;
+      end if;
+      if opens = '1' or (whole = '0' and reply.restart = '1') or reset = '1' then
+        position <= x"01";
+        zero     <= x"00";
+      end if;
+      if reset = '1' then
+        whole <= '0';
+      end if;
+    end if;
+  end process;
+
+  -- The frame.
+
+  starts  <= kind_waits and free when state = resting else '0';
+  outside <= kind(4) and not (kind(1) and not kind(0));  -- of D0 to D3 all but D2
+  sent    <= encoded when state = sending else kind;
+  before  <= crc when state = sending else epoch or (crc16_t'range => outside);
+
+  opens  <= '1' when state = opened and whole = '1' else '0';
+
+  read_bank <= bank when state = opened else not bank;
+  read_next <= (others => '0') when state = opened else
+               read_index + 1 when state = sending and free = '1' else read_index;
+
+  fetch : process (clock)
+  begin
+    if rising_edge(clock) then
+      read_index <= read_next;
+      encoded    <= memory(to_integer(unsigned'(read_bank & read_next)));
+    end if;
+  end process;
+
+  send : process (clock)
+  begin
+    if rising_edge(clock) then
+      if whole = '0' and reply.kind = '1' then
+        kind       <= reply.data;
+        kind_waits <= '1';
+      end if;
+      if free = '1' then
+        full    <= '0';
+        tx_last <= '0';
+      end if;
+
+      case state is
+        when resting =>
+          turn <= 0;
+          if starts = '1' then
+            kind_waits <= '0';
+            full       <= '1';
+            tx_data    <= sent;
+            tx_publish <= kind(4) and not outside;
+            crc        <= next_crc16(before, sent);
+            state <= opened;
+          end if;
+        when opened =>
+          stop <= position;
+          if whole = '1' then
+            state <= sending;
+          end if;
+        when sending =>
+          if free = '1' then
+            full    <= '1';
+            tx_data <= sent;
+            crc     <= next_crc16(before, sent);
+            if read_next = stop then
+              state <= checking;
+            end if;
+          end if;
+        when checking =>
+          if free = '1' then
+            full    <= '1';
+            tx_data <= check_byte(crc, turn);
+            if turn = 2 then
+              state <= closing;
+            else
+              turn <= turn + 1;
+            end if;
+          end if;
+        when closing =>
+          if free = '1' then
+            full    <= '1';
+            tx_data <= (others => '0');
+            tx_last <= '1';
+            state   <= resting;
+          end if;
+      end case;
+
+      if reset = '1' then
+        state      <= resting;
+        full       <= '0';
+        kind_waits <= '0';
+      end if;
+    end if;
+  end process;
+
+end architecture;

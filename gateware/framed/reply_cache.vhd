@@ -1,0 +1,130 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Remembers what was executed, so that nothing is executed twice: for each id mod `window` the id that was executed last
+-- there, its status, and its reply if it was short.
+--
+-- Ports     id: what is looked at, two clocks later the rest is about it: new_id, it is later than the one of its place;
+--           repeated, it is that one; order, with `before`, the one before it has not been executed, nor one behind that.
+--           status, kept: of the reply that was kept; too_long: it was not. remember: the id takes its place, with status_in
+--           and the bytes that were given since `start`. forget: place number forget_index holds its id of before the session.
+--           keep: data_in is the next byte of a reply. recall: data_out is taken, and the next one stands two clocks later.
+-- Latency   Two clocks from id to what is known of it.
+-- Errors    Bytes beyond those a place holds are counted, not kept.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_layout_pkg.all;
+use work.protocol_pkg.all;
+use work.width_pkg.all;
+
+entity reply_cache is
+  generic (
+    window : positive range 2 to 128 := frame_window_default_c  -- places, a power of two
+  );
+  port (
+    clock        : in  std_ulogic;
+    id           : in  std_ulogic_vector(15 downto 0);
+    before       : in  std_ulogic;
+    new_id       : out std_ulogic;
+    repeated     : out std_ulogic;
+    order        : out std_ulogic;
+    status       : out std_ulogic_vector(3 downto 0);
+    kept         : out unsigned(4 downto 0);
+    too_long     : out std_ulogic;
+    remember     : in  std_ulogic;
+    status_in    : in  std_ulogic_vector(3 downto 0);
+    forget       : in  std_ulogic;
+    forget_index : in  unsigned(6 downto 0);
+    start        : in  std_ulogic;
+    keep         : in  std_ulogic;
+    data_in      : in  byte_t;
+    recall       : in  std_ulogic;
+    data_out     : out byte_t
+  );
+end entity;
+
+architecture rtl of reply_cache is
+
+  constant place_bits : positive := bits_for(window);
+  constant entry_bits : positive := 16 - place_bits + 4 + 5;
+
+  subtype place_t is unsigned(place_bits - 1 downto 0);
+  subtype turn_t is unsigned(15 downto place_bits);  -- of an id, how often its place has been around
+
+  type places_t is array (0 to 2 ** place_bits - 1) of std_ulogic_vector(entry_bits - 1 downto 0);
+  type cache_t is array (0 to frame_cache_bytes_default_c * 2 ** place_bits - 1) of byte_t;
+
+  signal places : places_t;
+  signal cache  : cache_t;
+
+  signal place, place_read : place_t;
+  signal entry             : std_ulogic_vector(entry_bits - 1 downto 0) := (others => '0');
+  signal borrow            : std_ulogic;
+  signal ahead             : turn_t;  -- how far the id is ahead of the one of its place
+  signal same, half_way    : std_ulogic;
+  signal later             : std_ulogic;
+  signal count             : unsigned(4 downto 0) := (others => '0');  -- bytes of the reply; 17: too many
+  signal index             : unsigned(place_bits + 3 downto 0);
+
+begin
+
+  assert window = 2 ** place_bits and frame_cache_bytes_default_c = 16
+    report "reply_cache: window must be a power of two" severity failure;
+
+  place      <= unsigned(id(place_t'range));
+  borrow     <= before and nor place;
+  place_read <= place - unsigned'("" & before);
+  ahead      <= turn_t(id(turn_t'range)) - turn_t(entry(entry_bits - 1 downto 9)) - unsigned'("" & borrow);
+  same       <= nor ahead;
+  half_way   <= ahead(15) and nor ahead(14 downto place_bits);
+  later      <= not ahead(15) and not same;
+
+  status   <= entry(8 downto 5);
+  kept     <= unsigned(entry(4 downto 0));
+  too_long <= entry(4) and or entry(3 downto 0);
+  new_id   <= later;
+  repeated <= same and nand entry(8 downto 5);  -- no_status: nothing was executed
+  order    <= later or half_way;
+
+  remember_place : process (clock)
+    variable where : place_t;
+    variable turn  : turn_t;
+  begin
+    if rising_edge(clock) then
+      where := place;
+      turn  := turn_t(id(turn_t'range));
+      if forget = '1' then
+        where := forget_index(place_t'range);
+        turn  := (others => '1');
+      end if;
+      if remember = '1' or forget = '1' then
+        places(to_integer(where)) <= std_ulogic_vector(turn) & status_in & std_ulogic_vector(count);
+      end if;
+      if remember = '0' and forget = '0' then
+        entry <= places(to_integer(place_read));
+      end if;
+    end if;
+  end process;
+
+  index <= place & count(3 downto 0);
+
+  keep_reply : process (clock)
+  begin
+    if rising_edge(clock) then
+      if keep = '1' and count(4) = '0' then
+        cache(to_integer(index)) <= data_in;
+      end if;
+      if keep = '0' then
+        data_out <= cache(to_integer(index));
+      end if;
+      if start = '1' then
+        count <= (others => '0');
+      elsif (keep = '1' or recall = '1') and (count(4) and count(0)) = '0' then
+        count <= count + 1;
+      end if;
+    end if;
+  end process;
+
+end architecture;

@@ -1,0 +1,320 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- The small pieces of the framed application, each by itself: frame_clock, frame_memory, frame_bus, frame_dispatcher,
+-- frame_sequencer.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.bench_pkg.all;
+use work.bii_pkg.all;
+use work.frame_assembler_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+
+entity frame_units_tb is
+end entity;
+
+architecture bench of frame_units_tb is
+
+  signal clock : std_ulogic := '0';
+  signal reset : std_ulogic := '1';
+  signal ended : boolean := false;
+
+  signal time_now : unsigned(31 downto 0);
+  signal half, look, turned, running, ticking, seen : std_ulogic := '0';
+
+  constant content : word_memory_t(0 to 7) := (3 => x"FFFFFFFE", 5 => x"0000FFFF", others => x"00000000");
+  signal index : unsigned(2 downto 0) := "000";
+  signal store : std_ulogic_vector(1 downto 0) := store_nothing;
+  signal put_word, word : word32_t := x"00000000";
+  signal full  : std_ulogic;
+
+  signal reads, writes, hold, free, found, over, failed, silent_bus : std_ulogic := '0';
+  signal address      : std_ulogic_vector(11 downto 0) := x"123";
+  signal written      : word32_t := x"89ABCDEF";
+  signal bii_request  : bii_request_t;
+  signal bii_response : bii_response_t := bii_response_idle;
+
+  signal d_turned, d_ticking, publish, rx_overrun, publish_overrun, frame_valid, begins, pending, heard : std_ulogic := '0';
+  signal frame_entry, entry : entry_t := "00010";
+
+  function program return frame_program_t is
+    variable p : frame_program_t(0 to 127) := (others => nothing_done);
+
+    procedure set (place : natural; i : frame_instruction_t; following, condition, target : natural) is
+    begin
+      p(place) := i;
+      p(place)(following_f) := std_ulogic_vector(to_unsigned(following, 9));
+      p(place)(target_f)    := std_ulogic_vector(to_unsigned(target, 9));
+      p(place)(condition_f) := std_ulogic_vector(to_unsigned(condition, 5));
+    end procedure;
+  begin
+    for place in p'range loop
+      p(place)(number_f) := std_ulogic_vector(to_unsigned(place, 8));  -- so that it can be seen
+    end loop;
+    set(0, number(0) or act(do_begin), 32, never, 0);
+    set(34, number(34) or times(3), 5, if_chained, 9);
+    set(5, number(5) or for_size(times_size), 6, never, 0);
+    set(6, number(6) or for_size(times_rest), 7, never, 0);
+    set(7, number(7) or act(do_call), 8, always, 20);
+    set(20, number(20) or act(do_return), 0, never, 0);
+    set(8, number(8) or act(do_dispatch), 64, never, 0);
+    set(66, number(66), 0, never, 0);
+    set(9, number(9) or times(4) or act(if_any_time), 0, if_missing, 12);
+    set(12, number(12), 0, never, 0);
+    return p;
+  end function;
+
+  signal act_now, holds, s_begins, jump, first, last : std_ulogic := '0';
+  signal size        : unsigned(2 downto 0) := "011";
+  signal instruction : frame_instruction_t;
+
+begin
+
+  clock <= not clock after 5 ns when not ended;
+
+  timer : entity work.frame_clock
+    generic map (clock_hz => 1000, base_hz => 100)
+    port map (
+      clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned,
+      running => running, ticking => ticking, seen => seen);
+
+  memory : entity work.frame_memory
+    generic map (content => content)
+    port map (clock => clock, index => index, store => store, data => put_word, word => word, full => full);
+
+  bus_access : entity work.frame_bus
+    generic map (address_width => 12, data_width => 16)
+    port map (
+      clock => clock, reset => reset, read => reads, write => writes, hold => hold, free => free, address => address,
+      data => written, found => found, done => over, failed => failed, silent_bus => silent_bus,
+      bii_request => bii_request, bii_response => bii_response);
+
+  dispatcher : entity work.frame_dispatcher
+    port map (
+      clock => clock, reset => reset, turned => d_turned, ticking => d_ticking, publish => publish,
+      receive_overrun => rx_overrun, publish_overrun => publish_overrun, frame_valid => frame_valid,
+      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry, heard => heard);
+
+  sequencer : entity work.frame_sequencer
+    generic map (program => program, sizes => true)
+    port map (
+      clock => clock, reset => reset, act => act_now, holds => holds, begins => s_begins, entry => "00010",
+      operation => "0010", size => size, instruction => instruction, jump => jump, first => first, last => last);
+
+  play : process
+
+    procedure clocks (count : positive) is
+    begin
+      for number in 1 to count loop
+        wait until rising_edge(clock);
+      end loop;
+      wait for 1 ns;
+    end procedure;
+
+    procedure pulse (signal what : out std_ulogic) is
+    begin
+      what <= '1';
+      clocks(1);
+      what <= '0';
+    end procedure;
+
+    procedure at_place (place : natural; repetition_last : std_ulogic) is
+    begin
+      wait for 1 ns;
+      check_equal(to_integer(unsigned(instruction(number_f))), place, "the instruction");
+      check_equal(last, repetition_last, "its last time, at " & integer'image(place));
+      clocks(1);
+    end procedure;
+
+    procedure expects (number : natural; what : string) is
+    begin
+      wait for 1 ns;
+      check_equal(pending, '1', what & " is pending");
+      check_equal(to_integer(unsigned(entry)), number, what);
+    end procedure;
+
+    variable start : natural;
+  begin
+    clocks(2);
+    reset <= '0';
+
+    -- frame_clock: a tick every 10 clocks since reset while it runs; one that is not seen joins the next one.
+    clocks(4);
+    check_equal(to_integer(time_now), 4, "clocks since reset");
+    check_equal(turned, '0', "half a turn");
+    running <= '1';
+    clocks(6);
+    check_equal(ticking, '1', "a tick");
+    pulse(seen);
+    check_equal(ticking, '0', "no tick");
+    start := to_integer(time_now);
+    wait until ticking = '1';
+    check_equal(to_integer(time_now) - start, 9, "clocks to the next tick");
+    running <= '0';
+    clocks(11);
+    pulse(seen);
+    clocks(20);
+    check_equal(ticking, '0', "no ticks when nobody wants them");
+    pulse(look);
+    check_equal(half, '0', "half");
+
+    -- frame_memory
+    index <= "011";
+    clocks(1);
+    check_equal(word, x"FFFFFFFE", "a word of the content");
+    store <= store_count;
+    clocks(1);
+    store <= store_nothing;
+    clocks(1);
+    check_equal(word, x"FFFFFFFF", "one more");
+    check_equal(full, '1', "full");
+    store <= store_count;
+    clocks(1);
+    store <= store_nothing;
+    clocks(1);
+    check_equal(word, x"FFFFFFFF", "no more than full");
+    store <= store_next;
+    clocks(1);
+    store <= store_nothing;
+    clocks(1);
+    check_equal(word, x"00000000", "and around");
+    put_word <= x"CAFE0123";
+    index    <= "101";
+    clocks(1);
+    store    <= store_data;
+    clocks(1);
+    check_equal(word, x"0000FFFF", "nothing is looked at while something is stored");
+    store    <= store_nothing;
+    clocks(1);
+    check_equal(word, x"CAFE0123", "what was stored");
+
+    -- frame_bus
+    check_equal(bii_request.valid, '0', "no access");
+    pulse(hold);
+    pulse(reads);
+    clocks(3);
+    check_equal(bii_request.valid & bii_request.write & bii_request.block_hold, "101", "a read, held");
+    check_equal(bii_request.address, x"00000123", "address");
+    check_equal(over, '0', "not done");
+    bii_response <= (done => '1', status => ok, data => x"00005555");
+    wait for 1 ns;
+    check_equal(found, '1', "found");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    clocks(1);
+    check_equal(bii_request.valid & over & failed & silent_bus, "0100", "done");
+    pulse(writes);
+    check_equal(bii_request.valid & bii_request.write, "11", "a write");
+    check_equal(bii_request.data, x"0000CDEF", "data, as wide as the bus");
+    bii_response <= (done => '1', status => error, data => x"00000000");
+    wait for 1 ns;
+    check_equal(found, '0', "nothing found by a write");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    check_equal(over & failed & silent_bus, "110", "refused");
+    pulse(free);
+    check_equal(bii_request.block_hold, '0', "free");
+    pulse(reads);
+    check_equal(over, '0', "another one");
+    bii_response <= (done => '1', status => silent, data => x"00000000");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    check_equal(over & failed & silent_bus, "111", "nobody answered");
+    pulse(reads);
+    bii_response <= (done => '1', status => ok, data => x"00000000");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    check_equal(over & failed & silent_bus, "100", "all is well again");
+
+    -- frame_dispatcher
+    wait for 1 ns;
+    check_equal(pending, '0', "nothing is pending");
+    frame_valid <= '1';
+    publish     <= '1';
+    d_ticking   <= '1';
+    d_turned    <= '1';
+    pulse(rx_overrun);
+    pulse(publish_overrun);
+    expects(entry_half_turn, "half a turn");
+    d_turned <= '0';
+    expects(entry_receive_overrun, "an overrun");
+    pulse(begins);
+    expects(entry_publish_overrun, "an overrun of publishes");
+    pulse(begins);
+    expects(entry_tick, "a tick");
+    pulse(begins);
+    d_ticking <= '0';
+    expects(entry_publish, "a publish");
+    publish <= '0';
+    expects(2, "a frame");
+    check_equal(heard, '0', "none was heard");
+    pulse(begins);
+    check_equal(heard, '1', "one was heard");
+    d_ticking <= '1';
+    pulse(begins);
+    d_ticking <= '0';
+    check_equal(heard, '0', "none since the tick");
+    frame_entry <= std_ulogic_vector(to_unsigned(entry_hello, 5));
+    pulse(begins);
+    check_equal(heard, '0', "HELLO is not of the session");
+
+    -- frame_sequencer
+    act_now <= '1';
+    at_place(0, '1');
+    at_place(0, '1');  -- no work yet
+    s_begins <= '1';
+    at_place(0, '1');
+    s_begins <= '0';
+    holds    <= '1';   -- which only counts the last time
+    at_place(34, '0');
+    at_place(34, '0');
+    act_now <= '0';
+    at_place(34, '1');
+    holds   <= '0';
+    act_now <= '1';
+    at_place(34, '1');
+    at_place(5, '0');
+    at_place(5, '0');
+    at_place(5, '1');
+    for count in 1 to 4 loop
+      at_place(6, '0');  -- 8 - size times
+    end loop;
+    at_place(6, '1');
+    holds <= '1';
+    at_place(7, '1');
+    holds <= '0';
+    at_place(20, '1');
+    at_place(8, '1');
+    at_place(66, '1');
+    s_begins <= '1';
+    at_place(0, '1');
+    s_begins <= '0';
+    at_place(34, '0');
+    at_place(34, '0');
+    holds <= '1';
+    at_place(34, '1');
+    holds <= '0';
+    at_place(9, '0');
+    holds <= '1';      -- which counts any time here
+    at_place(9, '0');
+    holds <= '0';
+    at_place(12, '1');
+    at_place(0, '1');
+
+    report_passed("frame_units_tb");
+    ended <= true;
+    wait;
+  end process;
+
+  watchdog : process
+  begin
+    wait until ended for 1 ms;
+    assert ended report "frame_units_tb: not done in time" severity failure;
+    wait;
+  end process;
+
+end architecture;
