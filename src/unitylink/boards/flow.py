@@ -101,7 +101,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         notices=tuple(notices),
         bitstream=str(folder / made),
         budget=tuple(budget_of(budget(device, baud_hz=baud_hz or None)) for device in spec.devices),
-        tools=_versions(place[0]),
+        tools=_versions(place[0], folder),
         seconds=round(time.monotonic() - started, 1),
     )
     report.write(folder)
@@ -201,9 +201,9 @@ def _shown(board: Board, pinout: Pinout) -> dict[str, str]:
     return pins
 
 
-def _versions(placer: str) -> tuple[str, ...]:
+def _versions(placer: str, folder: Path) -> tuple[str, ...]:
     lines = []
     for command in (["ghdl", "--version"], ["yosys", "-V"], [placer, "--version"]):
-        _, said = run_program(command, Path.cwd())
+        _, said = run_program(command, folder)
         lines.append(said.strip().splitlines()[0] if said.strip() else command[0])
     return tuple(lines)
