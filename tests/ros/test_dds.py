@@ -268,6 +268,28 @@ def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: Dd
     assert device.registers[0x12] == 250, "safe at the end"
 
 
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("ros2", "tcp://127.0.0.1:1"), 2, "SPEC is missing"),
+        (("ros2", "tcp://127.0.0.1:1", "PAIR"), 1, "--root"),
+        (("ros2", "nonsense:", "RIG"), 1, "nonsense:"),
+        (("ros1", "tcp://127.0.0.1:1", "RIG"), 1, "--system-site-packages"),
+    ],
+)
+def test_bridge_says_what_is_wrong(arguments: tuple[str, ...], code: int, says: str, domain: int) -> None:
+    files = {"RIG": str(RIG), "PAIR": str(RIG.parents[2] / "examples" / "pa10" / "pa10_pair.ul")}
+    done = subprocess.run(
+        [sys.executable, "-m", "unitylink", "bridge", *(files.get(word, word) for word in arguments)],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
+        check=False,
+    )
+    assert done.returncode == code and says in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
 def test_wrong_parameters_are_said(tmp_path: Path) -> None:
     write(load(RIG), tmp_path, "ros2")
     package = tmp_path / "ros2" / "rig_unitylink"

@@ -43,7 +43,7 @@ class Outputs {
     }
     if (said.empty()) said = "the spec gives no SAFE values, so its outputs stay as they are";
     if (burst(changed)) return true;
-    said = ul_last_error_text();
+    said = *ul_last_error_text() != 0 ? ul_last_error_text() : "the network behind the gateware is down, or has dropped the commit";
     return false;
   }
   // Write the shadow of these values: plain words in one go, then per unit all of its outputs and one commit.

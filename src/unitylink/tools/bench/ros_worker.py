@@ -74,6 +74,8 @@ def node(plane: Any, spec: Spec, base_hz: int) -> RobotNode:
 
 def main() -> None:
     """Serve a role."""
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # rospy logs to stdout
     name, role = sys.argv[1:3]
     joints = role.startswith("joints")
     spec = spec_of(JOINTS if joints else WORDS)
@@ -109,12 +111,12 @@ def main() -> None:
             read = lambda: made.accepted  # noqa: E731
     if name == "dds":
         plane.start()
-    print("ready", flush=True)
+    print("ready", file=answers, flush=True)
     for line in sys.stdin:
         before, wall, cpu = read(), time.perf_counter(), time.process_time()
         time.sleep(float(line))
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        print(read() - before, wall, cpu, flush=True)
+        print(read() - before, wall, cpu, file=answers, flush=True)
     os._exit(0)
 
 
