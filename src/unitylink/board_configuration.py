@@ -21,6 +21,7 @@ from unitylink.protocol import (
 )
 from unitylink.safe_words import safe_words
 from unitylink.spec.model import Instance, Spec
+from unitylink.wire_hash import wire_hash
 
 PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi")  # gateware/physical
 SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg
@@ -290,6 +291,7 @@ def _framed_of(spec: Spec, board: BoardConfiguration) -> FramedConfiguration:
         plain,
         request_max=max(plain.request_max, 9 + address_bytes * board.group_size),
         reply_max=max(plain.reply_max, 7 + data_bytes * board.group_size),
+        spec_hash=wire_hash(spec, board.data_bits),
         safe_words=safe_words(spec, board.data_bits),
     )
 

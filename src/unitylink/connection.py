@@ -22,6 +22,10 @@ def connect(url: str) -> Link:
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
+    The framed protocol is spoken where the device knows it, else the classic one (`link.protocol`,
+    `link.notice`): `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its
+    outputs safe), `spec_hash=HEX` (DeviceMismatch where the gateware was built from another spec).
+
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
     options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
     buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from unitylink.schemes import SCHEMES
+from unitylink.wire_hash import wire_hash
 
 from .link_option import Target, link_argument, open_target, spec_option
 from .output import json_option, print_fields, print_json
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Spec
 
 _UNVERIFIED = "classic gateware cannot say which spec it was built from; check that the two belong together"
+_NAMELESS = "this gateware was built without saying from which spec"
 _WIDTH = max(len(scheme.form) for scheme in SCHEMES.values())
 _HELP = """Show the configuration of a device, what its network does, and the statistics of the link.
 
@@ -49,18 +51,28 @@ def command(link: str, spec_file: str | None, as_json: bool) -> None:
             "link": target.link.url,
             "configuration": {**asdict(configuration), "usable_group_size": configuration.usable_group_size},
             "spec": _spec(target),
-            "binding": {"verified": False, "reason": _UNVERIFIED},
+            "protocol": target.link.protocol,
+            "notice": target.link.notice,
+            "device": asdict(target.link.description) if target.link.description else None,
+            "health": asdict(health) if (health := target.link.health()) else None,
+            "binding": _binding(target),
             "networks": networks,
             "statistics": asdict(target.link.statistics()),
         }
     if as_json:
         print_json(report)
         return
-    print_fields(_configuration_fields(configuration), title=target.link.url)
+    protocol = report["protocol"] + (f": {report['notice']}" if report["notice"] else "")
+    print_fields([("protocol", protocol), *_configuration_fields(configuration)], title=target.link.url)
+    if report["health"]:
+        print_fields(
+            _statistics_fields(report["health"]), title="the device has counted (what is not shown is 0)"
+        )
+    verdict = "verified" if report["binding"]["verified"] else f"not verified: {report['binding']['reason']}"
     if report["spec"]:
-        print_fields(_spec_fields(report["spec"]), title=f"spec {target.names.source}")
+        print_fields(_spec_fields(report["spec"], verdict), title=f"spec {target.names.source}")
     else:
-        print_fields([("binding", f"not verified: {_UNVERIFIED}")], title="spec: none given")
+        print_fields([("binding", verdict)], title="spec: none given")
     for base, network in networks.items():
         print_fields(_network_fields(network), title=f"TosNet at {base}")
     print_fields(_statistics_fields(report["statistics"]), title="statistics (what is not shown is 0)")
@@ -108,6 +120,26 @@ def _spec(target: Target) -> dict[str, Any] | None:
     }
 
 
+def _binding(target: Target) -> dict[str, Any]:
+    """Say whether the gateware was built from the spec that is given."""
+    link = target.link
+    if link.description is None:
+        return {"verified": False, "reason": _UNVERIFIED}
+    told = link.description.spec_hash
+    if told == 0:
+        return {"verified": False, "reason": _NAMELESS}
+    if target.spec is None:
+        return {"verified": False, "reason": f"no spec is given; the gateware's has the hash {told:016x}"}
+    ours = wire_hash(target.spec, link.configuration.data_bits)
+    if told == ours:
+        return {"verified": True, "reason": ""}
+    differ = "addresses, widths, access, groups or safe values differ"
+    return {
+        "verified": False,
+        "reason": f"the gateware's hash is {told:016x}, this spec's {ours:016x}: {differ}",
+    }
+
+
 def _configuration_fields(c: Configuration) -> list[tuple[str, str]]:
     rate = f"base {c.base_hz:,} Hz, divisor up to {(1 << 8 * c.rate_bytes) - 1:,}"
     publishing = _PUBLISHING.get(c.publish_mode, f"mode {c.publish_mode}")
@@ -129,12 +161,12 @@ def _configuration_fields(c: Configuration) -> list[tuple[str, str]]:
     ]
 
 
-def _spec_fields(report: dict[str, Any]) -> list[tuple[str, str]]:
+def _spec_fields(report: dict[str, Any], binding: str) -> list[tuple[str, str]]:
     fields = [
         ("name", report["name"]),
         ("hash", report["hash"]),
         ("items", f"{report['items']:,}"),
-        ("binding", f"not verified: {_UNVERIFIED}"),
+        ("binding", binding),
     ]
     if report["unreachable"]:
         fields.append(("beyond the address bus", ", ".join(report["unreachable"])))

@@ -24,7 +24,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "spec": {"isochrony", *SHARED},
     "values": {"spec", "errors"},
     "safe_words": {"values", "spec", *SHARED},
-    "board_configuration": {"safe_words", "spec", *SHARED},
+    "wire_hash": {"safe_words", "spec", *SHARED},
+    "board_configuration": {"safe_words", "wire_hash", "spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
     "generate": {"board_configuration", "resources", "ros", "spec", "values", "layer4_data", *SHARED},
     "layer0_driver": {"_native", *SHARED},

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The framed protocol from Python, against the twin; and against the reference device over a bad line."""
+
+from __future__ import annotations
+
+import random
+import socket
+import threading
+from collections.abc import Callable
+
+import pytest
+from reference.device import ReferenceDevice
+from reference.settings import Settings
+
+from unitylink.errors import BusError, DeviceMismatch, OutcomeUnknown, ProtocolError
+from unitylink.layer2_message import Link
+from unitylink.simulate import Board, BoardConfiguration
+
+
+def test_a_batch_is_one_message_each_way() -> None:
+    with Board() as board, Link(f"{board.url}?timeout=2") as link:
+        assert (link.protocol, link.notice) == ("framed", "")
+        requests = link.statistics().requests
+        with link.batch(atomic=True) as batch:
+            words = [batch.read(address) for address in range(0x10, 0x22)]
+            for address in range(0x10, 0x22):
+                batch.write(address, 3 * address)
+            with pytest.raises(RuntimeError, match="ends"):
+                _ = words[0].value
+        assert [word.value for word in words] == [3 * address for address in range(0x10, 0x22)]
+        assert link.statistics().requests == requests + 1
+        with pytest.raises(ZeroDivisionError), link.batch() as batch:
+            batch.write(0x10, 1 // 0)
+        assert link.exchange([0x10, 0x11], writes=[(0x11, 9)]).tolist() == [0x30, 9]
+
+
+def test_posts_and_what_became_of_them() -> None:
+    with Board() as board, Link(f"{board.url}?timeout=2") as link:
+        link.post_many([0x20] * 500, range(500))
+        link.post(0x21, 7)
+        assert link.read_many([0x20, 0x21]).tolist() == [499, 7]
+        link.sync()
+        health = link.health()
+        assert health is not None
+        assert (health.posts, health.post_errors, health.discarded_check) == (501, 0, 0)
+
+
+def test_what_a_classic_link_cannot_do_is_said() -> None:
+    with (
+        Board(configuration=BoardConfiguration(protocol="classic")) as board,
+        Link(f"{board.url}?timeout=2") as link,
+    ):
+        assert link.protocol == "classic"
+        assert "classic" in link.notice
+        assert link.health() is None and link.description is None and link.clock is None
+        link.post_many([0x20, 0x21], [5, 6])
+        link.sync()
+        assert link.exchange([0x20, 0x21], writes=[(0x21, 8)]).tolist() == [5, 8]
+        with pytest.raises(DeviceMismatch, match="framed"):
+            link.read_control(0)
+
+
+def test_a_dead_man_trips_only_where_the_host_is_silent() -> None:
+    with Board() as board, Link(f"{board.url}?timeout=2&deadman=20") as link:
+        with pytest.raises(ProtocolError, match="control register"):
+            link.read_control(0x1000)
+        link.write(0x10, 1)
+        link.arm()
+
+
+class Line:
+    """A reference device behind a line that damages, loses, doubles and cuts frames, and resets it."""
+
+    def __init__(self, seed: int) -> None:
+        self.random = random.Random(seed)
+        self.rate = self.random.choice([0.0, 0.02, 0.1])
+        self.reset_rate = self.random.choice([0.0, 0.0, 0.01])
+        self.device = ReferenceDevice(Settings(window=8))
+        self.calm = False
+        ours, theirs = socket.socketpair()
+        self._theirs = theirs
+        self.url = f"fd:{ours.detach()}?protocol=framed&timeout=0.2&attempts=20"
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        with self._theirs:
+            self._answer()
+
+    def _answer(self) -> None:
+        while data := self._theirs.recv(65536):
+            if self.random.random() < self.reset_rate and not self.calm:
+                self.device = ReferenceDevice(Settings(window=8), self.device.bus)
+            answer = self.bad(self.device.feed(self.bad(data)))
+            try:
+                self._theirs.sendall(answer)
+            except BrokenPipeError:
+                return
+
+    def bad(self, data: bytes) -> bytes:
+        if self.calm:
+            return data
+        pieces = data.split(b"\0")
+        return b"\0".join([*map(self._piece, pieces[:-1]), pieces[-1]])
+
+    def _piece(self, piece: bytes) -> bytes:
+        if not piece or self.random.random() >= self.rate:
+            return piece
+        at = self.random.randrange(len(piece))
+        flipped = piece[:at] + bytes([piece[at] ^ 1 << self.random.randrange(8)]) + piece[at + 1 :]
+        return self.random.choice([b"", flipped, piece[:at], piece + b"\0" + piece])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_everything_is_executed_once_or_said_to_be_unknown(seed: int) -> None:
+    line = Line(seed)
+    choose = random.Random(seed)
+    made: list[int] = []
+    done: list[int] = []
+
+    def fresh(count: int) -> list[int]:
+        made.extend(range(len(made) + 1, len(made) + 1 + count))
+        return made[-count:]
+
+    def write(link: Link, words: list[int]) -> None:
+        for word in words[:3]:
+            link.write(word % 8, word)
+        words[3:] = []
+
+    def write_many(link: Link, words: list[int]) -> None:
+        link.write_many([word % 8 for word in words], words)
+
+    def post(link: Link, words: list[int]) -> None:
+        link.post_many([word % 8 for word in words], words)
+        link.sync()
+
+    def exchange(link: Link, words: list[int]) -> None:
+        words[10:] = []
+        read = link.exchange([words[-1] % 8], writes=[(word % 8, word) for word in words])
+        assert read.tolist() == [words[-1]]
+
+    calls: list[Callable[[Link, list[int]], None]] = [write, write_many, post, exchange]
+    with Link(line.url) as link:
+        for _ in range(60):
+            words = fresh(choose.randrange(1, 90))
+            try:
+                choose.choice(calls)(link, words)
+                done += words
+            except OutcomeUnknown:
+                assert line.reset_rate > 0
+        line.calm = True
+    log = [value for what, _, value in line.device.bus.log if what == "write"]
+    assert len(set(log)) == len(log)
+    place = {value: index for index, value in enumerate(log)}
+    assert all(value in place for value in done)
+    assert [place[value] for value in done] == sorted(place[value] for value in done)
+
+
+def test_a_bus_error_is_told_with_its_address_and_stops_a_list() -> None:
+    line = Line(0)
+    line.calm = True
+    line.device.bus.bad[0x30] = 1
+    with Link(line.url) as link:
+        with pytest.raises(BusError) as caught:
+            link.write_many([0x2F, 0x30, 0x31], [1, 2, 3])
+        assert caught.value.address == 0x30
+        assert 0x31 not in line.device.bus.words
+        link.post_many([0x30], [1])
+        with pytest.raises(BusError, match="0x0030"):
+            link.sync()
+        link.sync()
