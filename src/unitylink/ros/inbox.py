@@ -12,6 +12,9 @@ from unitylink.errors import LinkError, ValueRangeError
 from unitylink.layer4_data import ValueGroup
 
 TRIES = 3  # of a write that fails while the link is up
+# Between writes of a flood of commands, of which all but the newest would be in vain: else the interpreter
+# lock goes to and fro between writing and taking them. A command that comes alone is written at once.
+SPACING_S = 0.0005
 
 
 class Inbox:
@@ -85,8 +88,9 @@ class Inbox:
             if numbers is None:
                 self._on_silence()
                 continue
+            started = time.monotonic()
             if self._timeout_s:
-                silent_at = time.monotonic() + self._timeout_s
+                silent_at = started + self._timeout_s
             try:
                 self._group.write(numbers)
                 self.writes += 1
@@ -100,3 +104,4 @@ class Inbox:
                         self._pending = numbers | self._pending
                     else:
                         tried = 0
+            time.sleep(max(0.0, started + SPACING_S - time.monotonic()))
