@@ -47,7 +47,7 @@ def _generate(registers: int, runs: int) -> tuple[float, float, float]:
     times: list[float] = []
     usages: list[struct_rusage] = []
     with tempfile.TemporaryDirectory() as folder:
-        environment = as_installed(Path(folder) / "byte code")
+        environment = as_installed()
         spec = Path(folder) / "flat.ul"
         spec.write_text(flat_spec(registers), encoding="utf-8")
         for number in range(runs + 1):  # the first run writes the byte code

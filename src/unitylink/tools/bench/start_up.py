@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
+from unitylink.resources import cache_folder
+
 from .figure import BenchError, Figure, Run
 from .timing import times
 
@@ -26,15 +28,15 @@ def flat_spec(statements: int) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def as_installed(folder: str | Path) -> dict[str, str]:
-    """Return an environment in which Python keeps its byte code, in `folder`.
+def as_installed() -> dict[str, str]:
+    """Return an environment in which Python keeps its byte code, in the user's cache.
 
     An installed package comes with byte code; a checkout whose user has Python write none would compile the
     library at each start.
     """
     environment = dict(os.environ)
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    return environment | {"PYTHONPYCACHEPREFIX": str(folder)}
+    return environment | {"PYTHONPYCACHEPREFIX": str(cache_folder("byte-code"))}
 
 
 def seconds(arguments: Sequence[str], runs: int) -> float:
@@ -50,10 +52,9 @@ def seconds(arguments: Sequence[str], runs: int) -> float:
             said = (done.stderr or done.stdout).strip()[-300:]
             raise BenchError(f"`unitylink {' '.join(arguments)}` failed: {said}")
 
-    with tempfile.TemporaryDirectory() as folder:
-        environment = as_installed(folder)
-        call()  # the first run writes the byte code
-        return median(times(call, runs)) / 1e9
+    environment = as_installed()
+    call()  # the first run writes the byte code
+    return median(times(call, runs)) / 1e9
 
 
 def measure_check(run: Run) -> Figure:
@@ -75,10 +76,9 @@ def measure_import(run: Run) -> Figure:
         call()
         return median(times(call, run.rounds(15, 1))) / 1e6
 
-    with tempfile.TemporaryDirectory() as folder:
-        environment = as_installed(folder)
-        details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
-        return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
+    environment = as_installed()
+    details = {"python alone ms": python(""), "with connect ms": python("from unitylink import connect")}
+    return Figure("import", "import unitylink", 150, True, python("import unitylink"), "ms", details)
 
 
 def measure_version(run: Run) -> Figure:
