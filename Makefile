@@ -12,6 +12,7 @@
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
+#   make soak    the long form of the fault simulation (MESSAGES=1000000000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make unit    the Python tests that need no board process, in about a minute
@@ -23,8 +24,9 @@ BIN := $(VENV)/bin
 NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
+MESSAGES ?= 1000000000
 
-.PHONY: wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz build native-tests unit clean help
+.PHONY: wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
 help:
 	@sed -n '2,19s/^# //p' Makefile
 
@@ -99,6 +101,12 @@ fuzz: $(NATIVE)/.built
 	@for target in $(NATIVE)/fuzz_*; do $$target --seconds $(SECONDS) || exit 1; done
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
+
+mutants: $(NATIVE)/.built
+	$(BIN)/python tools/mutants.py
+
+soak: $(VENV)/.built
+	$(BIN)/unitylink faults --messages $(MESSAGES) --jobs 2
 
 wheel: $(VENV)/.built
 	@tools/setup.sh group wheel

@@ -15,6 +15,10 @@ say "native fuzz loops, short form"
 for fuzzer in build/native/fuzz_*; do
   "$fuzzer" --seconds 3 --seed 1
 done
+say "faults of the wire, and mistakes that must show there"
+"$bin/unitylink" faults --messages 2000000 --jobs 2 | tail -n 1
+"$bin/unitylink" faults --messages 200000 --jobs 2 --protocol classic | tail -n 1
+"$bin/python" tools/mutants.py --sample 3
 say "demo"
 tools/setup.sh group demo
 "$bin/python" examples/scara/run.py --picture build/scara.png

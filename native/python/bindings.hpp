@@ -21,6 +21,7 @@ void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
 void bind_mapped(nanobind::module_& module);
+void bind_faults(nanobind::module_& module);
 
 // Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back for it by unwinding
 // their stacks, which C++ would answer with abort(): such a thread waits here instead until the process is gone.

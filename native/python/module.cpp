@@ -10,4 +10,5 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_board(module);
   unitylink::python::bind_bus(module);
   unitylink::python::bind_mapped(module);
+  unitylink::python::bind_faults(module);
 }

@@ -50,6 +50,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "term": ("term", "Type classic commands; names and checksums are filled in."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
+    "faults": ("faults", "Try the engine on a wire that does everything wrong."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),
     "bench": ("bench_command", "Measure this machine against the figures asked for."),
 }

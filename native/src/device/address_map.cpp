@@ -67,7 +67,11 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
     return status;
   }
   Region& at = region(address);
-  return at.slave->write(address - at.range.first, value & data_mask_, now);
+  const BusStatus status = at.slave->write(address - at.range.first, value & data_mask_, now);
+  if (observer_ && status == BusStatus::ok) {
+    observer_(address, value & data_mask_);
+  }
+  return status;
 }
 
 void AddressMap::block(bool held, Clock now) {

@@ -2,7 +2,10 @@
 // Which slave answers at which address; the bus as the application layer sees it.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "device/bus.hpp"
@@ -22,6 +25,8 @@ class AddressMap final : public Bus {
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
 
+  void observe(std::function<void(std::uint32_t address, std::uint32_t value)> observer) { observer_ = std::move(observer); }
+
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;
 
@@ -40,6 +45,7 @@ class AddressMap final : public Bus {
   std::vector<AddressRange> silent_;
   std::vector<Region> regions_;  // the last is the memory everywhere else
   std::vector<Bus*> timed_;      // slaves that do something by themselves
+  std::function<void(std::uint32_t, std::uint32_t)> observer_;
   Tosnet* tosnet_ = nullptr;
   std::uint32_t address_mask_;
   std::uint32_t data_mask_;

@@ -161,7 +161,9 @@ bool FramedEngine::send_next() noexcept {
     return true;
   }
   Place& place = place_of(next_id_);
-  if (place.used) {
+  // The other half of a large window is for what goes on behind a request that was lost.
+  const std::uint32_t most = window_ >= 64 ? window_ / 2 : window_;
+  if (place.used || in_flight_ >= most) {
     return false;
   }
   Place fresh;
@@ -192,6 +194,7 @@ bool FramedEngine::send_next() noexcept {
   }
   commit(place, size);
   credit_ += place.bytes;
+  in_flight_ += 1;
   next_id_ += 1;
   return true;
 }

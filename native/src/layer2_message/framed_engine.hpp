@@ -156,6 +156,7 @@ class FramedEngine final : public Engine {
   std::uint16_t base_id_ = 0;           // the oldest that is not answered, or next_id_
   std::uint32_t due_ = 0;               // places that are due
   std::uint32_t credit_ = 0;            // bytes of requests in flight
+  std::uint32_t in_flight_ = 0;         // requests: places that are used
   std::uint64_t order_ = 0;             // transmissions so far
   std::array<Place, window_max> places_;
 

@@ -177,7 +177,10 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     finish(*exchange, Status::cancelled);
     return;
   }
-  if (status == reply_status::behind && place.barrier) {
+  if (status == reply_status::behind && !place.barrier) {
+    return;  // to a copy sent before its barrier was set anew; the last one will be answered, too
+  }
+  if (status == reply_status::behind) {
     if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 && place.last_order > gone_back_order_) {
       posts_.go_back();
       gone_back_order_ = order_;
@@ -237,6 +240,7 @@ void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
 void FramedEngine::release(Place& place) noexcept {
   due_ -= place.due ? 1 : 0;
   credit_ -= place.bytes;
+  in_flight_ -= 1;
   place.used = place.due = false;
   while (base_id_ != next_id_ && !place_of(base_id_).used) {
     ++base_id_;

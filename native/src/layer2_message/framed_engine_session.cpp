@@ -118,7 +118,7 @@ void FramedEngine::lose_session() noexcept {
     }
   }
   base_id_ = next_id_ = 0;
-  credit_ = due_ = 0;
+  credit_ = due_ = in_flight_ = 0;
   waiting_.prepend(again);
   for (Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
     waiting->follows_ = 0;

@@ -115,6 +115,7 @@ NATIVE_MAY_INCLUDE = {
     "abi": {"abi", *LAYERS},
     "mapped_memory": {"mapped_memory", "layer0_driver"},
     "device": {"device", "layer1_stream", "layer0_driver"},
+    "faults": {"faults", "device", *LAYERS},
 }
 
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fault simulation for Python; tools/faults.py runs it.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+
+#include <string>
+#include <string_view>
+
+#include "bindings.hpp"
+#include "faults/simulation.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+namespace {
+
+nb::list profiles() {
+  nb::list result;
+  for (const faults::Profile& profile : faults::profiles()) {
+    result.append(nb::make_tuple(std::string(profile.name), std::string(profile.meaning)));
+  }
+  return result;
+}
+
+nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profile, bool framed, std::uint32_t clients, std::uint32_t window) {
+  const auto chosen = faults::find_profile(profile);
+  if (!chosen) {
+    throw nb::key_error(("no profile " + std::string(profile)).c_str());
+  }
+  faults::Report report;
+  {
+    const GilRelease released;
+    report = faults::run({.seed = seed, .messages = messages, .profile = *chosen, .framed = framed, .clients = clients, .window = window});
+  }
+  nb::dict result;
+  result["messages"] = report.messages;
+  result["good"] = report.good;
+  result["failed"] = report.failed;
+  result["unknown"] = report.unknown;
+  result["faults"] = report.faults;
+  result["resets"] = report.resets;
+  result["sessions"] = report.sessions;
+  result["retries"] = report.retries;
+  result["bus_writes"] = report.bus_writes;
+  result["virtual_s"] = report.virtual_s;
+  result["calm_rate_hz"] = report.calm_rate_hz;
+  result["faulty_rate_hz"] = report.faulty_rate_hz;
+  result["recovered_rate_hz"] = report.recovered_rate_hz;
+  nb::list violations;
+  for (const std::string& text : report.violations) {
+    violations.append(text);
+  }
+  result["violations"] = violations;
+  return result;
+}
+
+}  // namespace
+
+void bind_faults(nb::module_& module) {
+  module.def("fault_profiles", &profiles);
+  module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"), nb::arg("clients"),
+             nb::arg("window"));
+}
+
+}  // namespace unitylink::python

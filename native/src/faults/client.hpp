@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One user of the link. It does one operation at a time, on words that are its own, and believes nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "faults/faulty_wire.hpp"
+#include "faults/journal.hpp"
+#include "layer2_message/engine.hpp"
+
+namespace unitylink {
+class FramedEngine;
+}
+
+namespace unitylink::faults {
+
+// What all clients count together.
+struct Tally {
+  std::uint64_t messages = 0;  // requests and posts
+  std::uint64_t good = 0;
+  std::uint64_t failed = 0;
+  std::uint64_t unknown = 0;
+  std::uint32_t nonce = 0;     // the last value written by anybody
+};
+
+class Client {
+ public:
+  static constexpr std::uint32_t words = 8;
+
+  // `framed` is the engine, if it is that one.
+  Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally, std::uint64_t timeout_ns,
+         std::uint32_t attempts);
+
+  [[nodiscard]] Journal& journal() noexcept { return journal_; }
+  [[nodiscard]] bool busy() const noexcept { return begun_; }
+  // Begins an operation if none is under way, and judges the one that is if it is done. True: something was done.
+  bool step(std::uint64_t now_ns);
+
+ private:
+  enum class Kind : std::uint8_t { read, write, read_many, transfer, chain, posts };
+  static constexpr std::size_t exchanges_max = 8;
+
+  void begin(std::uint64_t now_ns);
+  void judge();
+  void judge_reads(const Exchange& exchange, const std::uint32_t* addresses, std::size_t count);
+  [[nodiscard]] std::uint32_t any_address() { return journal_.first() + static_cast<std::uint32_t>(random_() % words); }
+  [[nodiscard]] std::uint32_t next_value() noexcept { return ++tally_.nonce; }
+  Exchange& add(Operation operation);
+  void add_write(bool chained);
+  void post(std::uint64_t now_ns);
+
+  Engine& engine_;
+  FramedEngine* framed_;
+  Random& random_;
+  Tally& tally_;
+  std::uint64_t timeout_ns_;
+  std::uint32_t attempts_;
+  Journal journal_;
+
+  bool begun_ = false;
+  Kind kind_ = Kind::read;
+  std::size_t posts_ = 0;
+  std::uint64_t session_ = 0;  // in which they were made
+  std::size_t used_ = 0;
+  Batch batch_;
+  std::array<Exchange, exchanges_max> exchanges_;
+  std::array<std::uint32_t, words> read_addresses_{};
+  std::array<std::uint32_t, words> read_values_{};
+  std::array<std::uint32_t, words> write_addresses_{};
+  std::array<std::uint32_t, words> write_values_{};
+};
+
+}  // namespace unitylink::faults

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The oracle: what the device's bus really did, beside what it was allowed to do. Every value is written once in a run, so that an
+// execution names its request.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace unitylink::faults {
+
+// One write that somebody has asked for.
+struct Wish {
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;
+  std::uint64_t number = 0;  // of all wishes of the client
+  std::uint32_t times = 0;   // it was executed
+  bool unknown = false;      // that is what was told
+};
+
+// The words of one client, and its wishes in the order in which they must be executed.
+class Journal {
+ public:
+  Journal(std::uint32_t first, std::uint32_t words) : first_(first), truth_(words, 0), told_(words, 0) {}
+
+  [[nodiscard]] std::uint32_t first() const noexcept { return first_; }
+  [[nodiscard]] std::uint32_t words() const noexcept { return static_cast<std::uint32_t>(truth_.size()); }
+  [[nodiscard]] bool owns(std::uint32_t address) const noexcept { return address - first_ < truth_.size(); }
+
+  enum class Told : std::uint8_t { executed, not_executed, unknown };
+
+  // It is to be executed behind all that is wished already.
+  void wish(std::uint32_t address, std::uint32_t value) { wishes_.push_back({address, value, ++number_}); }
+  [[nodiscard]] std::size_t wishes() const noexcept { return wishes_.size(); }
+  // The outcome of the oldest wish.
+  void settle(Told told, const char* status = "");
+
+  // ---- of the device's bus
+  void on_write(std::uint32_t address, std::uint32_t value);
+  void on_reset() noexcept {
+    for (std::uint32_t& word : truth_) {
+      word = 0;
+    }
+    disturbed_ = true;
+  }
+
+  // The word as the device has it.
+  [[nodiscard]] std::uint32_t truth(std::uint32_t address) const noexcept { return truth_[address - first_]; }
+  // Words have changed since the operation began that it did not wish: it cannot know what it reads.
+  [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
+  void begin() noexcept { disturbed_ = false; }
+
+  [[nodiscard]] std::vector<std::string>& violations() noexcept { return violations_; }
+
+ private:
+  void accuse(const char* what, std::uint32_t address, std::uint32_t value);
+
+  std::uint32_t first_;
+  std::vector<std::uint32_t> truth_;
+  std::vector<std::uint64_t> told_;  // by word: the last wish that was told as executed
+  std::uint64_t number_ = 0;
+  std::deque<Wish> wishes_;
+  std::deque<Wish> past_;  // the last ones that are over
+  bool disturbed_ = false;
+  std::vector<std::string> violations_;
+};
+
+}  // namespace unitylink::faults

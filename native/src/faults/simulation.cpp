@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "faults/simulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "device/device.hpp"
+#include "faults/client.hpp"
+#include "faults/faulty_wire.hpp"
+#include "layer2_message/classic_engine.hpp"
+#include "layer2_message/framed_engine.hpp"
+
+namespace unitylink::faults {
+namespace {
+
+using device::Device;
+using device::DeviceConfiguration;
+
+constexpr std::uint64_t ms = 1'000'000;
+constexpr std::uint64_t second = 1'000 * ms;
+constexpr std::uint64_t recovery_ns = 50 * ms;    // after the last fault all must be as before
+constexpr std::uint64_t progress_ns = 20 * second; // something must have ended by then
+constexpr std::size_t violations_most = 20;
+constexpr std::uint64_t clock_ns = 20;            // of the device: 50 MHz
+constexpr std::uint32_t device_fifo = 2048;
+
+class Simulation {
+ public:
+  explicit Simulation(const Plan& plan)
+      : plan_(plan),
+        random_(plan.seed),
+        faults_(plan.profile),
+        there_(random_, border(), byte_ns(), delay_ns()),
+        back_(random_, border(), byte_ns(), delay_ns()) {
+    if (faults_.drawn) {
+      draw();
+    }
+    if (!plan.framed) {  // it cannot know a message from its double, nor bear another order
+      faults_.wire.repeat = faults_.wire.overtake = 0;
+    }
+    EngineSettings settings;
+    settings.receive_fifo_bytes = settings.transmit_fifo_bytes = 512;
+    settings.window = plan.window;
+    settings.timeout_ns = timeout_ns();
+    settings.byte_time_ns = byte_ns();
+    settings.seed = random_();
+    if (plan.framed) {
+      auto framed = std::make_unique<FramedEngine>(settings, false);
+      framed_ = framed.get();
+      engine_ = std::move(framed);
+    } else {
+      engine_ = std::make_unique<ClassicEngine>(settings);
+    }
+    make_device();
+    for (std::uint32_t number = 0; number < plan.clients; ++number) {
+      clients_.push_back(std::make_unique<Client>(number, *engine_, framed_, random_, tally_, timeout_ns(), plan.framed ? 6u : 4u));
+    }
+  }
+
+  Report run() {
+    greet();
+    std::uint64_t phase_begun = now_;
+    std::uint64_t phase_messages = 0;
+    enum class Phase { calm, faulty, recovering, recovered } phase = Phase::calm;
+    const auto rate = [&] { return now_ > phase_begun ? double(tally_.messages - phase_messages) * 1e9 / double(now_ - phase_begun) : 0; };
+    const auto enter = [&](Phase next) {
+      phase = next;
+      phase_begun = now_;
+      phase_messages = tally_.messages;
+    };
+    while (tally_.messages < plan_.messages && report_.violations.size() < violations_most) {
+      if (phase == Phase::calm && tally_.messages * 10 >= plan_.messages) {
+        report_.calm_rate_hz = rate();
+        set_faults(true);
+        enter(Phase::faulty);
+      } else if (phase == Phase::faulty && tally_.messages * 10 >= plan_.messages * 8) {
+        report_.faulty_rate_hz = rate();
+        set_faults(false);
+        enter(Phase::recovering);
+      } else if (phase == Phase::recovering && now_ >= phase_begun + recovery_ns) {
+        enter(Phase::recovered);
+      }
+      if (!step()) {
+        break;
+      }
+      if (phase == Phase::faulty) {
+        maybe_reset();
+      }
+    }
+    if (phase == Phase::recovered) {
+      report_.recovered_rate_hz = rate();
+    }
+    set_faults(false);
+    draining_ = true;  // every operation must come to its end
+    while (report_.violations.empty() && busy() && step()) {
+    }
+    collect();
+    return report_;
+  }
+
+ private:
+  [[nodiscard]] std::uint8_t border() const noexcept {
+    return static_cast<std::uint8_t>(plan_.framed ? protocol::frame::delimiter : static_cast<std::uint32_t>(protocol::bytes::line_feed));
+  }
+  [[nodiscard]] static std::uint64_t byte_ns() noexcept { return 833; }       // 12 MBd
+  [[nodiscard]] static std::uint64_t delay_ns() noexcept { return 125'000; }  // a USB microframe
+  [[nodiscard]] static std::uint64_t timeout_ns() noexcept { return 20 * ms; }
+
+  void draw() {
+    const auto rate = [this](double most) {
+      return random_() % 3 == 0 ? 0 : most * static_cast<double>(random_() % 1000) / 1000 * static_cast<double>(random_() % 1000) / 1000;
+    };
+    faults_.wire = {.flip = rate(0.01), .burst = rate(0.005), .lose_byte = rate(0.005), .double_byte = rate(0.005), .swap_bytes = rate(0.005),
+                    .insert_byte = rate(0.005), .lose = rate(0.3), .repeat = rate(0.5), .cut = rate(0.1), .late = rate(0.01),
+                    .late_ns = 1 * ms + random_() % (100 * ms), .overtake = plan_.framed ? rate(0.2) : 0};
+    faults_.reset = random_() % 4 == 0 ? rate(0.003) : 0;
+    faults_.pause = rate(0.001);
+    faults_.pause_ns = 500 * ms;
+  }
+
+  void make_device() {
+    DeviceConfiguration configuration;
+    configuration.address_bits = 16;
+    configuration.receive_fifo = configuration.transmit_fifo = device_fifo;
+    configuration.framed.window = plan_.window;
+    device_ = std::make_unique<Device>(configuration);
+    device_->observe([this](std::uint32_t address, std::uint32_t value) { on_write(address, value); });
+    device_begun_ = now_;
+  }
+
+  void on_write(std::uint32_t address, std::uint32_t value) {
+    report_.bus_writes += 1;
+    for (auto& client : clients_) {
+      if (client->journal().owns(address)) {
+        client->journal().on_write(address, value);
+        return;
+      }
+    }
+    report_.violations.push_back("a write to an address that is nobody's");
+  }
+
+  void greet() {
+    Exchange exchange;
+    exchange.operation = Operation::resynchronise;
+    exchange.timeout_ns = timeout_ns();
+    exchange.attempts_max = 5;
+    engine_->submit(exchange, now_);
+    while (!exchange.done() && step()) {
+    }
+    if (exchange.status != Status::ok) {
+      report_.violations.push_back("the device could not be greeted");
+    }
+    engine_->configure({.address_bytes = 2, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16,
+                        .rate_bytes = 2, .discovered = true});
+    greeted_ = true;
+  }
+
+  [[nodiscard]] bool busy() const {
+    return std::any_of(clients_.begin(), clients_.end(), [](const auto& client) { return client->busy(); });
+  }
+
+  void set_faults(bool on) {
+    there_.set(on ? faults_.wire : WireFaults{});
+    back_.set(on ? faults_.wire : WireFaults{});
+    faulty_ = on;
+  }
+
+  bool chance(double probability) {
+    return probability > 0 && static_cast<double>(random_() >> 11) * 0x1p-53 < probability;
+  }
+
+  void maybe_reset() {
+    if (tally_.messages == looked_at_) {
+      return;
+    }
+    const auto sent = static_cast<double>(tally_.messages - looked_at_);
+    looked_at_ = tally_.messages;
+    if (chance(faults_.pause * sent)) {
+      report_.faults += 1;
+      paused_until_ = now_ + random_() % faults_.pause_ns;
+    }
+    if (chance(faults_.reset * sent)) {
+      report_.faults += 1;
+      report_.resets += 1;
+      // Somewhere in the middle of what it does.
+      device_->run_until(device_->clock() + random_() % 2000);
+      carry_back();
+      back_.break_off(now_);
+      make_device();
+      for (auto& client : clients_) {
+        client->journal().on_reset();
+      }
+    }
+  }
+
+  // Everything that happens now, then to the next time at which something does. False: nothing ever will.
+  bool step() {
+    const bool host = now_ >= paused_until_;
+    if (host) {
+      back_.take(now_, [this](std::span<const std::uint8_t> bytes) { engine_->receive(bytes, now_); });
+      engine_->advance(now_);
+      if (greeted_) {
+        for (auto& client : clients_) {
+          if (client->busy() || !draining_) {
+            progress(client->step(now_));
+          }
+        }
+      }
+      for (auto bytes = engine_->transmit(now_); !bytes.empty(); bytes = engine_->transmit(now_)) {
+        there_.send(bytes, now_);
+        engine_->sent(bytes.size());
+      }
+    }
+    stepped_ = std::exchange(completed_, engine_->completed()) != engine_->completed() || stepped_;
+    there_.take(now_, [this](std::span<const std::uint8_t> bytes) {
+      for (const std::uint8_t byte : bytes) {
+        if (!device_->receive(byte)) {
+          device_->run_until(device_->clock() + 100);  // the wire waits for room, as one with flow control does
+          static_cast<void>(device_->receive(byte));
+        }
+      }
+    });
+    carry_back();
+    if (engine_->ended()) {
+      report_.violations.push_back("the engine has given up the link");
+      return false;
+    }
+    if (now_ - progressed_ns_ > progress_ns) {
+      report_.violations.push_back("no operation has ended for 20 s");
+      return false;
+    }
+    const std::uint64_t next = next_ns(host);
+    if (next == FaultyWire::never) {
+      if (draining_ && !busy()) {
+        return false;
+      }
+      report_.violations.push_back("nothing is under way, and nobody waits");
+      return false;
+    }
+    now_ = std::max(now_ + 1, next);
+    return true;
+  }
+
+  void progress(bool done) {
+    if (done) {
+      progressed_ns_ = now_;
+      stepped_ = true;
+    }
+  }
+
+  std::uint64_t next_ns(bool host) {
+    if (host && std::exchange(stepped_, false)) {
+      return now_ + 1000;  // the program thinks for a microsecond
+    }
+    std::uint64_t next = there_.next_ns();
+    const device::Clock due = std::min(device_->next_event(), device_->next_output());
+    if (due != device::never) {
+      next = std::min(next, device_begun_ + due * clock_ns);
+    }
+    if (!host) {
+      return std::min(next, paused_until_);
+    }
+    return std::min({next, back_.next_ns(), engine_->next_deadline_ns()});
+  }
+
+  void carry_back() {
+    device_->run_until(std::max(device_->clock(), (now_ - device_begun_) / clock_ns));
+    device::TimedByte timed;
+    while (device_->take(timed)) {
+      const std::uint8_t byte = timed.byte;
+      back_.send(std::span(&byte, 1), now_);
+    }
+  }
+
+  void collect() {
+    for (auto& client : clients_) {
+      for (std::string& text : client->journal().violations()) {
+        if (report_.violations.size() < violations_most) {
+          report_.violations.push_back(std::move(text));
+        }
+      }
+    }
+    report_.messages = tally_.messages;
+    report_.good = tally_.good;
+    report_.failed = tally_.failed;
+    report_.unknown = tally_.unknown;
+    report_.faults += there_.faults() + back_.faults();
+    report_.sessions = framed_ != nullptr ? framed_->sessions() : 0;
+    report_.retries = engine_->statistics().retries;
+    report_.virtual_s = static_cast<double>(now_) * 1e-9;
+  }
+
+  Plan plan_;
+  Random random_;
+  Profile faults_;
+  FaultyWire there_;
+  FaultyWire back_;
+  std::unique_ptr<Engine> engine_;
+  FramedEngine* framed_ = nullptr;
+  std::unique_ptr<Device> device_;
+  std::uint64_t device_begun_ = 0;
+  Tally tally_;
+  std::vector<std::unique_ptr<Client>> clients_;
+  Report report_;
+  std::uint64_t now_ = 1000 * ms;
+  std::uint64_t progressed_ns_ = 1000 * ms;
+  std::uint64_t paused_until_ = 0;
+  std::uint64_t looked_at_ = 0;
+  std::uint64_t completed_ = 0;
+  bool faulty_ = false;
+  bool greeted_ = false;
+  bool draining_ = false;
+  bool stepped_ = false;
+};
+
+}  // namespace
+
+Report run(const Plan& plan) { return Simulation(plan).run(); }
+
+}  // namespace unitylink::faults

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One history: an engine, a faulty wire and the twin, until so many messages have been sent. The same seed gives the same history.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "faults/profile.hpp"
+
+namespace unitylink::faults {
+
+struct Plan {
+  std::uint64_t seed = 1;
+  std::uint64_t messages = 10'000;
+  Profile profile;
+  bool framed = true;
+  std::uint32_t clients = 16;
+  std::uint32_t window = 32;  // requests in flight, a power of two
+};
+
+struct Report {
+  std::uint64_t messages = 0;        // requests and posts of the clients
+  std::uint64_t good = 0;
+  std::uint64_t failed = 0;
+  std::uint64_t unknown = 0;
+  std::uint64_t faults = 0;          // of the wire, resets and pauses
+  std::uint64_t resets = 0;
+  std::uint64_t sessions = 0;        // framed: opened
+  std::uint64_t retries = 0;
+  std::uint64_t bus_writes = 0;      // that the device executed
+  double virtual_s = 0;
+  double calm_rate_hz = 0;           // messages per second before the faults
+  double faulty_rate_hz = 0;
+  double recovered_rate_hz = 0;      // from 50 ms after the last fault on
+  std::vector<std::string> violations;
+};
+
+[[nodiscard]] Report run(const Plan& plan);
+
+}  // namespace unitylink::faults

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The engine keeps its promises on a bad wire; the long form is `make soak`."""
+
+from __future__ import annotations
+
+import pytest
+from click.testing import CliRunner
+
+from unitylink import _native
+from unitylink.tools.faults import RUN_MESSAGES, History, command, histories
+
+PROFILES = [name for name, _ in _native.fault_profiles()]
+
+
+@pytest.mark.parametrize("protocol", ["framed", "classic"])
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_history(profile: str, protocol: str) -> None:
+    for window in (1, 32):
+        history = History(7, 4000, profile, protocol, 16, window)
+        report = history.run()
+        assert report["violations"] == [], history.command()
+        assert report["messages"] >= 4000
+        assert report["good"] > 0
+        assert (report["faults"] > 0) == (profile != "quiet")
+
+
+@pytest.mark.parametrize("profile", ["mixed", "resets"])
+def test_the_same_seed_gives_the_same_history(profile: str) -> None:
+    history = History(3, 3000, profile, "framed", 16, 32)
+    assert history.run() == history.run()
+    assert history.run() != History(4, 3000, profile, "framed", 16, 32).run()
+
+
+@pytest.mark.parametrize("profile", ["flips", "messages", "resets", "mixed"])
+def test_all_is_as_before_after_the_faults(profile: str) -> None:
+    """On the virtual clock: from 50 ms after the last fault on, 95 % of the rate before the first."""
+    report = History(1, 40_000, profile, "framed", 16, 32).run()
+    assert report["recovered_rate_hz"] >= 0.95 * report["calm_rate_hz"]
+
+
+def test_a_long_run_is_cut_into_histories() -> None:
+    whole = History(5, 2 * RUN_MESSAGES + 1, "flips", "framed", 16, 32)
+    cut = list(histories(whole))
+    assert [(h.seed, h.messages) for h in cut] == [(5, RUN_MESSAGES), (6, RUN_MESSAGES), (7, 1)]
+
+
+def test_the_command() -> None:
+    done = CliRunner().invoke(command, ["--messages", "2000", "--profile", "loss"], standalone_mode=False)
+    assert done.exception is None
+    assert done.output.splitlines()[-1].endswith("faults, 0 violations")
+    assert done.return_value == 0
+
+
+def test_an_unknown_profile_names_those_there_are() -> None:
+    done = CliRunner().invoke(command, ["--profile", "gremlins"])
+    assert done.exit_code == 2
+    assert "mixed" in done.output

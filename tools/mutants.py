@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Make the mistakes of native/mutants.toml, one at a time, and see the fault simulation catch each.
+
+    python tools/mutants.py              all of them
+    python tools/mutants.py --sample 3   three of them
+    python tools/mutants.py --only dedup
+
+Needs what `make native-tests` builds: a mutant is its changed files compiled anew and linked before the library.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCES = ROOT / "native" / "src"
+BUILD = ROOT / "build" / "native"
+MESSAGES = 10_000
+SEEDS = 3  # a history each; the mutant is caught if one of them fails
+MAIN = ROOT / "native" / "fuzz" / "fuzz_faults.cpp"
+FLAGS = ["-std=c++20", "-O1", "-pthread"]
+
+
+def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
+    """Write the changed files into `folder`; return what must be compiled with them."""
+    texts: dict[str, str] = {}
+    for edit in (mutant, *([mutant["also"]] if "also" in mutant else [])):
+        name = edit["file"]
+        text = texts.get(name, (SOURCES / name).read_text(encoding="utf-8"))
+        if text.count(edit["find"]) != 1:
+            times = text.count(edit["find"])
+            raise SystemExit(f"{mutant['name']}: {name} has this {times} times: {edit['find']}")
+        texts[name] = text.replace(edit["find"], edit["replace"])
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    units = [folder / name for name in texts if name.endswith(".cpp")]
+    for pattern in mutant.get("units", []):
+        found = sorted(SOURCES.glob(pattern))
+        units += [path for path in found if not (folder / path.relative_to(SOURCES)).exists()]
+    return units
+
+
+def build(mutant: dict[str, Any], folder: Path) -> Path:
+    """Compile and link one mutant."""
+    include = [f"-I{folder}", f"-I{SOURCES}", f"-I{ROOT / 'native' / 'include'}"]
+    objects = []
+    for number, unit in enumerate([*changed(mutant, folder), MAIN]):
+        objects.append(str(folder / f"{number}.o"))
+        subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)
+    program = folder / "mutant"
+    subprocess.run(
+        ["g++", *FLAGS, *objects, str(BUILD / "libunitylink_core.a"), "-ldl", "-o", str(program)], check=True
+    )
+    return program
+
+
+def caught(mutant: dict[str, Any]) -> str:
+    """Return what the simulation says of a mutant, "" if nothing."""
+    with tempfile.TemporaryDirectory(prefix="unitylink-mutant-") as folder:
+        program = build(mutant, Path(folder))
+        for seed in range(1, SEEDS + 1):
+            history = ["--seed", str(seed), "--messages", str(MESSAGES), "--profile", mutant["profile"]]
+            done = subprocess.run(
+                [str(program), *history], capture_output=True, text=True, timeout=120, check=False
+            )
+            if done.returncode:
+                lines = done.stdout.splitlines()
+                return lines[1].strip() if len(lines) > 1 else f"it died with {done.returncode}"
+    return ""
+
+
+def main() -> int:
+    plain = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=plain)
+    parser.add_argument("--sample", type=int, default=0, metavar="N")
+    parser.add_argument("--only", default="", metavar="TEXT")
+    arguments = parser.parse_args()
+    if not (BUILD / "libunitylink_core.a").exists():
+        raise SystemExit("no build/native: run `make native-tests` first")
+    table = tomllib.loads((ROOT / "native" / "mutants.toml").read_text(encoding="utf-8"))
+    mutants = [mutant for mutant in table["mutant"] if arguments.only in mutant["name"]]
+    if arguments.sample:
+        mutants = mutants[:: -(-len(mutants) // arguments.sample)]
+    missed = 0
+    with ThreadPoolExecutor(2) as pool:
+        for mutant, verdict in zip(mutants, pool.map(caught, mutants), strict=True):
+            missed += not verdict
+            print(f"{'caught' if verdict else 'MISSED'}  {mutant['name']}: {verdict}", flush=True)
+    print(f"{len(mutants) - missed} of {len(mutants)} mutants caught")
+    return int(missed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
