@@ -5,7 +5,7 @@
     python tools/mutants.py --sample 3   three of them
     python tools/mutants.py --only dedup
 
-Needs what `make native-tests` builds: a mutant is its changed files compiled anew and linked before the library.
+Needs what `make native-tests` builds: of a mutant the changed files are compiled anew.
 """
 
 from __future__ import annotations
