@@ -89,6 +89,7 @@ typedef struct {
   uint64_t requests, replies, device_errors, retries, timeouts, fences, checksum_errors, malformed_messages, datalink_errors;
   uint64_t stale_replies, garbage_bytes, publishes, unclaimed_publishes, mismatched_publishes, overruns;
   uint64_t bytes_sent, bytes_received;
+  uint64_t posts, missing_publishes, sessions; /* of the framed protocol; left out where size ends before them */
 } ul_statistics;
 
 typedef struct {
@@ -135,6 +136,21 @@ UL_API ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t c
 UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
                                const ul_options* options);
 
+/* Which protocol the device speaks: "framed" or "classic". Never NULL. docs/protocol.md */
+UL_API const char* ul_protocol(ul_link* link);
+/* Writes, then reads; framed: in one message each way where the device's buffers allow. Each is done once, or the status is UL_UNKNOWN: the
+ * device was reset meanwhile. `atomic` 1: with the bus held from the first word to the last, or UL_MISMATCH. */
+UL_API ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes,
+                             const uint32_t* addresses, uint32_t* values, size_t reads, int32_t atomic, const ul_options* options);
+/* Writes without answers, in order, at the full rate of the line. On a classic link they are ordinary writes. */
+UL_API ul_status ul_post(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options);
+/* Returns when all posts have been executed. UL_BUS_ERROR: some failed since the last call. UL_UNKNOWN: the device was reset before it had
+ * confirmed them. */
+UL_API ul_status ul_sync(ul_link* link, const ul_options* options);
+/* The device's own registers, `count` from `address` on. UL_MISMATCH on a classic link, UL_PROTOCOL_ERROR where there is none. */
+UL_API ul_status ul_read_control(ul_link* link, uint32_t address, uint32_t* values, size_t count, const ul_options* options);
+UL_API ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, const ul_options* options);
+
 /* The words at `addresses` together, published by the device. `subscription` names it from then on; the number never comes back.
  * Errors as requests; UL_MISMATCH also when no group is left, none is so large, or the line too slow. */
 UL_API ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
@@ -148,6 +164,8 @@ UL_API ul_status ul_drain(ul_link* link, uint32_t subscription, double* times_s,
 UL_API ul_status ul_wait_publish(ul_link* link, uint32_t subscription, uint64_t timeout_ns);
 /* Publishes overwritten before they were drained. */
 UL_API ul_status ul_lost(ul_link* link, uint32_t subscription, uint64_t* lost);
+/* Publishes lost on the way; always 0 on a classic link, where nothing tells. */
+UL_API ul_status ul_missing(ul_link* link, uint32_t subscription, uint64_t* missing);
 
 #ifdef __cplusplus
 }

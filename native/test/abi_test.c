@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * unitylink.h used from C. Returns 0, or the line that went wrong. */
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -45,7 +46,23 @@ int abi_test(const char* url) {
 
   memset(&statistics, 0, sizeof statistics);
   statistics.size = sizeof statistics;
-  EXPECT(ul_get_statistics(link, &statistics) == UL_OK && statistics.requests >= 8);
+  EXPECT(ul_get_statistics(link, &statistics) == UL_OK && statistics.requests >= 6);
+  statistics.size = offsetof(ul_statistics, posts); /* a program of version 0.1.0 */
+  EXPECT(ul_get_statistics(link, &statistics) == UL_OK);
+
+  addresses[0] = 0x20;
+  EXPECT(ul_transfer(link, addresses, values, 3, addresses, values, 3, 0, NULL) == UL_OK && values[0] == 1 && values[2] == 3);
+  EXPECT(ul_transfer(link, NULL, values, 3, addresses, values, 3, 0, NULL) == UL_ARGUMENT);
+  values[1] = 77;
+  EXPECT(ul_post(link, addresses, values, 3, NULL) == UL_OK && ul_sync(link, NULL) == UL_OK);
+  EXPECT(ul_read(link, 0x11, &value, NULL) == UL_OK && value == 77);
+  if (strcmp(ul_protocol(link), "framed") == 0) {
+    EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_OK && value == 0x554C4652);
+    EXPECT(ul_read_control(link, 0, &value, 0, NULL) == UL_RANGE);
+    EXPECT(ul_write_control(link, 0, 1, NULL) == UL_PROTOCOL_ERROR);
+  } else {
+    EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_MISMATCH);
+  }
   EXPECT(ul_close(link) == UL_OK && ul_close(link) == UL_OK);
   EXPECT(ul_read(link, 0x12, &value, NULL) == UL_CLOSED);
   ul_free(link);

@@ -13,6 +13,8 @@
 
 using namespace unitylink;
 
+extern "C" int abi_test(const char* url);
+
 namespace {
 
 struct Desk {
@@ -143,4 +145,10 @@ TEST_CASE("the device's own registers, and a spec that is not the gateware's") {
   const Desk other("spec_hash=1235", configuration);
   CHECK(other.outcome.status == Status::mismatch);
   CHECK(other.outcome.text.find("0000000000001235") != std::string::npos);
+}
+
+TEST_CASE("the C ABI over frames, from C") {
+  device::Board board(device::DeviceConfiguration{}, device::make_endpoint("fd", "127.0.0.1"));
+  board.start();
+  CHECK(abi_test(board.url().c_str()) == 0);
 }

@@ -2,6 +2,7 @@
 // The C ABI over unitylink::Link. Nothing thrown leaves this file.
 #include "unitylink.h"
 
+#include <cstddef>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -156,12 +157,13 @@ ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration) {
 }
 
 ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
-  if (link == nullptr || !known(statistics)) {
+  constexpr std::uint32_t first_size = offsetof(ul_statistics, posts);  // of version 0.1.0
+  if (link == nullptr || statistics == nullptr || (statistics->size != first_size && !known(statistics))) {
     return bad_argument(unknown_size);
   }
   return guarded([&] {
     const Statistics has = link->link->statistics();
-    *statistics = {sizeof(ul_statistics),
+    const ul_statistics all = {statistics->size,
                    0,
                    has.requests,
                    has.replies,
@@ -179,7 +181,11 @@ ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
                    has.mismatched_publishes,
                    has.overruns,
                    has.bytes_sent,
-                   has.bytes_received};
+                   has.bytes_received,
+                   has.posts,
+                   has.missing_publishes,
+                   has.sessions};
+    std::memcpy(statistics, &all, statistics->size);
     return ul_status{UL_OK};
   });
 }
@@ -223,6 +229,53 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
     return bad_argument(null_pointer);
   }
   return guarded([&] { return told(link->link->write_many({addresses, count}, {values, count}, how)); });
+}
+
+const char* ul_protocol(ul_link* link) { return link != nullptr && link->link->framed() ? "framed" : "classic"; }
+
+ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes, const uint32_t* addresses,
+                      uint32_t* values, size_t reads, int32_t atomic, const ul_options* options) {
+  RequestOptions how;
+  const bool missing = (writes > 0 && (write_addresses == nullptr || write_values == nullptr)) ||
+                       (reads > 0 && (addresses == nullptr || values == nullptr));
+  if (link == nullptr || missing || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr || missing ? null_pointer : unknown_size);
+  }
+  return guarded([&] {
+    return told(link->link->transfer({write_addresses, writes}, {write_values, writes}, {addresses, reads}, {values, reads}, atomic != 0, how));
+  });
+}
+
+ul_status ul_post(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, false, how)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->post({addresses, count}, {values, count}, how)); });
+}
+
+ul_status ul_sync(ul_link* link, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || !request_options(options, true, how)) {
+    return bad_argument(link == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->sync(how)); });
+}
+
+ul_status ul_read_control(ul_link* link, uint32_t address, uint32_t* values, size_t count, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || values == nullptr || !request_options(options, true, how)) {
+    return bad_argument(link == nullptr || values == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->read_control(address, {values, count}, how)); });
+}
+
+ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->write_control(address, value, how)); });
 }
 
 ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* subscription) {
@@ -271,6 +324,16 @@ ul_status ul_lost(ul_link* link, uint32_t subscription, uint64_t* lost) {
   }
   return guarded([&] {
     *lost = link->link->lost(subscription);
+    return ul_status{UL_OK};
+  });
+}
+
+ul_status ul_missing(ul_link* link, uint32_t subscription, uint64_t* missing) {
+  if (link == nullptr || missing == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    *missing = link->link->missing(subscription);
     return ul_status{UL_OK};
   });
 }

@@ -173,6 +173,10 @@ Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> value
   if (!framed_) {
     return classic_only("reading the device's own registers");
   }
+  if (values.empty() || values.size() > words_max || address > 0xFFFF) {
+    return {Status::range, "control registers: 1 to 255 of them from an address of 16 bits, not " + std::to_string(values.size()) +
+                               " from " + hex_address(address, 2)};
+  }
   Exchange exchange;
   prepare(exchange, how);
   exchange.repeat = true;
@@ -186,6 +190,9 @@ Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> value
 Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how) {
   if (!framed_) {
     return classic_only("writing the device's own registers");
+  }
+  if (address > 0xFFFF) {
+    return {Status::range, "control registers have addresses of 16 bits, not " + hex_address(address, 2)};
   }
   Exchange exchange;
   prepare(exchange, how);
