@@ -356,7 +356,9 @@ begin
       subscription_request.place <= unsigned(instruction(number_f'left) & instruction(number_f));
     end if;
     subscription_request.word(address'range)              <= address;
-    subscription_request.rate(8 * rate_bytes - 1 downto 0) <= data(minimum(data'length, 8 * rate_bytes) - 1 downto 0);
+    -- Without publishing there may be less data than a rate has.
+    subscription_request.rate <= std_ulogic_vector(
+      resize(unsigned(data(minimum(data'length, 8 * rate_bytes) - 1 downto 0)), 32));
     case instruction(manage_f) is
       when manage_write_word => subscription_request.write_word <= '1';
       when manage_empty      => subscription_request.empty      <= '1';

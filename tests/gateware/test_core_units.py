@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from unitylink.gateware import netlist
+
 BENCHES: list[tuple[str, dict[str, Any]]] = [
     ("fifo_tb", {"depth": 2}),
     ("fifo_tb", {"depth": 16, "seed": 5}),
@@ -47,6 +49,10 @@ BENCHES: list[tuple[str, dict[str, Any]]] = [
 )
 def test_bench(ghdl: Any, bench: str, generics: dict[str, Any]) -> None:
     ghdl.run(bench, **generics)
+
+
+def test_words_narrower_than_a_rate_do_without_publishing() -> None:
+    assert "module core" in netlist("core", generics={"data_width": 8, "publish_mode": 0}, assertions=False)
 
 
 def test_generics_that_may_not_be(ghdl: Any) -> None:

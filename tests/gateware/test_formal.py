@@ -30,7 +30,7 @@ def block_of(tools: Any, name: str) -> Any:
     return next(block for block in tools("blocks").BLOCKS if block.name == name)
 
 
-QUICK = ["fifo"]
+QUICK = ["fifo", "crc8", "wishbone_interconnect"]
 
 
 @pytest.mark.parametrize("name", QUICK)
@@ -44,7 +44,7 @@ def test_a_quick_block_is_proven(tools: Any, name: str) -> None:
 @pytest.mark.parametrize("name", QUICK)
 def test_a_quick_block_notices_a_fault(tools: Any, name: str) -> None:
     block = block_of(tools, name)
-    assert tools("prove").catch(block, block.mutants[0])
+    assert tools("prove").catch(block, block.mutants[0]) in RECORD[name]["properties"]
 
 
 def test_a_fault_that_is_none_is_not_noticed(tools: Any) -> None:
@@ -96,7 +96,11 @@ def test_the_record_is_complete_and_the_page_is_the_record(tools: Any) -> None:
     assert list(RECORD) == [block.name for block in blocks], "`make formal` proves what is new"
     for block in blocks:
         found = RECORD[block.name]
-        written = {label for label, kind, _ in tools("page").sentences(block.name) if kind == "assert"}
+        written = {
+            re.sub(r".*\.", "", label)
+            for label, kind, _ in tools("page").sentences(block.name)
+            if kind == "assert"
+        }
         proven = {re.sub(r".*\.", "", name) for name in found["properties"]}
         assert written <= proven, block.name
         assert (found["depth"], found["induction"], found["pdr"]) == (

@@ -20,10 +20,10 @@ class Mutant:
 class Block:
     """One property file, gateware/formal/<name>_formal.vhd, and what is asked of the solvers.
 
-    Within `depth` clocks from power-up z3 searches for a violation, and every cover must be reached. Beyond
-    that, any of: with `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC
-    finds an invariant; `deep` is how many clocks ABC searches. With neither of the first two the proof is
-    shallow and the page says so.
+    Within `depth` clocks from power-up z3 searches for a violation, within `deep` ABC. Beyond that: with
+    `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC finds an invariant.
+    With neither the proof is shallow and the page says so. Every cover must be reached within `reach` clocks,
+    or else `depth`.
     """
 
     name: str
@@ -31,6 +31,7 @@ class Block:
     depth: int
     mutants: tuple[Mutant, ...]
     deep: int = 0
+    reach: int = 0
     induction: int | None = None
     pdr: bool = False
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
@@ -44,8 +45,13 @@ class Block:
 
     @property
     def searched(self) -> int:
-        """Clocks from power-up that were searched for a violation."""
+        """Clocks from power-up that are searched for a violation."""
         return max(self.depth, self.deep)
+
+    @property
+    def reached(self) -> int:
+        """Clocks within which every cover must be reached."""
+        return self.reach or self.depth
 
 
 BLOCKS = (
@@ -60,6 +66,237 @@ BLOCKS = (
             Mutant("fifo.vhd", "store <= write_valid and not full;", "store <= write_valid;"),
             Mutant("fifo.vhd", "load or (loaded and not read_ready)", "load or loaded"),
             Mutant("fifo.vhd", "load  <= not empty and", "load  <= "),
+        ),
+    ),
+    Block(
+        "crc8",
+        "The checksum of the classic datalink, `datalink_pkg.next_checksum`, polynomial 07",
+        depth=2,
+        induction=1,
+        quick=True,
+        not_proven="other polynomials (the benches try them); `xor`",
+        mutants=(
+            Mutant(
+                "datalink_pkg.vhd",
+                "rest(place) := rest(place) xor bit7;",
+                "rest(place) := rest(place) or bit7;",
+            ),
+            Mutant("datalink_pkg.vhd", "for step in 0 to 7 loop", "for step in 0 to 6 loop"),
+        ),
+    ),
+    Block(
+        "wishbone_master",
+        "`bus/wishbone_master`, 2-bit address, 8-bit data, time-out of 3 clocks",
+        depth=16,
+        pdr=True,
+        not_proven="a slave that answers more than twice the time-out late",
+        mutants=(
+            Mutant("wishbone_master.vhd", "resting <= '1';", "resting <= '0';"),
+            Mutant("wishbone_master.vhd", "        held    <= '0';\n      elsif", "      elsif"),
+            Mutant("wishbone_master.vhd", "strobe and not expired;", "strobe;"),
+            Mutant(
+                "wishbone_master.vhd",
+                "or wishbone_s2m.ack = '1' or wishbone_s2m.err = '1' then",
+                "or waited = 1 then",
+            ),
+        ),
+    ),
+    Block(
+        "wishbone_interconnect",
+        "`bus/wishbone_interconnect`, three slaves, 32-bit addresses",
+        depth=4,
+        induction=2,
+        quick=True,
+        not_proven="other maps; arbitration, for there is one master",
+        mutants=(
+            Mutant("wishbone_interconnect.vhd", "and not (or hit);", "and (nor hit) and not master_m2s.we;"),
+            Mutant("wishbone_interconnect.vhd", "master_m2s.stb and hit(slave);", "master_m2s.stb;"),
+            Mutant(
+                "wishbone_interconnect.vhd",
+                "unsigned(master_m2s.adr) <= last",
+                "unsigned(master_m2s.adr) < last",
+            ),
+        ),
+    ),
+    Block(
+        "wishbone_memory",
+        "`bus/wishbone_memory`, 4 words of 8 bits",
+        depth=10,
+        pdr=True,
+        not_proven="other sizes",
+        mutants=(
+            Mutant(
+                "wishbone_memory.vhd",
+                "unsigned(wishbone_m2s.adr) < words",
+                "unsigned(wishbone_m2s.adr) <= words",
+            ),
+            Mutant("wishbone_memory.vhd", "asked and not inside and not reset;", "asked and not reset;"),
+        ),
+    ),
+    Block(
+        "double_buffer_slave",
+        "`bus/double_buffer_slave`, 2 words of 8 bits",
+        depth=10,
+        pdr=True,
+        not_proven="other sizes; a reset in the middle of its work",
+        mutants=(
+            Mutant(
+                "double_buffer_slave.vhd",
+                "write_index <= (not visible) & index;",
+                "write_index <= visible & index;",
+            ),
+            Mutant(
+                "double_buffer_slave.vhd",
+                "banks(to_integer(unsigned'(visible & index)));",
+                "banks(to_integer(unsigned'(not visible & index)));",
+            ),
+            Mutant(
+                "double_buffer_slave.vhd",
+                "user_write_ready <= not wishbone_m2s.cyc;",
+                "user_write_ready <= not wishbone_m2s.stb;",
+            ),
+        ),
+    ),
+    Block(
+        "axi_lite_master",
+        "`bus/axi_lite_master`, 4-bit address, 8-bit data, time-out of 3 clocks",
+        depth=14,
+        pdr=True,
+        not_proven="whether a write that ended `silent` happened: AXI cannot say",
+        mutants=(
+            Mutant("axi_lite_master.vhd", "if over = '1' and given_up = '0' then", "if over = '1' then"),
+            Mutant("axi_lite_master.vhd", "ar <= ar and not axi_lite_s2m.arready;", "ar <= '0';"),
+            Mutant("axi_lite_master.vhd", "          given_up <= '1';", "          given_up <= '0';"),
+        ),
+    ),
+    Block(
+        "uart_tx",
+        "`physical/uart_tx`, 8N1, 4 clocks a bit",
+        depth=12,
+        deep=60,
+        reach=45,
+        pdr=True,
+        not_proven="parity, two stop bits, bits of no whole number of clocks: the benches try them",
+        mutants=(
+            Mutant("uart_tx.vhd", "left = 1 and tick = '1') else", "left = 1) else"),
+            Mutant("uart_tx.vhd", "phase <= to_unsigned(increment, bits + 1);", "phase <= (others => '0');"),
+            Mutant("uart_tx.vhd", "shift <= '1' & shift(9 downto 1);", "shift <= '0' & shift(9 downto 1);"),
+        ),
+    ),
+    Block(
+        "uart_rx",
+        "`physical/uart_rx`, 8N1, 8 clocks a bit",
+        depth=12,
+        deep=110,
+        reach=100,
+        not_proven="frames after the first; parity, fast or slow senders, spikes: the benches try them",
+        mutants=(
+            Mutant(
+                "uart_rx.vhd",
+                "shift    <= level & shift(7 downto 1);",
+                "shift    <= shift(6 downto 0) & level;",
+            ),
+            Mutant("uart_rx.vhd", "error(framing_error_bit) := '1';", "error(framing_error_bit) := '0';"),
+            Mutant("uart_rx.vhd", "all_low  <= '1';", "null;"),
+        ),
+    ),
+    Block(
+        "receiver",
+        "`datalink/decoder` and `datalink/receiver`, CRC-8, messages of fewer than 5 entries",
+        depth=7,
+        deep=12,
+        reach=8,
+        pdr=True,
+        not_proven="which of several errors is told: the recordings of the 2012 gateware say it",
+        mutants=(
+            Mutant("receiver.vhd", "if in_tail = '1' and pairs = '1'", "if pairs = '1'"),
+            Mutant("receiver.vhd", "(not in_tail or or sum or", "(not in_tail or"),
+            Mutant(
+                "receiver.vhd",
+                "to_bit(entries = message_entries - 2);",
+                "to_bit(entries = message_entries - 1);",
+            ),
+        ),
+    ),
+    Block(
+        "application",
+        "`application/application`, 8-bit address and data, read-many of 2 words, no publishing",
+        depth=6,
+        deep=12,
+        reach=20,
+        pdr=True,
+        not_proven="publishing and the commands of groups; buses that answer later; other widths",
+        mutants=(
+            Mutant("application.vhd", "not (request.missing = '1' and serving = '1') then", "true then"),
+            Mutant(
+                "application.vhd",
+                "request_done <= instruction(do_finish) and word_ready and serving;",
+                "request_done <= instruction(do_finish) and serving;",
+            ),
+            Mutant("application.vhd", "if bii_response.status = silent then", "if false then"),
+            Mutant(
+                "program_pkg.vhd",
+                "take_bytes(data_bytes, act(do_shift_data), act(do_write), missing_data);",
+                "take_bytes(data_bytes, act(do_shift_data), act(do_read), missing_data);",
+            ),
+        ),
+    ),
+    Block(
+        "subscription_manager",
+        "`application/subscription_manager`, two groups, a strobe every 8 clocks, rates up to 2",
+        depth=6,
+        deep=40,
+        reach=45,
+        pdr=True,
+        not_proven="more groups, higher rates, what the memory of addresses holds, events by edge",
+        mutants=(
+            Mutant(
+                "subscription_manager.vhd",
+                "wanting      <= filled and (due or tripped);",
+                "wanting      <= due or tripped;",
+            ),
+            Mutant(
+                "subscription_manager.vhd",
+                "rates(word_group) <= new_rate - 1;",
+                "rates(word_group) <= new_rate;",
+            ),
+            Mutant("subscription_manager.vhd", "last_served <= group_number;", "last_served <= 0;"),
+        ),
+    ),
+    Block(
+        "ft245_async",
+        "`physical/ft245_async` at 50 MHz, buffers of 2 bytes",
+        depth=8,
+        deep=20,
+        reach=20,
+        pdr=True,
+        not_proven="that no byte is lost between chip and buffers: the chip model of the benches tries it",
+        mutants=(
+            Mutant("ft245_async.vhd", "count <= read_clocks - 1;", "count <= 0;"),
+            Mutant("ft245_async.vhd", "flush      <= send_item(8);", "flush      <= '1';"),
+            Mutant(
+                "ft245_async.vhd", "state   <= holding;", "state   <= idle;\n            data_drive <= '0';"
+            ),
+        ),
+    ),
+    Block(
+        "tosnet_slave",
+        "The commit of `bus/tosnet_slave`, two words, cycles of 5 clocks",
+        depth=6,
+        deep=14,
+        reach=20,
+        pdr=True,
+        not_proven="the whole memory, what the PC reads of it, the asynchronous channel, halting",
+        mutants=(
+            Mutant(
+                "tosnet_slave.vhd",
+                "committed      <= exchange and pending;",
+                "committed      <= cycle_ends and pending;",
+            ),
+            Mutant(
+                "tosnet_slave.vhd", "commit or (commit_pending and not store);", "commit or commit_pending;"
+            ),
+            Mutant("tosnet_slave.vhd", "hidden      <= write_words;", "hidden      <= hidden;"),
         ),
     ),
 )

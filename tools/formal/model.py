@@ -30,9 +30,11 @@ _PSL = tuple(
 )
 
 # `setundef` before anything is optimised: what the VHDL leaves open stays open, and is not what suits yosys.
-_PREPARE = """
+# `rename -hide` of the names GHDL made up: so nets keep those of the VHDL, and traces can be read.
+_SCRIPT = """
 read_verilog -formal {verilog}
 hierarchy -check -top {top}
+rename -hide w:n*_o w:n*_q
 proc
 setundef -undriven -anyseq
 flatten
@@ -43,20 +45,36 @@ opt -full
 async2sync
 opt_clean
 check -assert
+dffunmap
+write_smt2 {smt2}
+chformal -cover -remove
+techmap
+opt_clean
+setundef -undriven -anyseq
+aigmap
+opt_clean
+write_aiger -zinit -no-startoffset -map {aiger}.map {aiger}
 """
-_SMT2 = "dffunmap; write_smt2 {smt2}"
-_AIGER = "chformal -cover -remove; techmap; opt_clean; aigmap; opt_clean; write_aiger -zinit {aiger}"
 
 
 @dataclass(frozen=True)
 class Model:
-    """What the solvers are given, and the names of the properties in it."""
+    """What the solvers are given, and what it asserts: names in the order in which ABC numbers them."""
 
     top: str
     smt2: Path
     aiger: Path
     asserted: tuple[str, ...]
-    covered: tuple[str, ...]
+
+    @property
+    def witness(self) -> Path:
+        """Where ABC puts the inputs that violate something."""
+        return self.aiger.with_suffix(".aiw")
+
+    @property
+    def named(self) -> list[str]:
+        """What has a label; GHDL numbers asserts that have none, as those about generics."""
+        return sorted(name for name in self.asserted if not re.fullmatch(r"n\d+", name.rpartition(".")[2]))
 
 
 def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
@@ -66,19 +84,25 @@ def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
     ghdl = Ghdl(folder, sources)
     verilog, vhdl = (ghdl.synthesise(block.top, language, block.generics) for language in ("verilog", "vhdl"))
-    (folder / "model.v").write_text(with_properties(repaired(verilog, vhdl)), encoding="utf-8")
-    smt2, aiger = folder / "model.smt2", folder / "model.aig"
-    script = _PREPARE.format(verilog=folder / "model.v", top=block.top)
-    steps = [*script.split("\n"), _SMT2.format(smt2=smt2), _AIGER.format(aiger=aiger)]
-    code, said = run(["yosys", "-q", "-p", "; ".join(step for step in steps if step)])
+    return _made(with_properties(repaired(verilog, vhdl)), block.top, folder / "model.v")
+
+
+def unreachable(model: Model) -> Model:
+    """Return the model that asserts of each cover that it is never reached, and nothing else."""
+    source = model.smt2.with_suffix(".v")
+    verilog = re.sub(r"(?m)^.*\bassert\(.*$", "", source.read_text(encoding="utf-8"))
+    return _made(re.sub(r"\bcover\(", "assert(!", verilog), model.top, source.with_name("covers.v"))
+
+
+def _made(verilog: str, top: str, source: Path) -> Model:
+    source.write_text(verilog, encoding="utf-8")
+    smt2, aiger = source.with_suffix(".smt2"), source.with_suffix(".aig")
+    script = _SCRIPT.format(verilog=source, top=top, smt2=smt2, aiger=aiger)
+    code, said = run(["yosys", "-q", "-p", "; ".join(filter(None, script.split("\n")))])
     if code != 0:
-        raise ToolError(f"yosys refuses the model of {block.name}:\n{said[-3000:]}")
-    text = smt2.read_text(encoding="utf-8")
-    asserted = re.findall(r"^; yosys-smt2-assert \d+ (\S+)", text, re.MULTILINE)
-    covered = re.findall(r"^; yosys-smt2-cover \d+ (\S+)", text, re.MULTILINE)
-    return Model(
-        block.top, smt2, aiger, tuple(filter(_is_named, asserted)), tuple(filter(_is_named, covered))
-    )
+        raise ToolError(f"yosys refuses the model of {top}:\n{said[-3000:]}")
+    names = re.findall(r"^; yosys-smt2-assert \d+ (\S+)", smt2.read_text(encoding="utf-8"), re.MULTILINE)
+    return Model(top, smt2, aiger, tuple(names))
 
 
 def with_properties(verilog: str) -> str:
@@ -115,8 +139,3 @@ def _mutated(path: Path, mutant: Mutant, folder: Path) -> Path:
     copy = folder / path.name
     copy.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
     return copy
-
-
-def _is_named(name: str) -> bool:
-    """Tell labels from the numbers GHDL gives to asserts without one, as those about generics."""
-    return re.fullmatch(r"n\d+", name.rpartition(".")[2]) is None

@@ -10,45 +10,51 @@ from model import Model, run
 
 from unitylink.errors import ToolError
 
+_ASSERTED = re.compile(r"Output (\d+)\b.* was asserted in frame +(\d+)")
+_NO_MEMORY = "Does not work for combinational networks"  # of such, one clock is as good as many
 
-def violated(model: Model, first: int, clocks: int, trace: Path | None = None) -> list[str]:
-    """Return what z3 finds violated within `clocks` clocks from number `first` on; the waves go to `trace`.
 
-    The clocks before the first one are taken to be good.
-    """
+def violated(model: Model, depth: int, trace: Path | None = None) -> list[str]:
+    """Return what z3 finds violated within `depth` clocks of power-up; the waves go to `trace`."""
     waves = [f"--dump-vcd={trace}"] if trace else []
-    code, said = _smtbmc(model, f"{first}:{first + clocks}" if first else f"{clocks}", *waves)
-    failed = re.findall(r"Assert failed in \S+: (\S+)", said)
-    if (code == 0) == bool(failed) or "Status: " not in said:
-        raise ToolError(f"yosys-smtbmc ended with {code} and says:\n{said[-2000:]}")
-    return failed
+    return _violated(model, "-t", str(depth), *waves)
 
 
-def violated_at(model: Model, depth: int) -> int | None:
-    """Return the first of `depth` clocks in which ABC finds a property violated, or None."""
-    said = _abc(model, f"bmc3 -F {depth}")
-    if found := re.search(r"was asserted in frame (\d+)", said):
-        return int(found.group(1))
+def violated_at(model: Model, depth: int) -> tuple[int, str] | None:
+    """Return the first of `depth` clocks in which ABC finds a property violated, and which one; or None.
+
+    How is kept beside the model, for `followed`.
+    """
+    said = _abc(model, f"bmc3 -F {depth}; write_cex -a {model.witness}")
+    if found := _ASSERTED.search(said):
+        return int(found.group(2)), model.asserted[int(found.group(1))]
     if f"No output asserted in {depth} frames" in said:
         return None
+    if _NO_MEMORY in said:
+        failed = violated(model, 1)
+        return (0, failed[0]) if failed else None
     raise ToolError(f"yosys-abc has no answer for {model.top}:\n{said[-2000:]}")
+
+
+def followed(model: Model, trace: Path) -> list[str]:
+    """Return what z3 finds violated by the inputs that ABC found; the waves go to `trace`."""
+    witness = f"{model.aiger}.map:{model.witness}"
+    return _violated(model, "--aig", witness, "--aig-noheader", f"--dump-vcd={trace}")
 
 
 def inductive(model: Model, depth: int) -> bool:
     """Return whether z3 shows that `depth` good clocks, from any state at all, are followed by a good one."""
-    code, said = _smtbmc(model, str(depth), "-i")
-    if "Status: " not in said:
-        raise ToolError(f"yosys-smtbmc ended with {code} and says:\n{said[-2000:]}")
-    return code == 0
+    return _smtbmc(model, "-t", str(depth), "-i")[0] == 0
 
 
-def reached(model: Model, depth: int) -> dict[str, int]:
-    """Return which covers can be reached within `depth` clocks, and after how many."""
-    code, said = _smtbmc(model, str(depth), "-c")
-    if "Status: " not in said:
-        raise ToolError(f"yosys-smtbmc ended with {code} and says:\n{said[-2000:]}")
-    found = re.findall(r"Reached cover statement at (\S+) in step (\d+)", said)
-    return {name: int(step) for name, step in found if name in model.covered}
+def reached(covers: Model, depth: int) -> dict[str, int]:
+    """Return which covers ABC reaches within `depth` clocks, and when; `covers` is of `unreachable`."""
+    if not covers.asserted:
+        return {}
+    said = _abc(covers, f"bmc3 -a -x -F {depth}")
+    if _NO_MEMORY in said:
+        return dict.fromkeys(violated(covers, 1), 0)
+    return {covers.asserted[int(output)]: int(clock) for output, clock in _ASSERTED.findall(said)}
 
 
 def always(model: Model) -> bool:
@@ -61,12 +67,23 @@ def always(model: Model) -> bool:
     raise ToolError(f"yosys-abc has no answer for {model.top}:\n{said[-2000:]}")
 
 
-def _smtbmc(model: Model, steps: str, *options: str) -> tuple[int, str]:
-    return run(
-        ["yosys-smtbmc", "--noprogress", "--unroll", "-s", "z3", "-t", steps, *options, str(model.smt2)]
-    )
+def _violated(model: Model, *options: str) -> list[str]:
+    code, said = _smtbmc(model, *options)
+    failed = re.findall(r"Assert failed in \S+: (\S+)", said)
+    if (code == 0) == bool(failed):
+        raise ToolError(f"yosys-smtbmc ended with {code} and says:\n{said[-2000:]}")
+    return failed
+
+
+def _smtbmc(model: Model, *options: str) -> tuple[int, str]:
+    code, said = run(["yosys-smtbmc", "--noprogress", "--unroll", "-s", "z3", *options, str(model.smt2)])
+    if "Status: " not in said:
+        raise ToolError(f"yosys-smtbmc ended with {code} and says:\n{said[-2000:]}")
+    return code, said
 
 
 def _abc(model: Model, question: str) -> str:
-    _, said = run(["yosys-abc", "-c", f"read_aiger {model.aiger}; fold; strash; {question}"])
+    code, said = run(["yosys-abc", "-c", f"read_aiger {model.aiger}; fold; strash; {question}"])
+    if code != 0:
+        raise ToolError(f"yosys-abc ended with {code} and says:\n{said[-2000:]}")
     return said
