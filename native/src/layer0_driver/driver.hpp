@@ -37,6 +37,8 @@ class Driver {
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // How long one byte takes on the wire, 0 where that does not limit (tcp, udp, pseudo-terminals).
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
+  // Messages end with this byte from now on: a driver whose chip gathers bytes hands on what it has when one comes.
+  virtual void messages_end_with(std::uint8_t) noexcept {}
   // Why the last transfer said closed, in the operating system's words.
   [[nodiscard]] virtual std::string reason() const = 0;
   // What did not go as wished although the transfers did; empty: nothing.

@@ -32,8 +32,8 @@ constexpr int patience_ms = 100;
 // What the link does not fetch stays in the socket, then in the transfers, then in the chip, which stalls the board.
 class FtdiDriver final : public DescriptorDriver {
  public:
-  FtdiDriver(std::unique_ptr<ftdi::Port> port, int near, int far, std::uint64_t byte_time_ns)
-      : DescriptorDriver(near), port_(std::move(port)), far_(far), byte_time_ns_(byte_time_ns) {
+  FtdiDriver(std::unique_ptr<ftdi::Port> port, int near, int far, std::uint64_t byte_time_ns, bool event_told)
+      : DescriptorDriver(near), port_(std::move(port)), far_(far), byte_time_ns_(byte_time_ns), event_told_(event_told) {
     receiver_ = std::thread([this] { receive_all(); });
     sender_ = std::thread([this] { send_all(); });
   }
@@ -64,6 +64,11 @@ class FtdiDriver final : public DescriptorDriver {
   }
 
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
+  void messages_end_with(std::uint8_t end) noexcept override {
+    if (!event_told_ && !stop_ && !gone_) {
+      static_cast<void>(port_->set_event(end));  // without it the latency timer hands on
+    }
+  }
   [[nodiscard]] std::string reason() const override {
     const std::scoped_lock lock(mutex_);
     return why_.empty() ? DescriptorDriver::reason() : why_;
@@ -199,6 +204,7 @@ class FtdiDriver final : public DescriptorDriver {
   std::unique_ptr<ftdi::Port> port_;
   int far_;
   std::uint64_t byte_time_ns_;
+  bool event_told_;
   std::atomic<bool> stop_ = false;  // close() has been called
   std::atomic<bool> gone_ = false;  // the chip has gone
   mutable std::mutex mutex_;
@@ -294,7 +300,7 @@ Outcome open_ftdi(const Url& url, std::unique_ptr<Driver>& driver) {
     return {Status::closed, std::string("no socket pair: ") + std::strerror(errno)};
   }
   const std::uint64_t byte_time_ns = settings.mode == ftdi::Mode::serial ? 10'000'000'000 / settings.baud_hz : 0;
-  driver = std::make_unique<FtdiDriver>(std::move(port), ends[0], ends[1], byte_time_ns);
+  driver = std::make_unique<FtdiDriver>(std::move(port), ends[0], ends[1], byte_time_ns, settings.event_told);
   return {};
 }
 

@@ -2,7 +2,7 @@
 // FTDI's USB chips without the kernel's serial driver: its latency timer, event character and FIFO modes, and transfers of many packets.
 //   ftdi:SERIAL?channel=B&mode=serial&baud=3000000     ftdi:?mode=sync-fifo (the only chip there is)
 // Options: channel=A..D (A), mode=serial|fifo|sync-fifo (serial; fifo is the asynchronous FT245 interface), baud= (of serial), latency= (ms, 1),
-// event= (the character that sends at once what the chip has gathered: 0x0A, the end of a classic line; 0x00 ends frames; none).
+// event= (the character that sends at once what the chip has gathered; else what ends the messages of the protocol that is spoken; none).
 #pragma once
 
 #include <string_view>

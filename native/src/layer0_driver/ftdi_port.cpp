@@ -67,6 +67,7 @@ Outcome settings_of(const Url& url, Settings& settings) {
   }
   if (const std::string* text = url.option("event"); text != nullptr) {
     settings.event.reset();
+    settings.event_told = true;
     if (*text != "none") {
       if (!parse_number(*text, 255, number)) {
         return wrong(url, "event=" + *text + " is not a character such as 0x0A, nor none");
@@ -181,8 +182,9 @@ Outcome Port::set_up(const Settings& settings) {
   };
   then(Request::bit_mode, mode_reset, 0, "bit mode");
   then(Request::latency_timer, settings.latency_ms, 0, "latency timer");
-  then(Request::event_character, settings.event ? static_cast<std::uint16_t>(*settings.event | event_enabled) : std::uint16_t{0}, 0,
-       "event character");
+  if (outcome.ok()) {
+    outcome = set_event(settings.event);
+  }
   if (mode_ == Mode::serial) {
     then(Request::baud_rate, divisor.value, divisor.index, "baud rate");
     then(Request::data_format, format_8n1, 0, "data format");
@@ -194,6 +196,11 @@ Outcome Port::set_up(const Settings& settings) {
   then(Request::reset, 1, 0, "purge");
   then(Request::reset, 2, 0, "purge");
   return outcome;
+}
+
+Outcome Port::set_event(std::optional<std::uint8_t> event) {
+  const auto value = event ? static_cast<std::uint16_t>(*event | event_enabled) : std::uint16_t{0};
+  return request(Request::event_character, value, 0, "event character");
 }
 
 Outcome Port::request(Request request, std::uint16_t value, std::uint16_t index, const char* what) {

@@ -21,6 +21,7 @@ struct Settings {
   std::uint32_t baud_hz = 0;
   std::uint8_t latency_ms = 1;
   std::optional<std::uint8_t> event;
+  bool event_told = false;  // by the URL: it stays whatever protocol is spoken
 };
 
 [[nodiscard]] Outcome settings_of(const Url& url, Settings& settings);
@@ -37,6 +38,7 @@ class Port {
   [[nodiscard]] usb::Handle* handle() const noexcept { return handle_; }
   [[nodiscard]] std::uint8_t in() const noexcept { return static_cast<std::uint8_t>(0x81 + 2 * channel_); }
   [[nodiscard]] std::uint8_t out() const noexcept { return static_cast<std::uint8_t>(0x02 + 2 * channel_); }
+  [[nodiscard]] Outcome set_event(std::optional<std::uint8_t> event);
   [[nodiscard]] std::size_t packet_bytes() const noexcept { return packet_bytes_; }
 
  private:

@@ -70,6 +70,7 @@ Outcome Link::begin_framed() {
     engine_ = framed_.get();
     engine_->statistics() = classic_.statistics();
   }
+  driver_->messages_end_with(static_cast<std::uint8_t>(frame::delimiter));
   Exchange exchange;
   exchange.operation = Operation::resynchronise;
   exchange.attempts_max = options_.attempts;
@@ -83,6 +84,7 @@ Outcome Link::begin_framed() {
     if (!engine_->ended()) {
       engine_ = &classic_;
       framed_.reset();
+      driver_->messages_end_with(static_cast<std::uint8_t>(bytes::line_feed));
     }
     return outcome;
   }

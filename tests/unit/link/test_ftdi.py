@@ -77,15 +77,27 @@ def test_the_synchronous_fifo(plug: Plug) -> None:
     assert said[-3:-1] == ["40 0B 0000 0000", "release 0"]  # as it was
 
 
-def test_the_event_character_sends_what_the_latency_timer_would_hold(plug: Plug) -> None:
+@pytest.mark.parametrize(("protocol", "event"), [("classic", "010A"), ("framed", "0100"), ("auto", "0100")])
+def test_the_event_character_sends_what_the_latency_timer_would_hold(
+    plug: Plug, protocol: str, event: str
+) -> None:
     log = plug()
-    with connect("ftdi:FT1?mode=fifo&latency=255") as link:
+    with connect(f"ftdi:FT1?mode=fifo&latency=255&protocol={protocol}") as link:
         for number in range(20):
             link.write(0x12, number)
             assert link.read(0x12) == number
-    words = log.read_text().splitlines()[-1].split()
-    assert int(words[3]) >= 40  # full F event E timer T
+    said = log.read_text().splitlines()
+    assert [line for line in said if line.startswith("40 06")][-1] == f"40 06 {event} 0001"
+    words = said[-1].split()  # full F event E timer T
+    assert int(words[3]) >= 40
     assert int(words[5]) == 0
+
+
+def test_an_event_character_that_is_told_stays(plug: Plug) -> None:
+    log = plug()
+    with connect("ftdi:FT1?mode=fifo&event=0x41") as link:
+        assert link.read(0x12) == 0
+    assert [line[6:10] for line in log.read_text().splitlines() if line.startswith("40 06")] == ["0141"]
 
 
 @pytest.mark.parametrize("packet", [64, 512])
