@@ -6,6 +6,7 @@
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
+#   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner)
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
@@ -26,9 +27,9 @@ NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/d
 SECONDS ?= 60
 MESSAGES ?= 1000000000
 
-.PHONY: wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
+.PHONY: experiments wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
 help:
-	@sed -n '2,19s/^# //p' Makefile
+	@sed -n '2,21s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -69,6 +70,9 @@ check: $(VENV)/.built
 bench: $(VENV)/.built $(NATIVE)/.built
 	$(BIN)/unitylink bench
 
+experiments: $(VENV)/.built
+	$(BIN)/unitylink experiments $(if $(QUICK),--quick) --out build/experiments
+
 coverage: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh system
@@ -95,6 +99,7 @@ docs: $(VENV)/.built
 	$(BIN)/python -m pytest tests/unit/docs -q
 	@tools/setup.sh group docs
 	$(BIN)/python tools/docs/pictures.py
+	$(BIN)/python tools/docs/experiments.py
 	$(BIN)/python tools/docs/build_site.py
 
 fuzz: $(NATIVE)/.built

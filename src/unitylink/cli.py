@@ -53,6 +53,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "faults": ("faults", "Try the engine on a wire that does everything wrong."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),
     "bench": ("bench_command", "Measure this machine against the figures asked for."),
+    "experiments": ("experiments", "Repeat the paper's measurements on a model of its USB chip."),
 }
 
 _EXAMPLES = f"""

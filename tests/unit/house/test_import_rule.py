@@ -61,7 +61,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "schemes": {"simulate", *SHARED},
     "connection": {"schemes", "layer0_driver", "layer2_message", *SHARED},
 }
-UNRESTRICTED = {"tools", "cli", "testing", "__main__", "__init__"}
+UNRESTRICTED = {"tools", "cli", "experiments", "testing", "__main__", "__init__"}
 
 
 def unit_of(path: Path) -> str:

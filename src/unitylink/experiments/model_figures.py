@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every figure that stands beside one of the paper, by name; seconds and bit/s."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from . import level_one
+from .gateware import CLOCK_HZ
+from .link_parameters import FT245_ASYNC
+from .low_level import largest_held_burst, read, read_burst, synchronous_s, write, write_burst
+from .software_cost import SoftwareCost
+
+BURST_REQUESTS = 200
+LONG_BURST_REQUESTS = 600
+HELD_BURST_REQUESTS = 18
+
+
+def model_figures(cost: SoftwareCost) -> dict[str, float]:
+    """Return the figures of the 2012 gateware behind the paper's link, with the classic protocol.
+
+    The full stack's latency is the model's plus what this host's software costs.
+    """
+    link, link_si = FT245_ASYNC, replace(FT245_ASYNC, send_immediate="all")
+    figures: dict[str, float] = {"link_hz": 8 / link.byte_s}
+    for exchange, stack_s in ((read(), cost.stack_read_s), (write(), cost.stack_write_s)):
+        name = exchange.name
+        one = level_one.gateware_2012(exchange)
+        assert one.latency_clocks is not None
+        figures[f"{name}_gateware_s"] = one.latency_clocks / CLOCK_HZ
+        figures[f"{name}_gateware_request_hz"] = one.request_hz
+        figures[f"{name}_gateware_reply_hz"] = one.reply_hz
+        figures[f"{name}_ideal_s"] = exchange.bits * link.byte_s / 8 + one.latency_clocks / CLOCK_HZ
+        for tail, chosen in (("", link), ("_si", link_si)):
+            script_s = synchronous_s(chosen, exchange)
+            figures[f"{name}_script{tail}_s"] = script_s
+            figures[f"{name}_script{tail}_hz"] = exchange.bits / script_s
+            figures[f"{name}_stack{tail}_s"] = script_s + stack_s
+            figures[f"{name}_stack{tail}_hz"] = exchange.bits / (script_s + stack_s)
+    figures["write_gateware_effect_s"] = level_one.effect_2012_clocks() / CLOCK_HZ
+    for tail, chosen, requests in (("", link, BURST_REQUESTS), ("_si", link_si, HELD_BURST_REQUESTS)):
+        reads = read_burst(chosen, requests)
+        figures[f"read_burst{tail}_received_hz"] = reads.received_hz
+        figures[f"burst{tail}_stamped_hz"] = reads.stamped_hz
+        writes = write_burst(chosen)
+        figures[f"write_burst{tail}_first_s"] = writes.first_s
+        figures[f"write_burst{tail}_period_s"] = writes.period_s
+        figures[f"write_burst{tail}_hz"] = writes.effective_hz
+    long = read_burst(link, LONG_BURST_REQUESTS)
+    figures["long_burst_stamped_hz"] = long.stamped_hz
+    figures["long_burst_unpaused_hz"] = long.unpaused_hz
+    figures["long_burst_between_pauses"] = long.between_pauses
+    figures["burst_si_most"] = largest_held_burst(link)
+    return figures

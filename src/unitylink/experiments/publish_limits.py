@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fig. 4 of the paper: how often messages of some size can be published; only what can be computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .gateware import CLOCK_HZ
+from .link_parameters import FT245_ASYNC
+
+WORDS = (1, 2, 4, 8, 15, 16, 32, 64, 128, 255)
+
+
+def message_bytes(words: int) -> int:
+    """Return the bytes of a classic publish without checksum.
+
+    >>> message_bytes(1)
+    18
+    """
+    return 10 + 8 * words
+
+
+def gateware_2012_hz(words: int) -> float:
+    """The limit of the 2012 gateware: 20 + 16n clocks a message.
+
+    >>> round(gateware_2012_hz(15))
+    192308
+    """
+    return CLOCK_HZ / (20 + 16 * words)
+
+
+def core_hz(words: int) -> float:
+    """The limit of our core: 10 + 8n clocks, a byte a clock."""
+    return CLOCK_HZ / (10 + 8 * words)
+
+
+def link_hz(words: int) -> float:
+    """The limit of the paper's ideal link, by its byte rate alone."""
+    return 1 / (message_bytes(words) * FT245_ASYNC.byte_s)
+
+
+def chip_hz(words: int) -> float:
+    """What the model of the FT232H sustains: full packets, as many a microframe as its driver takes."""
+    p = FT245_ASYNC
+    payload_hz = p.packets_per_microframe * p.payload_bytes / p.microframe_s
+    return min(link_hz(words), payload_hz / message_bytes(words))
+
+
+LIMITS: dict[str, Callable[[int], float]] = {
+    "2012 gateware": gateware_2012_hz,
+    "our core": core_hz,
+    "ideal link, 67.1e6 bit/s": link_hz,
+    "FT232H, sustained (model)": chip_hz,
+}
+
+
+def limits() -> dict[str, list[float]]:
+    """Return each limit in messages per second, for the sizes of WORDS."""
+    return {name: [limit(words) for words in WORDS] for name, limit in LIMITS.items()}

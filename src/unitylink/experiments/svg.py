@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Two kinds of chart as SVG text: bars on a logarithmic scale, and lines on two of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+
+COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2")
+WIDTH, HEIGHT = 900, 400
+LEFT, RIGHT, TOP, BOTTOM = 80, 20, 20, 90
+
+
+def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]], label: str) -> str:
+    """Draw bars in groups; None leaves a bar out. Values are positive.
+
+    >>> log_bars(["a"], {"x": [1.0]}, "us").startswith("<svg")
+    True
+    """
+    values = [value for row in series.values() for value in row if value is not None]
+    low, high = _decades(values)
+    parts = _frame(label, low, high)
+    slot = (WIDTH - LEFT - RIGHT) / len(groups)
+    bar = slot * 0.8 / len(series)
+    for index, (colour, row) in enumerate(zip(_cycle(len(series)), series.values(), strict=True)):
+        for group, value in enumerate(row):
+            if value is None:
+                continue
+            x, top = LEFT + group * slot + slot * 0.1 + index * bar, _height(value, low, high)
+            size = f'width="{bar - 2:.1f}" height="{HEIGHT - BOTTOM - top:.1f}"'
+            parts.append(f'<rect x="{x:.1f}" y="{top:.1f}" {size} fill="{colour}"/>')
+            parts.append(_text(x + bar / 2 - 1, top - 4, _short(value), size=9))
+    for group, name in enumerate(groups):
+        parts.append(_text(LEFT + (group + 0.5) * slot, HEIGHT - BOTTOM + 18, name, size=10))
+    return _whole(parts, list(series))
+
+
+def log_lines(xs: Sequence[float], series: Mapping[str, Sequence[float]], x_label: str, label: str) -> str:
+    """Draw a line for each series over the positive `xs`."""
+    low, high = _decades([value for row in series.values() for value in row])
+    parts = _frame(label, low, high)
+    span = math.log10(xs[-1] / xs[0])
+
+    def across(x: float) -> float:
+        return LEFT + (WIDTH - LEFT - RIGHT) * math.log10(x / xs[0]) / span
+
+    for colour, row in zip(_cycle(len(series)), series.values(), strict=True):
+        points = [(across(x), _height(value, low, high)) for x, value in zip(xs, row, strict=True)]
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
+    for x in (x for x in xs if x == 1 or x % 2 == 0 or x == xs[-1]):
+        parts.append(_text(across(x), HEIGHT - BOTTOM + 18, f"{x:g}"))
+    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - BOTTOM + 36, x_label))
+    return _whole(parts, list(series))
+
+
+def _short(value: float) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def _decades(values: Sequence[float]) -> tuple[int, int]:
+    return math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+
+
+def _height(value: float, low: int, high: int) -> float:
+    return HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * (math.log10(value) - low) / (high - low)
+
+
+def _cycle(count: int) -> list[str]:
+    return [COLOURS[index % len(COLOURS)] for index in range(count)]
+
+
+def _text(x: float, y: float, text: str, *, size: int = 12, anchor: str = "middle", turn: str = "") -> str:
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}"{turn}>{escape(text)}</text>'
+    )
+
+
+def _frame(label: str, low: int, high: int) -> list[str]:
+    parts = [f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
+    for decade in range(low, high + 1):
+        y = _height(10.0**decade, low, high)
+        parts.append(f'<line x1="{LEFT}" y1="{y:.1f}" x2="{WIDTH - RIGHT}" y2="{y:.1f}" stroke="#ccc"/>')
+        parts.append(_text(LEFT - 6, y + 4, f"{10.0**decade:g}", anchor="end"))
+    middle = (TOP + HEIGHT - BOTTOM) / 2
+    parts.append(_text(20, middle, label, turn=f' transform="rotate(-90 20 {middle:.0f})"'))
+    return parts
+
+
+def _whole(parts: list[str], names: list[str]) -> str:
+    slot = (WIDTH - LEFT) / len(names)
+    for index, (colour, name) in enumerate(zip(_cycle(len(names)), names, strict=True)):
+        x = LEFT + index * slot
+        parts.append(f'<rect x="{x:.1f}" y="{HEIGHT - 32}" width="12" height="12" fill="{colour}"/>')
+        parts.append(_text(x + 17, HEIGHT - 22, name, anchor="start", size=11))
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
+    return "\n".join([head, *parts, "</svg>"]) + "\n"

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A host, the chip and the gateware on one virtual clock."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from .chip import Chip
+from .gateware import CLOCK_HZ, Gateware
+from .link_parameters import LinkParameters
+
+_LINE_FEED = 0x0A
+_PUBLISH_HEADS = b"%&"
+_HEADS = b"#$%&?"
+_CLOCK_FRACTION = 1e-6  # what binary fractions may be off
+
+
+class VirtualLink:
+    """What a program on the PC sees of a board; `now_s` moves only when it waits.
+
+    `received` has the time and the bytes of each transfer that reached the program, `lost` counts bytes that
+    met a full FIFO behind a line without flow control.
+
+    >>> from unitylink.experiments.gateware import Gateware2012
+    >>> from unitylink.experiments.link_parameters import FT245_ASYNC
+    >>> link = VirtualLink(FT245_ASYNC, Gateware2012())
+    >>> link.send(b"#R:12\\n")
+    >>> link.wait(14)
+    >>> round(link.now_s * 1e6), link.received[-1][1]
+    (1125, b'#S_R:00000000\\n')
+    """
+
+    def __init__(self, parameters: LinkParameters, gateware: Gateware) -> None:
+        self.parameters = parameters
+        self.gateware = gateware
+        self.chip = Chip(parameters)
+        self.now_s = 0.0
+        self.received: list[tuple[float, bytes]] = []
+        self.lost = 0
+        self._outgoing: deque[int] = deque()
+        self._on_the_way: deque[tuple[float, bytes]] = deque()
+        self._microframe = 1
+        self._to_board_s = 0.0  # when the lines are free
+        self._to_host_s = 0.0
+        self._publish = False  # the message on its way to the host is one
+        self._count = 0
+
+    @property
+    def received_bytes(self) -> int:
+        return self._count
+
+    def send(self, data: bytes) -> None:
+        """Hand bytes to the chip now."""
+        self._outgoing.extend(data)
+
+    def wait(self, count: int, *, limit_s: float = 1.0) -> None:
+        """Let time pass until `count` more bytes have come; TimeoutError after `limit_s`."""
+        target, end_s = self._count + count, self.now_s + limit_s
+        while self._count < target:
+            if self.now_s >= end_s:
+                raise TimeoutError(f"{target - self._count} of {count} bytes are missing after {limit_s:g} s")
+            self._microframe_ends()
+
+    def run_until(self, time_s: float) -> None:
+        """Let time pass to the end of the microframe that holds `time_s`."""
+        while self.now_s < time_s:
+            self._microframe_ends()
+
+    def _microframe_ends(self) -> None:
+        end_s = self._microframe * self.parameters.microframe_s
+        self._carry(end_s)
+        self.gateware.run_until(int(end_s * CLOCK_HZ))
+        self.now_s = end_s
+        while self._on_the_way:
+            self.received.append(self._on_the_way.popleft())
+            self._count += len(self.received[-1][1])
+        for packet in self.chip.poll(end_s):
+            if packet:
+                self._on_the_way.append((end_s + self.parameters.microframe_s, packet))
+        self._microframe += 1
+
+    def _carry(self, end_s: float) -> None:
+        """Move bytes over the lines until `end_s`; towards the host first."""
+        time_s = self.now_s
+        while time_s < end_s:
+            self.gateware.run_until(math.ceil(time_s * CLOCK_HZ - _CLOCK_FRACTION))
+            refused = False
+            if time_s >= self._to_host_s and self.gateware.waiting and self.chip.room:
+                self._carry_to_host(time_s)
+            if time_s >= self._to_board_s and self._outgoing:
+                refused = not self._carry_to_board(time_s)
+            time_s = min(end_s, self._next_s(time_s, refused))
+
+    def _carry_to_host(self, time_s: float) -> None:
+        byte = self.gateware.take()
+        if byte in _HEADS:
+            self._publish = byte in _PUBLISH_HEADS
+        self.chip.put(byte, ends_message=byte == _LINE_FEED, publish=self._publish)
+        self._to_host_s = time_s + self.parameters.byte_s
+        if self.parameters.half_duplex:
+            self._to_board_s = max(self._to_board_s, self._to_host_s)
+
+    def _carry_to_board(self, time_s: float) -> bool:
+        """Offer the oldest byte; False if it has to wait for room."""
+        if not self.gateware.receive(self._outgoing[0]):
+            if self.parameters.flow_controlled:
+                return False
+            self.lost += 1
+        self._outgoing.popleft()
+        self._to_board_s = time_s + self.parameters.byte_s
+        if self.parameters.half_duplex:
+            self._to_host_s = max(self._to_host_s, self._to_board_s)
+        return True
+
+    def _next_s(self, time_s: float, refused: bool) -> float:
+        """Return when something can happen next."""
+        times = [math.inf]
+        if self.gateware.waiting and self.chip.room:
+            times.append(self._to_host_s)
+        if self._outgoing and not refused:
+            times.append(self._to_board_s)
+        if (event := self.gateware.next_event) is not None:
+            times.append(event / CLOCK_HZ)
+        return max(min(times), time_s + 1 / CLOCK_HZ)

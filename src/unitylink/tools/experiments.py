@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink experiments`: the paper's measurements, repeated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .failure import Failure
+
+
+@click.command()
+@click.option(
+    "--out",
+    metavar="DIR",
+    default="experiments",
+    show_default=True,
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Where the report goes.",
+)
+@click.option("--quick", is_flag=True, help="Repeat less often.")
+def command(out: Path, quick: bool) -> int:
+    """Repeat the measurements of the paper's section VI on a model of its USB chip.
+
+    Writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own, so
+    a busy machine changes nothing but the cost of this host's software, which is measured.
+
+    \b
+    Examples:
+      unitylink experiments --out build/experiments
+      unitylink experiments --quick
+    """
+    from unitylink.experiments import run_all, write
+
+    results = run_all(quick=quick, say=lambda text: click.echo(text, err=True))
+    try:
+        write(out, results)
+    except OSError as error:
+        raise Failure(
+            f"{out}: {error.strerror or error}", "choose a folder that can be written to"
+        ) from error
+    click.echo(str(out / "report.html"))
+    return 0

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The committed page is what the committed results give, and these have every cell of the paper's table."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+from click.testing import CliRunner
+
+from unitylink.experiments import pictures, software_cost, write
+from unitylink.experiments.model_figures import model_figures
+from unitylink.experiments.software_cost import SoftwareCost
+from unitylink.experiments.table_one import CELLS, TEXT
+from unitylink.tools.experiments import command
+
+ROOT = Path(__file__).resolve().parents[3]
+RESULTS: dict[str, Any] = json.loads((ROOT / "docs" / "experiments.json").read_text(encoding="utf-8"))
+
+
+def test_the_page_is_that_of_the_results() -> None:
+    check = [sys.executable, ROOT / "tools" / "docs" / "experiments.py", "--check"]
+    done = subprocess.run(check, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_committed_figures_are_what_the_model_says_today() -> None:
+    cost = SoftwareCost(**RESULTS["software_cost"])
+    figures = model_figures(cost)
+    cells = RESULTS["table_one"] + RESULTS["text"]
+    assert len(cells) == len(CELLS) + len(TEXT)
+    for cell, row in zip((*CELLS, *TEXT), cells, strict=True):
+        assert (row["table"], row["row"], row["quantity"], row["paper"]) == (
+            cell.table,
+            cell.row,
+            cell.quantity,
+            cell.paper,
+        )
+        assert row["model"] == pytest.approx(figures[cell.model]), cell
+        assert row["difference"] == pytest.approx(row["model"] / row["paper"] - 1)
+        assert row["cause"] == cell.cause
+
+
+def test_the_report_of_a_run_is_written_whole(tmp_path: Path) -> None:
+    write(tmp_path / "new" / "folder", RESULTS)
+    folder = tmp_path / "new" / "folder"
+    assert json.loads((folder / "results.json").read_text(encoding="utf-8")) == RESULTS
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for name, text in pictures(RESULTS).items():
+        assert f'src="{name}"' in page
+        assert ElementTree.fromstring(text).tag.endswith("svg")
+    assert all(cell.cause.split("'")[0][:40] in (folder / "report.md").read_text() for cell in CELLS)
+
+
+def test_the_software_of_this_host_costs_something() -> None:
+    cost = software_cost.measure(rounds=3, count=10)
+    assert 0 < cost.stack_read_s < 0.1
+    assert 0 < cost.script_write_s < 0.1
+
+
+def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("unitylink.experiments.run_all", lambda **_: RESULTS)
+    (tmp_path / "file").write_text("")
+    result = CliRunner().invoke(command, ["--out", str(tmp_path / "file" / "below")])
+    assert result.exit_code == 1
+    assert "Not a directory" in result.output

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Write docs/experiments.md and its figures from docs/experiments.json.
+
+    python tools/docs/experiments.py [--check] [--from RESULTS]
+
+RESULTS is the results.json of a run of `unitylink experiments`; it becomes docs/experiments.json. The same
+results give the same bytes; --check compares.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from unitylink.experiments import markdown, pictures, report
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+RESULTS = DOCS / "experiments.json"
+
+
+def files() -> dict[Path, str]:
+    """Return what the committed results give."""
+    results = json.loads(RESULTS.read_text(encoding="utf-8"))
+    page = markdown(report(results), images="images/")
+    return {
+        DOCS / "experiments.md": page,
+        **{DOCS / "images" / name: text for name, text in pictures(results).items()},
+    }
+
+
+def main() -> int:
+    """Write or compare."""
+    parser = argparse.ArgumentParser(description="Write docs/experiments.md from the committed results.")
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    parser.add_argument("--from", dest="source", type=Path, help="results.json of a new run")
+    options = parser.parse_args()
+    if options.source:
+        RESULTS.write_text(options.source.read_text(encoding="utf-8"), encoding="utf-8")
+    stale = [
+        path
+        for path, text in files().items()
+        if not path.is_file() or path.read_text(encoding="utf-8") != text
+    ]
+    for path in stale:
+        if options.check:
+            print(f"{path.relative_to(DOCS.parent)} is stale: run `make docs`", file=sys.stderr)
+        else:
+            path.write_text(files()[path], encoding="utf-8")
+    return int(options.check and bool(stale))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
