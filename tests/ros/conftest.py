@@ -30,13 +30,6 @@ SPECS = {
 PATIENCE_S = 120.0
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """One workspace is built for all: keep these tests in one process."""
-    for item in items:
-        if item.path.is_relative_to(HERE):
-            item.add_marker(pytest.mark.xdist_group("ros"))
-
-
 @dataclass
 class Workspace:
     """A catkin workspace, and the environment in which its programs run."""

@@ -18,6 +18,7 @@ Ros = Any  # of conftest.py
 MakeBoard = Callable[..., Board]
 SPECS = {"walker18": Path(__file__).parents[2] / "examples" / "walker18" / "walker18_si.ul"}
 NODES = ["node.py", "node"]
+pytestmark = pytest.mark.xdist_group("ros1")  # one workspace is built for all of these
 
 
 def launch(ros: Ros, robot: str, url: str, node: str) -> subprocess.Popen[str]:

@@ -19,6 +19,7 @@ from unitylink.spec import load
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MakeBoard = Callable[..., Board]
+pytestmark = pytest.mark.xdist_group("ros2_control")  # one program is compiled for all of these
 
 
 @pytest.fixture(scope="module")
