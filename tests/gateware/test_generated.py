@@ -252,3 +252,14 @@ def test_hello_led_board_from_its_uart_to_its_pins(designs: Any) -> None:
     first, second = (int(answers[index].strip().rpartition(b":")[2], 16) for index in (4, 6))
     assert 3 <= first < second <= first + 2  # milliseconds
     assert "entity hello_led_board is" in designs.library(spec, None, [board]).synthesise("hello_led_board")
+
+
+@pytest.mark.parametrize("protocol", ["both", "framed"])
+def test_a_design_with_frames_is_synthesised(designs: Any, protocol: str) -> None:
+    spec = load(ROOT / "examples" / "servo" / "servo.ul")
+    configuration = BoardConfiguration.for_spec(spec, protocol=protocol)
+    assert (0x22, 0) in configuration.framed.safe_words
+    design = designs.library(spec, configuration)
+    (package,) = designs.folder.glob("vhdl/*_config_pkg.vhd")
+    assert '(x"00000022", x"00000000")' in package.read_text(encoding="utf-8")
+    assert "core" in design.synthesise(f"{design_name(spec)}_design")

@@ -77,8 +77,10 @@ class Board:
     def configuration(self, spec: Spec) -> BoardConfiguration:
         """Return the gateware that `spec` asks for, on this board's physical layer."""
         if self.physical == "uart":
-            return BoardConfiguration.for_spec(spec)
-        return BoardConfiguration.for_spec(spec, physical=self.physical, send_immediate=self.send_immediate)
+            return BoardConfiguration.for_spec(spec, protocol="classic")
+        return BoardConfiguration.for_spec(
+            spec, protocol="classic", physical=self.physical, send_immediate=self.send_immediate
+        )
 
 
 def board_names() -> list[str]:

@@ -59,7 +59,7 @@ def write_project(order: VendorOrder) -> list[Path]:
     spec = load(order.spec_file)
     order.folder.mkdir(parents=True, exist_ok=True)
     write(spec, order.folder, "vhdl")
-    logic = logic_of(spec, order, BoardConfiguration.for_spec(spec))
+    logic = logic_of(spec, order, BoardConfiguration.for_spec(spec, protocol="classic"))
     clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
     check_line(clock_hz, baud_hz)
     generics = {

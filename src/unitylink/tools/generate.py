@@ -25,6 +25,9 @@ from .failure import Failure
     help="Behind which messages an FT245 sends at once: never, publishes, replies, both (the default).",
 )
 @click.option(
+    "--protocol", metavar="NAME", help="What the VHDL's core speaks: classic (the default), framed, both."
+)
+@click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
 )
 def command(
@@ -34,6 +37,7 @@ def command(
     only: str | None,
     physical: str | None,
     send_immediate: str | None,
+    protocol: str | None,
     check: bool,
 ) -> None:
     """Make from a spec what both ends need: typed Python classes, and a gateware design in VHDL.
@@ -63,12 +67,12 @@ def command(
             raise click.UsageError(
                 f"--only {name}: there is no such artefact; there are: {', '.join(ARTEFACTS)}"
             )
-    given = {"--physical": physical, "--send-immediate": send_immediate}
+    given = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
     chosen = {option[2:].replace("-", "_"): value for option, value in given.items() if value is not None}
     if chosen and "vhdl" not in artefacts:
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     spec = load(spec_file)
-    configuration = BoardConfiguration.for_spec(spec, **chosen) if chosen else None
+    configuration = BoardConfiguration.for_spec(spec, **{"protocol": "classic", **chosen}) if chosen else None
     if check:
         problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]
         if problems:

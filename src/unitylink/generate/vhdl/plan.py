@@ -21,6 +21,7 @@ class Constant:
     type: str
     value: str
     remark: str
+    generic: str = ""  # that it is for, if that has another name
 
 
 @dataclass(frozen=True)

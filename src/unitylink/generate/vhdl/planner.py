@@ -15,6 +15,7 @@ from unitylink.values import Codec, Quantity
 
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
+from .generics import generics_of
 from .link_slaves import LinkSlave, link_slaves
 from .names import Names, identifier, remark
 from .physical import physical_layer
@@ -40,8 +41,8 @@ _FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
 def plan(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
-    """Plan the design of a spec on the gateware of `configuration`, by default what the spec asks for."""
-    return _Planner(spec, configuration or BoardConfiguration.for_spec(spec)).plan()
+    """Plan the design of a spec on `configuration`, by default what it asks for, with classic text."""
+    return _Planner(spec, configuration or BoardConfiguration.for_spec(spec, protocol="classic")).plan()
 
 
 class _Planner:
@@ -99,7 +100,7 @@ class _Planner:
             configuration=self.configuration,
             baud_hz=baud_hz,
             layer=physical_layer(self.configuration, baud_hz),
-            generics=_generics(self.configuration),
+            generics=generics_of(self.configuration),
             addresses=self._address_constants(),
             words=self.words,
             ranges=(
@@ -359,31 +360,6 @@ def _check_slaves(slaves: Sequence[LinkSlave], configuration: BoardConfiguration
             "vhdl: the FIFOs and double buffers of a design are those of its spec; "
             "make the board configuration with BoardConfiguration.for_spec"
         )
-
-
-def _generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
-    """Return the generics of the core, under their own names."""
-    edges = sum(1 << group for group in configuration.edge_event_groups)
-    events = f'x"{edges:064X}"' if edges else "(others => '0')"
-    switch = str(configuration.configuration_command).lower()
-    modes = "0 none, 1 requests first, 2 publishes first"
-    return (
-        Constant("address_width", "positive", str(configuration.address_bits), "bits"),
-        Constant("data_width", "positive", str(configuration.data_bits), "bits"),
-        Constant("base_hz", "positive", str(configuration.base_hz), "of publishing"),
-        Constant("groups", "positive", str(configuration.groups), "of publishing"),
-        Constant("group_size", "positive", str(configuration.group_size), "addresses a group can have"),
-        Constant("rate_bytes", "positive", str(configuration.rate_bytes), "of a group's divisor"),
-        Constant("read_many", "natural", str(configuration.read_many), "most words of a read-many"),
-        Constant("publish_mode", "natural", str(configuration.publish_mode), modes),
-        Constant("configuration_command", "boolean", switch, "RLC exists"),
-        Constant("datalink", "string", f'"{configuration.datalink}"', "full, lite or none"),
-        Constant("checksum", "string", f'"{configuration.checksum}"', ""),
-        Constant("polynomial", "natural", f"16#{configuration.polynomial:02X}#", "of crc8"),
-        Constant(
-            "edge_events", "std_ulogic_vector(255 downto 0)", events, "bit g: group g by edge, not level"
-        ),
-    )
 
 
 def _range(number: int, base: int, words: int) -> Range:

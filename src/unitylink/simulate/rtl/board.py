@@ -19,8 +19,10 @@ CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and a
 
 
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
-    """Return `BoardConfiguration.for_spec`, but with a clock that can be simulated in real time."""
-    return BoardConfiguration.for_spec(spec, **{"clock_hz": CLOCK_HZ_DEFAULT, **overrides})
+    """Return the gateware that is generated, but with a clock that can be simulated in real time."""
+    return BoardConfiguration.for_spec(
+        spec, **{"clock_hz": CLOCK_HZ_DEFAULT, "protocol": "classic", **overrides}
+    )
 
 
 class RtlBoard(Board):
