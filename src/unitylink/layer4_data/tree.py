@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import BindingError
+from unitylink.errors import BindingError, DeviceMismatch
 from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
 
@@ -49,6 +49,7 @@ def load_spec_objects(
             raise BindingError(
                 f"{spec.source}: no parameter {name!r}; there are {', '.join(sorted(known)) or 'none'}"
             )
+    _refuse_other_gateware(spec, link)
     several = len(roots) > 1
     addresses: dict[str, int] = {}
     names: dict[str, str] = {}
@@ -67,6 +68,22 @@ def load_spec_objects(
         _Builder(spec, item).fill(child, item, None)
         setattr(top, attributes[item.name], child)
     return top
+
+
+def _refuse_other_gateware(spec: Spec, link: Link) -> None:
+    """Raise DeviceMismatch where the device says that it was built from another spec."""
+    told = link.description
+    if told is None or told.spec_hash == 0:
+        return
+    from unitylink.wire_hash import wire_hash  # only here: most programs start with a generated file
+
+    ours = wire_hash(spec, link.configuration.data_bits)
+    if told.spec_hash != ours:
+        raise DeviceMismatch(
+            f"{spec.source} has the wire hash {ours:016x}, the gateware at {link.url} was built from a spec "
+            f"with {told.spec_hash:016x}: addresses, widths, access, groups or safe values differ; build the "
+            "gateware from this spec, or use the one it was built from"
+        )
 
 
 def _tables(instance: Instance, prefix: str, addresses: dict[str, int], names: dict[str, str]) -> None:

@@ -33,7 +33,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "layer2_message": {"layer1_stream", "_native", *SHARED},
     "layer3_hardware": {"layer2_message", *SHARED},
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
-    "layer4_data": {"lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
+    "layer4_data": {"wire_hash", "lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
     # The RTL board compiles what the VHDL generator makes; a recording is played as a plant.
     "simulate": {
         "board_configuration",
