@@ -34,7 +34,7 @@ entity async_fifo is
     write_clock : in  std_ulogic;
     write_reset : in  std_ulogic;
     write_valid : in  std_ulogic;
-    write_ready : out std_ulogic;
+    write_ready : out std_ulogic := '0';
     write_data  : in  std_ulogic_vector(width - 1 downto 0);
 
     read_clock : in  std_ulogic;

@@ -67,7 +67,8 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "# Area and clock",
         "",
         f"Every row: GHDL to Verilog, yosys, nextpnr with a target of {TARGET_MHZ} MHz and seeds "
-        f"{', '.join(map(str, SEEDS))}; the clock is the median, register to register, of the seeds (range).",
+        f"{', '.join(map(str, SEEDS))}; the clock is the median, register to register, of the seeds (range); "
+        "of several clocks the slowest.",
         "`core` is measured as it is, its byte streams and its bus on pins, without a physical layer.",
         "`hello_led` and `servo` are whole designs. 2012 is the gateware of that year in the same flow.",
         "",

@@ -46,4 +46,12 @@ ROWS = (
         top="servo_top",
         example="servo",
     ),
+    Row("uart", "a physical layer alone: UART with its buffers of 16 bytes", top="uart"),
+    Row("ft245_async", "the same: FT245, asynchronous, buffers of 16 bytes", top="ft245_async"),
+    Row(
+        "ft245_sync",
+        "the same: FT245, synchronous, buffers of 64 bytes between two clocks",
+        top="ft245_sync",
+    ),
+    Row("spi_slave", "the same: SPI slave, buffers of 64 bytes", top="spi_slave"),
 )
