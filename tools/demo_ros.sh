@@ -27,7 +27,7 @@ set +eu; . devel/setup.bash; set -eu
 rosmaster --core -p "${ROS_MASTER_URI##*:}" > master.log 2>&1 & running+=($!)
 port=$(free_port)
 show "unitylink simulate scara.ul --plant scara --tcp $port"
-unitylink simulate "$checkout/examples/scara/scara.ul" --plant scara --tcp "$port" > board.log 2>&1 & running+=($!)
+"$bin/unitylink" simulate "$checkout/examples/scara/scara.ul" --plant scara --tcp "$port" > board.log 2>&1 & running+=($!)
 await grep -q serving board.log
 await rostopic list
 show "roslaunch scara_unitylink scara.launch link:=tcp://127.0.0.1:$port"
