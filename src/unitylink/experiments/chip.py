@@ -15,7 +15,7 @@ class Chip:
     >>> chip = Chip(FT245_ASYNC)
     >>> chip.put(0x41, ends_message=True)
     >>> chip.poll(125e-6), chip.poll(1e-3)
-    ([], [b'A'])
+    (None, b'A')
     """
 
     def __init__(self, parameters: LinkParameters) -> None:
@@ -41,18 +41,16 @@ class Chip:
         if ends_message and (immediate == "all" or (immediate == "publishes" and publish)):
             self.held = True
 
-    def poll(self, time_s: float) -> list[bytes]:
-        """Return the packets that answer the IN tokens at `time_s`, without their status; none is a NAK."""
+    def poll(self, time_s: float) -> bytes | None:
+        """Return the packet that answers an IN token at `time_s`, without its status; None is a NAK."""
         p = self.parameters
-        packets: list[bytes] = []
-        while len(packets) < p.packets_per_microframe:
-            full = len(self._bytes) >= p.payload_bytes
-            expired = time_s - self._timer_from_s >= p.latency_timer_s - _TOLERANCE_S
-            if not (full or expired or self.held or self._event):
-                break
-            packets.append(bytes(self._bytes[: p.payload_bytes]))
-            del self._bytes[: p.payload_bytes]
-            self._timer_from_s = time_s
-            if not self._bytes:
-                self.held = self._event = False
-        return packets
+        full = len(self._bytes) >= p.payload_bytes
+        expired = time_s - self._timer_from_s >= p.latency_timer_s - _TOLERANCE_S
+        if not (full or expired or self.held or self._event):
+            return None
+        packet = bytes(self._bytes[: p.payload_bytes])
+        del self._bytes[: p.payload_bytes]
+        self._timer_from_s = time_s
+        if not self._bytes:
+            self.held = self._event = False
+        return packet

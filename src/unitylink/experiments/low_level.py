@@ -85,7 +85,7 @@ class ReadBurst:
 
 
 def read_burst(link: LinkParameters, requests: int, *, gateware: str = "2012", fifo: int = 256) -> ReadBurst:
-    """Send so many reads at once, and see the replies come."""
+    """Send so many reads at once to the gateware "2012" or "ours", and see the replies come."""
     device: Gateware = Gateware2012(fifo=fifo) if gateware == "2012" else Core(fifo=fifo)
     wire = VirtualLink(link, device)
     exchange = read()

@@ -28,8 +28,8 @@ MODEL = (
 )
 MISSING = (
     "Not repeated yet: the framed protocol, the ROS rates of section VI.C, other bridges on the same wire, "
-    "the full stack's sustained publish rate, "
-    "and scaling. The paper's Fig. 4 is a picture without numbers: of it only what can be computed is drawn."
+    "the full stack's sustained publish rate, and rates and memory in a long run. The paper's Fig. 4 is a "
+    "picture without numbers: of it only what can be computed is drawn."
 )
 
 
@@ -74,6 +74,7 @@ def report(results: dict[str, Any]) -> list[Block]:
         _gateware(results["gateware"]),
         Heading(2, "Level 2: other links, other settings"),
         _links(results["links"]),
+        _bursts(results["bursts"]),
         Heading(2, "Publishing"),
         Figure(
             "Highest rate of publishes against their size (the paper's Fig. 4): 50e6/(20+16n) for the "
@@ -83,6 +84,8 @@ def report(results: dict[str, Any]) -> list[Block]:
             PUBLISHES,
         ),
         _publishes(results["publish"]),
+        Heading(2, "Scaling"),
+        *_scaling(results["scaling"]),
         Heading(2, "What a user writes for the walker"),
         *_simplicity(results["simplicity"]),
         Heading(2, "What the model assumes"),
@@ -175,6 +178,40 @@ def _links(rows: list[dict[str, Any]]) -> Table:
             for row in rows
         ],
     )
+
+
+def _bursts(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "Reads sent together without send-immediate, FIFOs of 256 bytes: the rate of the replies by the "
+        "gateware's time stamps, the same without pauses, and replies between two pauses.",
+        ["link", "gateware", "requests", "reply rate", "without pauses", "between pauses"],
+        [
+            [
+                row["link"],
+                row["gateware"],
+                str(row["requests"]),
+                _value(row["stamped_hz"], "bit/s"),
+                _value(row["unpaused_hz"], "bit/s"),
+                str(row["between_pauses"]),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def _scaling(rows: dict[str, list[dict[str, Any]]]) -> list[Block]:
+    captions = {
+        "registers": "Processor time of a layer-4 read on this host against the registers in the spec.",
+        "links": "The same, in turns over so many links in one process, each to a virtual board of its own.",
+    }
+    return [
+        Table(
+            caption,
+            [name, *(str(row["count"]) for row in rows[name])],
+            [["a read", *(_value(row["read_s"], "s") for row in rows[name])]],
+        )
+        for name, caption in captions.items()
+    ]
 
 
 def _publishes(publish: dict[str, Any]) -> Table:

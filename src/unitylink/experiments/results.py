@@ -11,10 +11,11 @@ import unitylink
 from unitylink.tools.bench.report import machine
 
 from . import level_one, software_cost
-from .link_parameters import LINKS, LinkParameters, assumptions
-from .low_level import read, read_many, synchronous_s, write
-from .model_figures import model_figures
+from .link_parameters import FT245_ASYNC, FT245_SYNC, LINKS, LinkParameters, assumptions
+from .low_level import read, read_burst, read_many, synchronous_s, write
+from .model_figures import LONG_BURST_REQUESTS, model_figures
 from .publish_limits import WORDS, limits
+from .scaling import scaling
 from .simplicity import PAPER, simplicity
 from .table_one import CELLS, TEXT, Cell
 
@@ -32,6 +33,17 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
     figures = model_figures(cost)
     say("level 2: other links")
     links = [row for link in LINKS for row in _link_rows(link, quick=quick)]
+    bursts = [
+        {
+            "link": link.name,
+            "gateware": which,
+            **asdict(read_burst(link, LONG_BURST_REQUESTS, gateware=which)),
+        }
+        for link in (FT245_ASYNC, FT245_SYNC)
+        for which in ("2012", "ours")
+    ]
+    say("scaling")
+    grown = scaling(rounds=5 if quick else 51)
     return {
         "format": FORMAT,
         "quick": quick,
@@ -44,6 +56,8 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
         "table_one": [_compared(cell, figures) for cell in CELLS],
         "text": [_compared(cell, figures) for cell in TEXT],
         "links": links,
+        "bursts": bursts,
+        "scaling": grown,
         "publish": {"words": list(WORDS), "limits_hz": limits()},
         "simplicity": {"paper": PAPER, "ours": simplicity()},
     }

@@ -58,7 +58,7 @@ def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
                 samples: list[list[float]] = [[] for _ in calls]
                 for _ in range(rounds):
                     for call, taken in zip(calls, samples, strict=True):
-                        taken.append(_thread_s(call, count))
+                        taken.append(thread_s(call, count))
         finally:
             os.close(descriptor)
     return SoftwareCost(*(median(taken) for taken in samples))
@@ -73,7 +73,8 @@ def _exchange(descriptor: int, request: bytes) -> bytes:
     return reply
 
 
-def _thread_s(call: Callable[[], object], count: int) -> float:
+def thread_s(call: Callable[[], object], count: int) -> float:
+    """Return the processor time of one of `count` calls, in seconds of this thread."""
     start = thread_time_ns()
     for _ in range(count):
         call()

@@ -61,7 +61,8 @@ def _short(value: float) -> str:
 
 
 def _decades(values: Sequence[float]) -> tuple[int, int]:
-    return math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+    low = math.floor(math.log10(min(values)))
+    return low, max(low + 1, math.ceil(math.log10(max(values))))
 
 
 def _height(value: float, low: int, high: int) -> float:

@@ -39,8 +39,7 @@ class VirtualLink:
         self.received: list[tuple[float, bytes]] = []
         self.lost = 0
         self._outgoing: deque[int] = deque()
-        self._on_the_way: deque[tuple[float, bytes]] = deque()
-        self._microframe = 1
+        self._microframe = 0
         self._to_board_s = 0.0  # when the lines are free
         self._to_host_s = 0.0
         self._publish = False  # the message on its way to the host is one
@@ -60,29 +59,36 @@ class VirtualLink:
         while self._count < target:
             if self.now_s >= end_s:
                 raise TimeoutError(f"{target - self._count} of {count} bytes are missing after {limit_s:g} s")
-            self._microframe_ends()
+            self._microframe_passes()
 
     def run_until(self, time_s: float) -> None:
         """Let time pass to the end of the microframe that holds `time_s`."""
         while self.now_s < time_s:
-            self._microframe_ends()
+            self._microframe_passes()
 
-    def _microframe_ends(self) -> None:
-        end_s = self._microframe * self.parameters.microframe_s
-        self._carry(end_s)
-        self.gateware.run_until(int(end_s * CLOCK_HZ))
-        self.now_s = end_s
-        while self._on_the_way:
-            self.received.append(self._on_the_way.popleft())
-            self._count += len(self.received[-1][1])
-        for packet in self.chip.poll(end_s):
-            if packet:
-                self._on_the_way.append((end_s + self.parameters.microframe_s, packet))
+    def _microframe_passes(self) -> None:
+        """Ask the chip for packets until it has none; the program gets them at the end of the microframe."""
+        p = self.parameters
+        packets: list[bytes] = []
+        asking = True
+        for token in range(p.packets_per_microframe):
+            if asking:
+                packet = self.chip.poll(self._token_s(token))
+                asking = packet is not None
+                packets += [packet] if packet else []
+            self._carry(self._token_s(token), self._token_s(token + 1))
         self._microframe += 1
+        self.now_s = self._token_s(0)
+        self.gateware.run_until(int(self.now_s * CLOCK_HZ))
+        self.received += [(self.now_s, packet) for packet in packets]
+        self._count += sum(len(packet) for packet in packets)
 
-    def _carry(self, end_s: float) -> None:
-        """Move bytes over the lines until `end_s`; towards the host first."""
-        time_s = self.now_s
+    def _token_s(self, token: int) -> float:
+        p = self.parameters
+        return (self._microframe + token / p.packets_per_microframe) * p.microframe_s
+
+    def _carry(self, time_s: float, end_s: float) -> None:
+        """Move bytes over the lines from `time_s` to `end_s`; towards the host first."""
         while time_s < end_s:
             self.gateware.run_until(math.ceil(time_s * CLOCK_HZ - _CLOCK_FRACTION))
             refused = False

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
-from unitylink.experiments import pictures, software_cost, write
+from unitylink.experiments import pictures, scaling, software_cost, write
 from unitylink.experiments.model_figures import model_figures
 from unitylink.experiments.software_cost import SoftwareCost
 from unitylink.experiments.table_one import CELLS, TEXT
@@ -61,6 +61,15 @@ def test_the_software_of_this_host_costs_something() -> None:
     cost = software_cost.measure(rounds=3, count=10)
     assert 0 < cost.stack_read_s < 0.1
     assert 0 < cost.script_write_s < 0.1
+
+
+def test_a_read_by_name_costs_the_same_in_a_large_spec() -> None:
+    assert all(
+        row["read_s"] < 3 * RESULTS["scaling"]["registers"][0]["read_s"]
+        for row in RESULTS["scaling"]["registers"]
+    )
+    assert 0 < scaling.registers_s(300, rounds=1, count=5) < 0.1
+    assert 0 < scaling.links_s(3, rounds=1, count=6) < 0.1
 
 
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
