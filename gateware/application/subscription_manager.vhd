@@ -102,6 +102,7 @@ architecture rtl of subscription_manager is
   signal done         : std_ulogic := '0';
 
   signal publish     : std_ulogic := '0';
+  signal overrun     : std_ulogic := '0';
   signal choice      : group_t := 0;
   signal last_served : group_t := 0;
 
@@ -269,8 +270,10 @@ begin
           tripped(group_number) <= '0';
         end if;
       end if;
+      overrun <= '0';
       if word_scanned = '1' and reached = '1' then
         due(word_group) <= '1';
+        overrun         <= due(word_group);
       end if;
       if phase = changing then
         active(word_group) <= or new_rate;
@@ -332,6 +335,7 @@ begin
     response.empty         <= not filled(group_number);
     response.inactive      <= not active(group_number);
     response.publish       <= publish;
+    response.overrun       <= overrun;
     response.publish_group <= to_unsigned(choice, 8);
     for g in 0 to groups - 1 loop
       if request.place(mask_bits - 1 downto 0) = g / 8 then

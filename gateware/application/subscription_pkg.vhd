@@ -40,6 +40,7 @@ package subscription_pkg is
     mask     : byte_t;                          -- at once
     publish  : std_ulogic;                      -- a publish is due
     publish_group : unsigned(7 downto 0);       -- with publish: of this group
+    overrun  : std_ulogic;                      -- for one clock: a group is due again that has not been published yet
   end record;
 
   constant subscription_request_idle : subscription_request_t := (
@@ -48,6 +49,6 @@ package subscription_pkg is
 
   constant subscription_response_idle : subscription_response_t := (
     done => '0', word => (others => '0'), empty => '1', inactive => '1', mask => (others => '0'), publish => '0',
-    publish_group => (others => '0'));
+    publish_group => (others => '0'), overrun => '0');
 
 end package;

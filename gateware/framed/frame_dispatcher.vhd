@@ -5,7 +5,7 @@
 -- Ports     entry: of frame_pkg, while `pending`. begins: it is taken. receive_overrun, publish_overrun: one-clock pulses, each
 --           kept until it is taken. heard: a request or post of the session was taken since the last tick was.
 -- Latency   None.
--- Errors    None. A pulse that comes while another one waits joins it.
+-- Errors    None. An overrun of the line that comes while another one waits joins it; of publishes 15 wait.
 -- Arbitration  In this order: half_turn, overruns, ticks, publishes, frames.
 
 library ieee;
@@ -38,7 +38,8 @@ end entity;
 
 architecture rtl of frame_dispatcher is
 
-  signal receive_overran, publish_overran, was_heard : std_ulogic := '0';
+  signal receive_overran, was_heard : std_ulogic := '0';
+  signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not taken yet
   signal choice : entry_t;
 
 begin
@@ -54,7 +55,7 @@ begin
       choice <= std_ulogic_vector(to_unsigned(entry_half_turn, 5));
     elsif receive_overran = '1' then
       choice <= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5));
-    elsif publishing and publish_overran = '1' then
+    elsif publishing and publish_overruns /= 0 then
       choice <= std_ulogic_vector(to_unsigned(entry_publish_overrun, 5));
     elsif deadman and ticking = '1' then
       choice <= std_ulogic_vector(to_unsigned(entry_tick, 5));
@@ -69,12 +70,16 @@ begin
   begin
     if rising_edge(clock) then
       receive_overran <= receive_overran or receive_overrun;
-      publish_overran <= publish_overran or publish_overrun;
+      if publish_overrun = '1' and not (begins = '1' and unsigned(choice) = entry_publish_overrun) then
+        if publish_overruns /= 15 then
+          publish_overruns <= publish_overruns + 1;
+        end if;
+      elsif publish_overrun = '0' and begins = '1' and unsigned(choice) = entry_publish_overrun then
+        publish_overruns <= publish_overruns - 1;
+      end if;
       if begins = '1' then
         if unsigned(choice) = entry_receive_overrun then
           receive_overran <= receive_overrun;
-        elsif unsigned(choice) = entry_publish_overrun then
-          publish_overran <= publish_overrun;
         elsif unsigned(choice) = entry_tick then
           was_heard <= '0';
         elsif choice(choice'left) = '0' then
@@ -83,8 +88,8 @@ begin
       end if;
       if reset = '1' then
         receive_overran <= '0';
-        publish_overran <= '0';
-        was_heard       <= '0';
+        publish_overruns <= (others => '0');
+        was_heard        <= '0';
       end if;
     end if;
   end process;

@@ -98,6 +98,7 @@ begin
       request => request, take => take, rewind => rewind, request_done => request_done,
       reply => reply, reply_ready => reply_ready, reply_idle => reply_idle, epoch => epoch,
       may_begin => may_begin, wants => wants, busy => busy, receive_overrun => receive_overrun,
+      publish_overrun => subscription_response.overrun,
       subscription_request => subscription_request, subscription_response => subscription_response,
       bii_request => bii_request, bii_response => bii_response);
 

@@ -172,6 +172,29 @@ def test_publishes_carry_sequence_and_clock(rtl: Any) -> None:
     assert int.from_bytes(told.payload[4:], "big") == len(published)
 
 
+def test_a_group_that_is_due_again_too_soon_is_counted(rtl: Any) -> None:
+    settings = Settings(base_hz=50_000_000 // TICK, groups=1)
+    words = tuple((0x20 + n, 2) for n in range(16))
+    steps = [
+        opening(),
+        ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 2), (0, 1), (1, 4), (0, 1), (16, 1), *words),
+        ask(p.REQUEST_KIND_WRITE_CONTROL, (1, 2), (p.CONTROL_PUBLISH, 2), (1, 4))[:-1],
+        ("send", "\0"),
+        ("wait", 20 * TICK),
+        ("send", ask(p.REQUEST_KIND_WRITE_CONTROL, (2, 2), (p.CONTROL_PUBLISH, 2), (0, 4)).decode("latin-1")),
+        ("quiet", 4 * TICK),
+        ask(p.REQUEST_KIND_READ_CONTROL, (3, 2), (p.CONTROL_PUBLISHES, 2), (2, 1)),
+    ]
+    answers = play(rtl, settings, steps, byte_clocks=16)  # a publish takes longer than two ticks on its line
+    published = [f for f in frames_of(b"".join(answers[2:-1])) if f.kind == p.DEVICE_KIND_PUBLISH]
+    (told,) = frames_of(answers[-1])
+    counts = [int.from_bytes(told.payload[start : start + 4], "big") for start in (4, 8)]
+    assert counts[0] == len(published)
+    assert counts[1] >= 5
+    clocks = [int.from_bytes(frame.payload[3:7], "big") for frame in published]
+    assert abs(sum(counts) - (clocks[-1] - clocks[0]) / TICK) <= 4, "every tick published, or was counted"
+
+
 def test_the_dead_man_at_its_tick(rtl: Any) -> None:
     settings = Settings(base_hz=50_000_000 // TICK, safe=SAFE)
     ticks, arm = p.CONTROL_DEADMAN_TICKS, p.CONTROL_ARM
