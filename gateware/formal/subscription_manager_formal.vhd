@@ -63,7 +63,7 @@ begin
   asked   <= to_integer(request.group_number(0 downto 0));
   taken   <= request.publish_take;
   calm    <= not (request.write_rate or request.fill or request.empty or request.enable or request.disable or
-                  request.write_mask or reset or or (enabled and events));
+                  request.write_mask or request.write_event or request.clear or reset or or (enabled and events));
 
   follow : process (clk) is
   begin
@@ -87,6 +87,9 @@ begin
       end if;
       if request.write_mask = '1' and request.place(0) = '0' then
         enabled <= request.word(1 downto 0);
+      end if;
+      if request.write_event = '1' then
+        enabled(asked) <= request.word(0);
       end if;
       if response.done = '1' and request.write_rate = '1' then
         if request.rate(7 downto 0) /= x"00" then
@@ -125,22 +128,25 @@ begin
         wants  <= '1';
         passed <= 0;
       end if;
-      if request.empty = '1' or request.fill = '1' or request.write_mask = '1' or request.write_rate = '1' then
+      if request.empty = '1' or request.fill = '1' or request.write_mask = '1' or request.write_event = '1' or
+         request.write_rate = '1' then
         wants <= '0';
       end if;
 
-      if reset = '1' then
-        running     <= '0';
-        was_running  <= '0';
+      if reset = '1' or request.clear = '1' then
+        running <= '0';
         filled  <= "00";
-        was_filled <= "00";
         enabled <= "00";
+        rate    <= x"00";
+        steady  <= '0';
+        wants   <= '0';
+      end if;
+      if reset = '1' then
+        was_running <= '0';
+        was_filled <= "00";
         caused  <= "00";
         offered <= '0';
-        steady  <= '0';
         even    <= '1';
-        wants   <= '0';
-        rate    <= x"00";
         waiting <= 0;
       end if;
     end if;
@@ -162,7 +168,8 @@ begin
 
   -- The application does one thing at a time.
   one_thing : assume always request.write_rate = '0' or 
-              (taken or request.fill or request.empty or request.enable or request.disable or request.write_mask) = '0';
+              (taken or request.fill or request.empty or request.enable or request.disable or request.write_mask or
+               request.write_event or request.clear) = '0';
 
   -- A steady group is taken in the clock after it was offered.
   taken_promptly : assume always steady = '0' or offered = '0' or taken = '1';
