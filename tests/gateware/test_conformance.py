@@ -6,6 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from unitylink.tools.conformance import Report, difference, replay
 
 FILE = Path(__file__).parents[1] / "conformance" / "classic-transcripts.json"
@@ -19,8 +21,14 @@ def wrong(report: Report, status: str) -> str:
     )
 
 
-def test_recordings(rtl: Any) -> None:
-    report = replay(FILE, rtl)
+@pytest.mark.parametrize("protocol", ["classic", "both"])
+def test_recordings(rtl: Any, protocol: str) -> None:
+    def player(configuration: Any, exchanges: Any) -> Any:
+        # The other datalinks are for classic text alone.
+        chosen = protocol if configuration.datalink == "full" else "classic"
+        return rtl(configuration, exchanges, protocol=chosen)
+
+    report = replay(FILE, player)
     failures = wrong(report, "required") + wrong(report, "defect") + wrong(report, "optional")
     assert not failures, failures
     assert report.passed == 366
