@@ -19,6 +19,7 @@ const std::vector<Profile>& profiles() {
       {.name = "datagrams", .meaning = "lost, doubled, and in another order", .wire = {.lose = 0.03, .repeat = 0.1, .late_ns = 3 * ms, .overtake = 0.1}},
       {.name = "pauses", .meaning = "the host stands still for up to half a second", .wire = {.lose = 0.005}, .pause = 0.0005, .pause_ns = 500 * ms},
       {.name = "resets", .meaning = "the FPGA is reset", .wire = {.flip = 0.0005}, .reset = 0.001},
+      {.name = "relapses", .meaning = "the FPGA is reset while messages are late", .wire = {.late = 0.01, .late_ns = 60 * ms, .overtake = 0.05}, .reset = 0.002},
       {.name = "mixed", .meaning = "all of them, drawn for each seed", .wire = {}, .drawn = true},
   };
   return all;
