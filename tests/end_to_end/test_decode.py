@@ -18,7 +18,7 @@ DISSECTOR = ROOT / "tools" / "wireshark" / "unitylink.lua"
 
 def test_a_trace_says_what_went_over_the_link(run: Run, tmp_path: Path) -> None:
     trace = tmp_path / "scara.pcapng"
-    assert run("read", f"sim:{SCARA}?trace={trace}", "j1.cpos").returncode == 0
+    assert run("read", f"sim:{SCARA}?protocol=classic&trace={trace}", "j1.cpos").returncode == 0
     plain = run("decode", trace, "--spec", SCARA)
     assert plain.returncode == 0, plain.stderr
     assert "> #RM:010088" in plain.stdout and "read j1.cpos" in plain.stdout
@@ -33,7 +33,7 @@ def test_a_trace_says_what_went_over_the_link(run: Run, tmp_path: Path) -> None:
 
 def test_wireshark_opens_it_with_our_dissector(run: Run, tmp_path: Path) -> None:
     trace, whole = tmp_path / "scara.pcapng", tmp_path / "messages.pcapng"
-    assert run("read", f"sim:{SCARA}?trace={trace}", "j1.cpos").returncode == 0
+    assert run("read", f"sim:{SCARA}?protocol=classic&trace={trace}", "j1.cpos").returncode == 0
     done = run("decode", trace, "--spec", SCARA, "--pcapng", whole)
     assert done.returncode == 0, done.stderr
     tshark = shutil.which("tshark")

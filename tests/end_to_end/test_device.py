@@ -114,10 +114,13 @@ def test_a_wrong_write_sends_nothing(
 def test_info(serve: Serve, run: Run, scara: Path) -> None:
     server = serve(scara, "--tcp", "0", "--groups", "8", "--group-size", "16", "--read-many", "20")
     shown = run("info", server.url, "--spec", scara).stdout
-    assert "not verified" in shown and "8 of 16 addresses" in shown and "online" in shown
+    assert "binding  verified" in shown and "8 of 16 addresses" in shown and "online" in shown
     report = json.loads(run("info", server.url, "--json").stdout)
-    assert report["configuration"]["groups"] == 8 and report["configuration"]["read_many"] == 20
-    assert report["binding"]["verified"] is False
+    assert report["configuration"]["groups"] == 8 and report["protocol"] == "framed"
+    assert report["binding"]["verified"] is False and report["health"]["frames"] > 0
+    classic = json.loads(run("info", f"{server.url}?protocol=classic", "--json").stdout)
+    assert classic["configuration"]["read_many"] == 20 and classic["health"] is None
+    assert "classic" in classic["binding"]["reason"]
     assert report["statistics"]["bytes_received"] > 0 and report["statistics"]["timeouts"] == 0
 
 
