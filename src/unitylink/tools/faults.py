@@ -105,7 +105,8 @@ def command(chosen: tuple[str, ...], messages: int, jobs: int, as_json: bool, **
     after the faults all must go well again. A history that fails is told with the command that repeats it.
 
     \b
-    Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses mixed; all of them in turn.
+    Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses mixed; all of them
+    in turn.
 
     \b
     Examples:
