@@ -37,6 +37,7 @@ class Block:
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
     not_proven: str = ""  # what a reader may expect and does not get
     quick: bool = False  # in the short form too, which is a test
+    several_clocks: bool = False  # each an input; depths then count steps, in which any of them may turn
 
     @property
     def top(self) -> str:
@@ -297,6 +298,37 @@ BLOCKS = (
                 "tosnet_slave.vhd", "commit or (commit_pending and not store);", "commit or commit_pending;"
             ),
             Mutant("tosnet_slave.vhd", "hidden      <= write_words;", "hidden      <= hidden;"),
+        ),
+    ),
+    Block(
+        "ft245_async_bytes",
+        "`physical/ft245_async`, 50 MHz, buffers of 2 bytes, a chip that gives and takes when it likes",
+        depth=8,
+        deep=18,
+        reach=12,
+        not_proven="times within a clock, and other clocks: the bench's model of the chip checks them",
+        mutants=(
+            Mutant("ft245_async.vhd", "seen_rxf_n = '0' and read_wait = 0 and", "read_wait = 0 and"),
+            Mutant("ft245_async.vhd", "seen_txe_n = '0' and turn_wait = 0", "turn_wait = 0"),
+            Mutant(
+                "ft245_async.vhd", "            data_drive <= '0';\n            state", "            state"
+            ),
+            Mutant("ft245_async.vhd", "flushed <= flush;", "flushed <= '1';"),
+        ),
+    ),
+    Block(
+        "async_fifo",
+        "`common/async_fifo`, 4 words of a bit, two clocks of any ratio; depths in half clocks",
+        depth=8,
+        deep=24,
+        reach=18,
+        several_clocks=True,
+        not_proven="resets; a flip-flop that takes long to decide, against which the two in a row stand",
+        mutants=(
+            Mutant("async_fifo.vhd", "read_seen   <= binary(read_grey_2);", "read_seen   <= read_grey_2;"),
+            Mutant("async_fifo.vhd", "when held < depth - margin", "when held <= depth - margin"),
+            Mutant("async_fifo.vhd", "load or (loaded and not read_ready)", "load or loaded"),
+            Mutant("async_fifo.vhd", "write_grey  <= grey(count);", "write_grey  <= grey(count + 1);"),
         ),
     ),
 )

@@ -65,6 +65,7 @@ class Model:
     smt2: Path
     aiger: Path
     asserted: tuple[str, ...]
+    several_clocks: bool = False
 
     @property
     def witness(self) -> Path:
@@ -84,25 +85,34 @@ def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
     ghdl = Ghdl(folder, sources)
     verilog, vhdl = (ghdl.synthesise(block.top, language, block.generics) for language in ("verilog", "vhdl"))
-    return _made(with_properties(repaired(verilog, vhdl)), block.top, folder / "model.v")
+    return _made(
+        with_properties(repaired(verilog, vhdl)), block.top, folder / "model.v", block.several_clocks
+    )
 
 
 def unreachable(model: Model) -> Model:
     """Return the model that asserts of each cover that it is never reached, and nothing else."""
     source = model.smt2.with_suffix(".v")
     verilog = re.sub(r"(?m)^.*\bassert\(.*$", "", source.read_text(encoding="utf-8"))
-    return _made(re.sub(r"\bcover\(", "assert(!", verilog), model.top, source.with_name("covers.v"))
+    return _made(
+        re.sub(r"\bcover\(", "assert(!", verilog),
+        model.top,
+        source.with_name("covers.v"),
+        model.several_clocks,
+    )
 
 
-def _made(verilog: str, top: str, source: Path) -> Model:
+def _made(verilog: str, top: str, source: Path, several_clocks: bool) -> Model:
     source.write_text(verilog, encoding="utf-8")
     smt2, aiger = source.with_suffix(".smt2"), source.with_suffix(".aig")
     script = _SCRIPT.format(verilog=source, top=top, smt2=smt2, aiger=aiger)
+    if several_clocks:
+        script = script.replace("async2sync", "clk2fflogic")
     code, said = run(["yosys", "-q", "-p", "; ".join(filter(None, script.split("\n")))])
     if code != 0:
         raise ToolError(f"yosys refuses the model of {top}:\n{said[-3000:]}")
     names = re.findall(r"^; yosys-smt2-assert \d+ (\S+)", smt2.read_text(encoding="utf-8"), re.MULTILINE)
-    return Model(top, smt2, aiger, tuple(names))
+    return Model(top, smt2, aiger, tuple(names), several_clocks)
 
 
 def with_properties(verilog: str) -> str:
