@@ -275,7 +275,7 @@ begin
   keep     <= does and to_bit(instruction(say_f) = say_kept);
   recall   <= does and to_bit(instruction(source_f) = from_cache);
   look     <= finishes and to_bit(instruction(special_f) = half_turn);
-  tick_seen <= begins and to_bit(unsigned(entry) = entry_tick);
+  tick_seen <= begins and to_bit(entry = std_ulogic_vector(to_unsigned(entry_tick, 5)));
   publish   <= subscription_response.publish and flags(2);
 
   reads     <= finishes and not jump and instruction(do_read);
