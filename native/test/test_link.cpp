@@ -316,7 +316,7 @@ TEST_CASE("close wakes whoever waits; a silent device ends in a timeout that say
 
   const char* reply = "$CNF:01,04,20,02,03e8,02,10,02*a7\n";
   REQUIRE(::write(ends[1], reply, std::string(reply).size()) > 0);
-  link = opened("fd:" + std::to_string(ends[0]) + "?timeout=60");
+  link = opened("fd:" + std::to_string(ends[0]) + "?timeout=60&protocol=classic");
   Outcome outcome;
   std::thread reader([&] {
     std::uint32_t value = 0;
