@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One command per habit. Each does all of its own set-up; nothing has to be installed by hand before.
-#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself
+#   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself, CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
@@ -35,9 +35,9 @@ demo: $(VENV)/.built
 	@tools/setup.sh group demo
 ifdef RTL
 	@tools/setup.sh rtl
-	$(BIN)/python examples/scara/run.py --rtl --picture build/scara-rtl.png
+	$(BIN)/python examples/scara/run.py --rtl $(if $(CLASSIC),--classic) --picture build/scara-rtl.png
 else
-	$(BIN)/python examples/scara/run.py --picture build/scara.png
+	$(BIN)/python examples/scara/run.py $(if $(CLASSIC),--classic) --picture build/scara.png
 endif
 
 demo-walker: $(VENV)/.built

@@ -189,6 +189,7 @@ def main() -> int:
         const=f"rtl:{SPEC}?plant=scara",
         help="drive the VHDL itself, compiled: half a minute the first time",
     )
+    parser.add_argument("--classic", action="store_true", help="speak the classic protocol, not frames")
     parser.add_argument("--picture", type=Path, metavar="PNG", help="save the joint paths there")
     parser.add_argument(
         "--build",
@@ -198,12 +199,16 @@ def main() -> int:
         help="where the proxies are generated (%(default)s)",
     )
     options = parser.parse_args()
-    with connect(options.link) as link:
+    url = options.link
+    if options.classic:
+        url += ("&" if "?" in url else "?") + "protocol=classic"
+    with connect(url) as link:
         started = time.monotonic()
         robot = make_robot(link, options.build)
         network = robot.j1.pos_sp.hardware
         assert isinstance(network, TosNetProxy)  # the spec says TOSNET
         nodes = ", ".join(str(node.node_id) for node in network.nodes())
+        print(f"protocol: {link.protocol}")
         print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
         print("moving:")
         run = drive(robot)

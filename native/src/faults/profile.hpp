@@ -24,8 +24,10 @@ struct WireFaults {
   std::uint64_t late_ns = 0;  // at most so late
   double overtake = 0;        // of a message: it comes late, and those behind it do not wait (datagrams)
 
+  // Of bytes, so that a checksum has to notice.
+  [[nodiscard]] bool damages() const noexcept { return flip + burst + lose_byte + double_byte + swap_bytes + insert_byte > 0; }
   [[nodiscard]] bool any() const noexcept {
-    return flip + burst + lose_byte + double_byte + swap_bytes + insert_byte + lose + repeat + cut + late + overtake > 0;
+    return damages() || lose + repeat + cut + late + overtake > 0;
   }
 };
 

@@ -25,6 +25,11 @@ constexpr std::size_t violations_most = 20;
 constexpr std::uint64_t clock_ns = 20;            // of the device: 50 MHz
 constexpr std::uint32_t device_fifo = 2048;
 
+// A wrong value that was read, or written in place of another.
+bool passed_checksum(const std::string& violation) {
+  return violation.starts_with("read ") || violation.starts_with("executed, but nobody") || violation.starts_with("told as executed");
+}
+
 class Simulation {
  public:
   explicit Simulation(const Plan& plan)
@@ -276,7 +281,9 @@ class Simulation {
   void collect() {
     for (auto& client : clients_) {
       for (std::string& text : client->journal().violations()) {
-        if (report_.violations.size() < violations_most) {
+        if (!plan_.framed && faults_.wire.damages() && passed_checksum(text)) {
+          report_.undetected += 1;
+        } else if (report_.violations.size() < violations_most) {
           report_.violations.push_back(std::move(text));
         }
       }

@@ -29,6 +29,7 @@ struct Report {
   std::uint64_t sessions = 0;        // framed: opened
   std::uint64_t retries = 0;
   std::uint64_t bus_writes = 0;      // that the device executed
+  std::uint64_t undetected = 0;      // classic: damage that its checksum of eight bits let pass; no violation, for it promises no more
   double virtual_s = 0;
   double calm_rate_hz = 0;           // messages per second before the faults
   double faulty_rate_hz = 0;

@@ -15,7 +15,7 @@ import click
 from .output import json_option, print_json, print_table
 
 RUN_MESSAGES = 20_000  # of one history; more messages are more histories, so that all of them begin and end
-_COUNTED = ("messages", "faults", "good", "failed", "unknown", "retries", "resets")
+_COUNTED = ("messages", "faults", "good", "failed", "unknown", "retries", "resets", "undetected")
 
 
 @dataclass(frozen=True)

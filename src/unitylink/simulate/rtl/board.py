@@ -21,7 +21,7 @@ CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and a
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
     """Return the gateware that is generated, but with a clock that can be simulated in real time."""
     return BoardConfiguration.for_spec(
-        spec, **{"clock_hz": CLOCK_HZ_DEFAULT, "protocol": "classic", **overrides}
+        spec, **{"clock_hz": CLOCK_HZ_DEFAULT, "protocol": "both", **overrides}
     )
 
 
