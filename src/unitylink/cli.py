@@ -107,7 +107,8 @@ def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> No
     if wanted and not ctx.resilient_parsing:
         from unitylink import __version__, protocol
 
-        click.echo(f"unitylink {__version__}, protocol: classic {protocol.CLASSIC_VERSION}, {_build()}")
+        spoken = f"framed {protocol.FRAME_VERSION}, classic {protocol.CLASSIC_VERSION}"
+        click.echo(f"unitylink {__version__}, protocols: {spoken}, {_build()}")
         ctx.exit()
 
 
