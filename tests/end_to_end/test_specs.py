@@ -20,7 +20,8 @@ BAD = 'public led() {\n   @on = 0x10: WRITE()\n   @count = 0x11: READ(IDD="n");\
 
 
 def test_version_and_module(run: Run) -> None:
-    assert re.fullmatch(r"unitylink \d+\.\d+\.\d+, protocols: framed \d+, classic \d+, .*\n", run("--version").stdout)
+    said = r"unitylink \d+\.\d+\.\d+, protocols: framed \d+, classic \d+, .*\n"
+    assert re.fullmatch(said, run("--version").stdout)
     module = subprocess.run(
         [sys.executable, "-m", "unitylink", "--version"], capture_output=True, text=True, check=True
     )
