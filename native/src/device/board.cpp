@@ -191,7 +191,7 @@ bool Board::feed() {
   if (taken.result != Endpoint::Result::done) {
     return false;
   }
-  device_->run_until(within_reach(real_clock()));
+  device_->run_until(std::min(within_reach(real_clock()), plant_next_));  // not past what the plant has still to do
   for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
     device_->receive(byte);
   }
