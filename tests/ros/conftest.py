@@ -134,8 +134,10 @@ class Ros:
     def start(self, *command: str) -> subprocess.Popen[str]:
         """Start a program; it is interrupted with the test."""
         with (self.folder / f"{command[0]}.log").open("w") as log:
+            # A shell's background job ignores interrupts, and so would what it starts.
+            heeding = ("env", "--default-signal=INT", *command)
             process = subprocess.Popen(
-                command, env=self.environment, cwd=self.folder, stdout=log, stderr=log, text=True
+                heeding, env=self.environment, cwd=self.folder, stdout=log, stderr=log, text=True
             )
         self._running.append(process)
         return process
