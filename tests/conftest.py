@@ -9,6 +9,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import signal
+
 from hypothesis import settings
 
 settings.register_profile("untimed", deadline=None)
@@ -26,3 +28,8 @@ def fake_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-pthread", "-I", str(ROOT / "native" / "src")]
     subprocess.run([compiler, *options, str(FAKE), "-o", str(library)], check=True, timeout=300)
     return library
+
+
+# A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
