@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 from pathlib import Path
 
 import pytest
-import signal
-
 from hypothesis import settings
 
 settings.register_profile("untimed", deadline=None)
