@@ -35,3 +35,12 @@ def wire_hash(spec: Spec, data_bits: int = 32) -> int:
             lines.add(f"group {group.number} {group.trigger} {group.divisor} {words}")
     text = "\n".join([*sorted(lines), *(f"safe {at:x} {word:x}" for at, word in safe_words(spec, data_bits))])
     return int(hashlib.sha256(f"{_FORMAT}\n{text}\n".encode()).hexdigest()[:16], 16) or 1
+
+
+def is_built_from(spec: Spec, told: int, data_bits: int = 32) -> bool:
+    """Was gateware with the hash `told` built from `spec`, or from one of its public constructors alone?
+
+    Several constructors may be several boards: two arms, each behind a link of its own.
+    """
+    parts = (spec.only(root.name) for root in spec.roots) if len(spec.roots) > 1 else ()
+    return any(wire_hash(part, data_bits) == told for part in (spec, *parts))

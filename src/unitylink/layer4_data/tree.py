@@ -75,10 +75,13 @@ def _refuse_other_gateware(spec: Spec, link: Link) -> None:
     told = link.description
     if told is None or told.spec_hash == 0:
         return
-    from unitylink.wire_hash import wire_hash  # only here: most programs start with a generated file
+    from unitylink.wire_hash import (
+        is_built_from,
+        wire_hash,
+    )  # only here: most programs start with a generated file
 
-    ours = wire_hash(spec, link.configuration.data_bits)
-    if told.spec_hash != ours:
+    if not is_built_from(spec, told.spec_hash, link.configuration.data_bits):
+        ours = wire_hash(spec, link.configuration.data_bits)
         raise DeviceMismatch(
             f"{spec.source} has the wire hash {ours:016x}, the gateware at {link.url} was built from a spec "
             f"with {told.spec_hash:016x}: addresses, widths, access, groups or safe values differ; build the "

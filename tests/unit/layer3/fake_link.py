@@ -167,6 +167,7 @@ class FakeLink:
     url: str = "fake:"
     base: int = 0
     closed: bool = False
+    description: None = None  # it speaks the classic protocol
 
     def __post_init__(self) -> None:
         self.log: list[tuple[Any, ...]] = []
