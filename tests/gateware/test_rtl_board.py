@@ -115,7 +115,10 @@ def test_link_url_brings_the_board(spec: Spec, tmp_path: Path) -> None:
 def test_slow_line_and_small_fifo_lose_nothing(spec: Spec) -> None:
     """The twin's physical layer stands before the compiled streams: a UART of 100 kBd on a clock of 1 MHz."""
     configuration = rtl_configuration(spec, baud_hz=100_000, fifo=16)
-    with RtlBoard(spec, configuration=configuration) as board, Link(f"{board.url}?fifo=16&timeout=1") as link:
+    with (
+        RtlBoard(spec, configuration=configuration) as board,
+        Link(f"{board.url}?fifo=16&timeout=1&protocol=classic") as link,
+    ):
         assert len(link.read_many([4, 5, 0x30] * 5)) == 15
         assert board.statistics.overruns == 0
         board.receive_error(2)
