@@ -148,6 +148,10 @@ class BoardConfiguration:
             raise ValueRangeError(
                 f"board configuration: datalink is {self.datalink!r}; choose 'full', 'lite' or 'none'"
             )
+        if (
+            self.protocol == "both" and self.datalink != "full"
+        ):  # where data may be any byte, a 00 is no border
+            object.__setattr__(self, "protocol", "classic")
         if self.protocol not in ("both", "classic", "framed"):
             raise ValueRangeError(
                 f"board configuration: protocol is {self.protocol!r}; choose 'both', 'classic' or 'framed'"
