@@ -25,7 +25,8 @@ def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
         if element.safe is None or not element.writable:
             continue
         codec = Codec(path, Quantity.of(element), data_bits)
-        words += zip(element.addresses, codec.split(codec.encode(element.safe)), strict=True)
+        # on a bus narrower than the spec's a value takes what its words hold, as its initial value does
+        words += zip(element.addresses, codec.split(codec.encode(element.safe)), strict=False)
         committed[element.link] = None
     return (*words, *((address, 0) for link in committed if (address := _commit(link)) is not None))
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -60,9 +61,15 @@ def test_scara_proxies_are_up_to_date() -> None:
 
 def test_scara_judges_itself(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """A run that ends elsewhere, or in which a joint never moved, is not a success."""
-    monkeypatch.syspath_prepend(str(EXAMPLES / "scara"))
     import numpy as np
-    import run as example
+
+    monkeypatch.syspath_prepend(str(EXAMPLES / "scara"))
+    # by its path: every example has a run.py, and another test may have imported its own
+    found = importlib.util.spec_from_file_location("scara_run", EXAMPLES / "scara" / "run.py")
+    assert found is not None and found.loader is not None
+    example = importlib.util.module_from_spec(found)
+    monkeypatch.setitem(sys.modules, found.name, example)
+    found.loader.exec_module(example)
 
     def judged(measured: np.ndarray, snapshot: np.ndarray) -> bool:
         times_s = np.arange(len(measured)) / 100
