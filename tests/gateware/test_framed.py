@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
-from reference.framing import Borders, Frame
-from reference.scenario import Scenario, field
+from reference.framing import Borders, Frame, field
+from reference.scenario import Scenario
 from reference.settings import Settings
 
 from unitylink import protocol as p

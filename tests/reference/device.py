@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from reference.bus import Bus, BusError
-from reference.framing import Borders, Frame
+from reference.framing import Borders, Frame, field
 from reference.requests import Invalid, Request, Word, parse, parse_post
 from reference.settings import Settings
 from reference.state import Exchange, Group, Place
@@ -118,7 +118,7 @@ class ReferenceDevice:
                 self._trip()
             self._begin_session(epoch, flags)
             self._session_nonce = nonce
-        return self._frame(p.DEVICE_KIND_OPEN, _bytes((self.epoch, 2), (self.clock & MOST, 4)))
+        return self._frame(p.DEVICE_KIND_OPEN, field((self.epoch, 2), (self.clock & MOST, 4)))
 
     def _begin_session(self, epoch: int, flags: int) -> None:
         window = self.settings.window
@@ -141,7 +141,7 @@ class ReferenceDevice:
         widths = ((s.a, 1), (s.d, 1))
         limits = ((s.credit, 2), (s.request_max, 2), (s.reply_max, 2), (s.window, 1), (s.cache, 1))
         known = ((s.features, 2), (s.spec_hash, 8))
-        return _bytes((version, 1), (self._nonce, 2), (self.epoch, 2), *widths, *limits, *known)
+        return field((version, 1), (self._nonce, 2), (self.epoch, 2), *widths, *limits, *known)
 
     # ---- posts
 
@@ -211,7 +211,7 @@ class ReferenceDevice:
         return self._places[request_id % self.settings.window]
 
     def _reply(self, request_id: int, status: int, reply: bytes = b"") -> bytes:
-        return self._frame(p.DEVICE_KIND_REPLY + status, _bytes((request_id, 2), (self.posts, 2)) + reply)
+        return self._frame(p.DEVICE_KIND_REPLY + status, field((request_id, 2), (self.posts, 2)) + reply)
 
     def _untimely(self, request: Request) -> int:
         """Why a request may not be executed yet; 0 if it may."""
@@ -281,23 +281,23 @@ class ReferenceDevice:
         try:
             match request.operation:
                 case p.REQUEST_KIND_READ:
-                    return 0, _bytes((self._read(request.address), d))
+                    return 0, field((self._read(request.address), d))
                 case p.REQUEST_KIND_WRITE:
                     self._word(Word(p.LIST_OPERATION_WRITE, request.address, request.value))
                 case p.REQUEST_KIND_LIST:
                     read = b""
                     for word in request.words:
                         if not word.writes:
-                            read += _bytes((self._read(word.address), d))
+                            read += field((self._read(word.address), d))
                         elif not repeated:
                             self._word(word)
                         done += 1
-                    return 0, _bytes((done, 2)) + read
+                    return 0, field((done, 2)) + read
                 case p.REQUEST_KIND_EXCHANGE:
                     return 0, self._exchange(self._exchanges[request.address], request.outputs, repeated)
                 case p.REQUEST_KIND_READ_CONTROL:
                     span = range(request.address, request.address + request.value)
-                    return 0, b"".join(_bytes((self._control(address), 4)) for address in span)
+                    return 0, b"".join(field((self._control(address), 4)) for address in span)
                 case p.REQUEST_KIND_WRITE_CONTROL:
                     self._set_control(request.address, request.value)
                 case p.REQUEST_KIND_DEFINE_GROUP:
@@ -310,9 +310,9 @@ class ReferenceDevice:
                     )
                 case p.REQUEST_KIND_SYNC:
                     number, status = self._first_failed
-                    return 0, _bytes((self.posts, 2), (self._failed_posts, 2), (number, 2), (status, 1))
+                    return 0, field((self.posts, 2), (self._failed_posts, 2), (number, 2), (status, 1))
         except BusError as error:
-            return error.status, _bytes((done, 2)) if request.operation == p.REQUEST_KIND_LIST else b""
+            return error.status, field((done, 2)) if request.operation == p.REQUEST_KIND_LIST else b""
         return 0, b""
 
     # ---- the bus
@@ -349,7 +349,7 @@ class ReferenceDevice:
             if not repeated:
                 self._write(address, value)
         return b"".join(
-            _bytes((self._read(address) % (1 << 8 * size), size)) for address, size in exchange.inputs
+            field((self._read(address) % (1 << 8 * size), size)) for address, size in exchange.inputs
         )
 
     # ---- control registers, time
@@ -410,10 +410,10 @@ class ReferenceDevice:
         """One publish of a group, as its tick or event makes it."""
         group = self.groups[number]
         try:
-            words = b"".join(_bytes((self._read(address), self.settings.d)) for address in group.addresses)
+            words = b"".join(field((self._read(address), self.settings.d)) for address in group.addresses)
         except BusError:
             return b""
-        head = _bytes((number, 1), (group.sequence, 2), (self.clock & MOST, 4))
+        head = field((number, 1), (group.sequence, 2), (self.clock & MOST, 4))
         group.sequence = (group.sequence + 1) % 0x10000
         self._count(p.CONTROL_PUBLISHES)
         return self._frame(p.DEVICE_KIND_PUBLISH, head + words)
@@ -425,7 +425,3 @@ class ReferenceDevice:
         self._count(p.CONTROL_DEADMAN_TRIPS)
         for address, value in self.settings.safe:
             self.bus.write(address, value)
-
-
-def _bytes(*fields: tuple[int, int]) -> bytes:
-    return b"".join(int(value).to_bytes(size, "big") for value, size in fields)

@@ -13,6 +13,15 @@ class NotCobs(ValueError):
     """Bytes that no COBS encoder could have made."""
 
 
+def field(*fields: tuple[int, int]) -> bytes:
+    """Fields of a payload, most significant byte first: (value, bytes).
+
+    >>> field((1, 2), (0xAB, 1)).hex()
+    '0001ab'
+    """
+    return b"".join(value.to_bytes(size, "big") for value, size in fields)
+
+
 def crc(polynomial: int, start: int, data: bytes) -> int:
     """A reflected CRC without final XOR, bit by bit.
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
-from reference.framing import Frame
+from reference.framing import Frame, field
 from reference.requests import READS, WRITES
 from reference.settings import Settings
 from unitylink import protocol as p
@@ -22,11 +22,6 @@ CONTROLS = (
     p.CONTROL_PUBLISH + 1,
     0x0010,
 )
-
-
-def field(*fields: tuple[int, int]) -> bytes:
-    """Big-endian fields: (value, bytes)."""
-    return b"".join(value.to_bytes(size, "big") for value, size in fields)
 
 
 def _unclassic(piece: bytes) -> bytes:

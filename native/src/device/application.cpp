@@ -110,6 +110,13 @@ void Application::begin_request() {
   decision_ = at_;
   after_emit_ = State::idle;
 
+  decide(message);
+  state_ = State::emit;
+  emit();
+}
+
+// Executes the request, or refuses it.
+void Application::decide(const Message& message) {
   const std::string_view text(message.letters.data(), message.letters.size());
   std::size_t seen = 0;
   for (const Command& candidate : commands) {
@@ -121,24 +128,18 @@ void Application::begin_request() {
     if (matches && yielding_ && !reads_only(candidate.letters)) {
       decision_ += candidate.letters.size();
       refuse(candidate.letters == command::write ? error::bus_error_write : error::incomplete_command);
-      state_ = State::emit;
-      emit();
       return;
     }
     if (matches) {
       Cursor cursor{message.data, candidate.letters.size() + (candidate.arguments ? 1 : 0)};
       execute(candidate.letters, cursor);
       decision_ += cursor.clocks;
-      state_ = State::emit;
-      emit();
       return;
     }
     seen = std::max(seen, common_prefix(text, candidate.letters));
   }
   decision_ += seen + 1;
   refuse(error::incomplete_command);
-  state_ = State::emit;
-  emit();
 }
 
 void Application::begin_publish(std::uint32_t group) {

@@ -44,6 +44,7 @@ class Application {
   [[nodiscard]] bool held() const noexcept;
 
   void begin_request();
+  void decide(const Message& message);
   void begin_publish(std::uint32_t group);
   void execute(std::string_view command, Cursor& cursor);
   void read_configuration();

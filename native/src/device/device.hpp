@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <utility>
 
 #include "device/address_map.hpp"
 #include "device/application.hpp"
@@ -50,8 +48,6 @@ class Device final : public ServedDevice {
   bool take(TimedByte& byte) noexcept override;
   [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }
 
-  // Called at every write of the link that the bus has acknowledged.
-  void observe(std::function<void(std::uint32_t address, std::uint32_t value)> observer) { bus_.observe(std::move(observer)); }
   [[nodiscard]] AddressMap& bus() noexcept { return bus_; }
   BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
   BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }

@@ -145,7 +145,7 @@ void Client::judge() {
     (status == Status::ok ? tally_.good : status == Status::unknown ? tally_.unknown : tally_.failed) += 1;
     const bool late = status == Status::timeout || status == Status::unknown || status == Status::cancelled;
     if (framed_ != nullptr && status != Status::ok && !late) {  // it could have been asked again
-      journal_.violations().push_back(std::string("an operation ended with: ") + status_text(status));
+      journal_.accuse(std::string("an operation ended with: ") + status_text(status));
     }
   }
   // The request behind posts is answered only when they have been executed; otherwise, and in another session, nobody knows.
@@ -187,7 +187,7 @@ void Client::judge_reads(const Exchange& exchange, const std::uint32_t* addresse
       char text[160];
       std::snprintf(text, sizeof text, "read %08x at %04x, where %08x stands (attempt %u)", read_values_[index], addresses[index], truth,
                     exchange.attempts);
-      journal_.violations().emplace_back(text);
+      journal_.accuse(text, true);
     }
   }
 }

@@ -11,10 +11,10 @@ constexpr std::size_t past_kept = 4096;
 
 }  // namespace
 
-void Journal::accuse(const char* what, std::uint32_t address, std::uint32_t value) {
+void Journal::accuse_write(const char* what, std::uint32_t address, std::uint32_t value, bool damage) {
   char text[160];
   std::snprintf(text, sizeof text, "%s: %08x at %04x", what, value, address);
-  violations_.emplace_back(text);
+  accuse(text, damage);
 }
 
 void Journal::on_write(std::uint32_t address, std::uint32_t value) {
@@ -23,23 +23,23 @@ void Journal::on_write(std::uint32_t address, std::uint32_t value) {
   const auto wished = std::find_if(wishes_.begin(), wishes_.end(), same);
   if (wished != wishes_.end()) {
     if (++wished->times > 1) {
-      accuse("executed twice", address, value);
+      accuse_write("executed twice", address, value);
     }
     if (std::any_of(wished + 1, wishes_.end(), [](const Wish& later) { return later.times > 0; }) && wished->times == 1) {
-      accuse("executed after one behind it", address, value);
+      accuse_write("executed after one behind it", address, value);
     }
     return;
   }
   disturbed_ = true;
   const auto past = std::find_if(past_.rbegin(), past_.rend(), same);
   if (past == past_.rend()) {
-    accuse("executed, but nobody asked for it", address, value);
+    accuse_write("executed, but nobody asked for it", address, value, true);
   } else if (++past->times > 1) {
-    accuse("executed twice, the second time after its outcome was told", address, value);
+    accuse_write("executed twice, the second time after its outcome was told", address, value);
   } else if (!past->unknown) {
-    accuse("executed after it was told as not executed", address, value);
+    accuse_write("executed after it was told as not executed", address, value);
   } else if (told_[address - first_] > past->number) {
-    accuse("executed late, undoing a later write", address, value);
+    accuse_write("executed late, undoing a later write", address, value);
   }
 }
 
@@ -47,9 +47,9 @@ void Journal::settle(Told told, const char* status) {
   Wish wish = wishes_.front();
   wishes_.pop_front();
   if (told == Told::executed && wish.times == 0) {
-    accuse("told as executed, but it was not", wish.address, wish.value);
+    accuse_write("told as executed, but it was not", wish.address, wish.value, true);
   } else if (told == Told::not_executed && wish.times > 0) {
-    accuse((std::string("told as not executed, but it was (") + status + ")").c_str(), wish.address, wish.value);
+    accuse_write((std::string("told as not executed, but it was (") + status + ")").c_str(), wish.address, wish.value);
   }
   if (told == Told::executed) {
     told_[wish.address - first_] = wish.number;

@@ -7,7 +7,7 @@
 #include <deque>
 #include <span>
 #include <string>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace unitylink::faults {
@@ -19,6 +19,12 @@ struct Wish {
   std::uint64_t number = 0;  // of all wishes of the client
   std::uint32_t times = 0;   // it was executed
   bool unknown = false;      // that is what was told
+};
+
+// What was not as promised.
+struct Violation {
+  std::string text;
+  bool damage = false;  // a wrong value was read, or written in place of another: what a checksum that fails to notice brings about
 };
 
 // The words of one client, and its wishes in the order in which they must be executed.
@@ -53,10 +59,11 @@ class Journal {
   [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
   void begin() noexcept { disturbed_ = false; }
 
-  [[nodiscard]] std::vector<std::string>& violations() noexcept { return violations_; }
+  void accuse(std::string text, bool damage = false) { violations_.push_back({std::move(text), damage}); }
+  [[nodiscard]] std::vector<Violation>& violations() noexcept { return violations_; }
 
  private:
-  void accuse(const char* what, std::uint32_t address, std::uint32_t value);
+  void accuse_write(const char* what, std::uint32_t address, std::uint32_t value, bool damage = false);
 
   std::uint32_t first_;
   std::vector<std::uint32_t> truth_;
@@ -65,7 +72,7 @@ class Journal {
   std::deque<Wish> wishes_;
   std::deque<Wish> past_;  // the last ones that are over
   bool disturbed_ = false;
-  std::vector<std::string> violations_;
+  std::vector<Violation> violations_;
 };
 
 }  // namespace unitylink::faults

@@ -6,16 +6,12 @@ from __future__ import annotations
 import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
-from reference.framing import Borders, Frame
+from reference.framing import Borders, Frame, field
 from reference.settings import Settings
 
 from unitylink import protocol as p
 
 EPOCH = 0x1234
-
-
-def field(*fields: tuple[int, int]) -> bytes:
-    return b"".join(value.to_bytes(size, "big") for value, size in fields)
 
 
 class Host:

@@ -8,14 +8,15 @@ from itertools import pairwise
 import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
-from reference.framing import Borders, Frame
-from reference.scenario import Scenario, field
+from reference.framing import Borders, Frame, field
+from reference.scenario import Scenario
 from reference.settings import Settings
 
 from unitylink import _native
 from unitylink import protocol as p
 from unitylink.board_configuration import BoardConfiguration, FramedConfiguration
 
+EPOCH = 5
 SAFE = ((0x10, 0), (0x11, 0xFFFF))
 ERRORS, SILENT = (0x38, 0x3B), (0x3C, 0x3F)
 
@@ -63,6 +64,13 @@ def ask(twin: _native.Device, data: bytes, clocks: int = 5_000) -> bytes:
     return answer
 
 
+def open_session(twin: _native.Device) -> None:
+    """Begin the first session of a device, with EPOCH."""
+    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+    opening = Frame(p.REQUEST_KIND_OPEN, field((1, 2), (EPOCH, 2), (0, 1))).encode()
+    assert len(list(Borders().feed(ask(twin, b"\0" + hello + opening)))) == 2
+
+
 def without_clock(answer: bytes) -> list[bytes | Frame]:
     """Frames, but for the time at which a session was opened."""
     shown: list[bytes | Frame] = []
@@ -93,17 +101,16 @@ def test_the_dead_man_at_its_tick() -> None:
     settings = Settings(credit=0xFFFF, features=0x3F, safe=SAFE)
     twin = twin_of(settings)
     tick = settings.clock_hz // settings.base_hz
-    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
-    ask(twin, Frame(p.REQUEST_KIND_WRITE, field((0, 2), (0x10, 2), (9, 4))).encode(5))
+    open_session(twin)
+    ask(twin, Frame(p.REQUEST_KIND_WRITE, field((0, 2), (0x10, 2), (9, 4))).encode(EPOCH))
     deadman = field((1, 2), (p.CONTROL_DEADMAN_TICKS, 2), (3, 4))
-    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(5))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(EPOCH))
     due = (twin.clock // tick + 3) * tick
     twin.run_until(due - 1)
     assert twin.get(0x10) == 9
     twin.run_until(due)
     assert (twin.get(0x10), twin.get(0x11)) == (0, 0xFFFF)
-    denied = ask(twin, Frame(p.REQUEST_KIND_WRITE, field((2, 2), (0x10, 2), (9, 4))).encode(5))
+    denied = ask(twin, Frame(p.REQUEST_KIND_WRITE, field((2, 2), (0x10, 2), (9, 4))).encode(EPOCH))
     assert denied[0] == p.DEVICE_KIND_REPLY + p.REPLY_STATUS_DENIED
 
 
@@ -111,17 +118,15 @@ def test_publishes_carry_sequence_and_clock() -> None:
     settings = Settings(credit=0xFFFF, features=0x3F)
     twin = twin_of(settings)
     tick = settings.clock_hz // settings.base_hz
-    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
+    open_session(twin)
     define = field((0, 2), (1, 1), (2, 4), (0, 1), (2, 1), (0x10, 2), (0x11, 2))
-    ask(twin, Frame(p.REQUEST_KIND_DEFINE_GROUP, define).encode(5))
+    ask(twin, Frame(p.REQUEST_KIND_DEFINE_GROUP, define).encode(EPOCH))
     begun = twin.clock
-    published = ask(
-        twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, field((1, 2), (p.CONTROL_PUBLISH, 2), (1, 4))).encode(5), 0
-    )
+    publish = field((1, 2), (p.CONTROL_PUBLISH, 2), (1, 4))
+    published = ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, publish).encode(EPOCH), 0)
     twin.run_until(begun + 7 * tick)
     published += twin.take()
-    frames = [frame for piece in Borders().feed(published) if (frame := Frame.decode(piece, 5))]
+    frames = [frame for piece in Borders().feed(published) if (frame := Frame.decode(piece, EPOCH))]
     found = [frame.payload for frame in frames if frame.kind == p.DEVICE_KIND_PUBLISH]
     assert [payload[:3] for payload in found] == [field((1, 1), (n, 2)) for n in range(3)]
     clocks = [int.from_bytes(payload[3:7], "big") for payload in found]
@@ -132,10 +137,9 @@ def test_a_session_locks_the_classic_side() -> None:
     settings = Settings(credit=0xFFFF, features=0x3F)
     twin = twin_of(settings)
     assert ask(twin, b"#W:001000000007\n") == b"#S_W\n"
-    hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    ask(twin, b"\0" + hello + Frame(p.REQUEST_KIND_OPEN, field((1, 2), (5, 2), (0, 1))).encode())
+    open_session(twin)
     assert ask(twin, b"#R:0010\n\0") == b"#S_R:00000007\n"
     assert ask(twin, b"#W:001000000008\n\0") == b"#?E_FBW\n"
     assert ask(twin, b"#EPS\n\0") == b"#?E_ICC\n"
-    ask(twin, Frame(p.REQUEST_KIND_CLOSE, field((0, 2))).encode(5))
+    ask(twin, Frame(p.REQUEST_KIND_CLOSE, field((0, 2))).encode(EPOCH))
     assert ask(twin, b"#W:001000000008\n\0") == b"#S_W\n"
