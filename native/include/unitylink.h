@@ -47,7 +47,8 @@ enum {
   UL_BAD_URL = 11,       /* a link URL that cannot be understood */
   UL_CANCELLED = 12,     /* not sent, because an earlier request of the same call failed */
   UL_ARGUMENT = 13,      /* a NULL pointer or a struct of unknown size */
-  UL_NO_MEMORY = 14
+  UL_NO_MEMORY = 14,
+  UL_DENIED = 15         /* the dead-man has tripped: nothing is written before ul_arm */
 };
 
 typedef struct ul_link ul_link;
@@ -150,6 +151,12 @@ UL_API ul_status ul_sync(ul_link* link, const ul_options* options);
 /* The device's own registers, `count` from `address` on. UL_MISMATCH on a classic link, UL_PROTOCOL_ERROR where there is none. */
 UL_API ul_status ul_read_control(ul_link* link, uint32_t address, uint32_t* values, size_t count, const ul_options* options);
 UL_API ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, const ul_options* options);
+/* From now on `silence_ns` without a sign of life from this program make the outputs safe (UL_DENIED for what is written then); the library
+ * gives such signs by itself. 0: never. UL_MISMATCH where the gateware has no dead-man. */
+UL_API ul_status ul_set_dead_man(ul_link* link, uint64_t silence_ns, const ul_options* options);
+/* Lets outputs be written again after the dead-man has tripped, and starts it again if this link had set it. Where it tripped in the session that is open, that
+ * session is ended and another begun. */
+UL_API ul_status ul_arm(ul_link* link, const ul_options* options);
 
 /* The words at `addresses` together, published by the device. `subscription` names it from then on; the number never comes back.
  * Errors as requests; UL_MISMATCH also when no group is left, none is so large, or the line too slow. */

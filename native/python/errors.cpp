@@ -23,6 +23,7 @@ const char* class_of(Status status) {
     case Status::bus_error: return "BusError";
     case Status::protocol_error: return "ProtocolError";
     case Status::mismatch: return "DeviceMismatch";
+    case Status::denied: return "DeadManTripped";
     case Status::range: return "ValueRangeError";
     case Status::bad_url: return "UrlError";
     default: return "LinkError";

@@ -58,6 +58,26 @@ void write_control(Link& link, std::uint32_t address, std::uint32_t value) {
   raise_unless_ok(outcome);
 }
 
+// A call that takes options and has nothing to give back.
+template <class Call>
+void done(nb::handle timeout_s, const Call& call) {
+  const RequestOptions options = options_of(nb::none(), false, timeout_s);
+  Outcome outcome;
+  {
+    GilRelease release;
+    outcome = call(options);
+  }
+  raise_unless_ok(outcome);
+}
+
+void set_dead_man(Link& link, double silence_s, nb::handle timeout_s) {
+  done(timeout_s, [&](const RequestOptions& how) { return link.set_dead_man(silence_s, how); });
+}
+
+void arm(Link& link, nb::handle timeout_s) {
+  done(timeout_s, [&](const RequestOptions& how) { return link.arm(how); });
+}
+
 nb::dict description(const Link& link) {
   const Description& told = link.description();
   nb::dict result;
@@ -95,6 +115,8 @@ void bind_framed(nb::class_<Link>& link) {
       .def("sync", &synchronise, "timeout_s"_a.none())
       .def("read_control", &read_control, "address"_a, "count"_a)
       .def("write_control", &write_control, "address"_a, "value"_a)
+      .def("set_dead_man", &set_dead_man, "silence_s"_a, "timeout_s"_a.none())
+      .def("arm", &arm, "timeout_s"_a.none())
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())
       .def("clock", &clock_state)
       .def_prop_ro("protocol", [](const Link& link) { return link.framed() ? "framed" : "classic"; })

@@ -12,6 +12,7 @@
     │   ├── ProtocolError          the device answered something this protocol does not have
     │   ├── UnexpectedValue        the device holds a number that its type in the spec does not have
     │   ├── NetworkError           the network behind the gateware is down, halted, or dropped a commit
+    │   ├── DeadManTripped         the device has made its outputs safe; nothing is written before arm()
     │   └── DeviceMismatch         the device cannot do what is asked (widths, groups, publishing)
     ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
     ├── UrlError                   a link URL that cannot be understood (ValueError)
@@ -110,6 +111,10 @@ class UnexpectedValue(LinkError):
 
 class NetworkError(LinkError):
     """The real-time network behind the gateware is offline, halted, or dropped a commit: see the message."""
+
+
+class DeadManTripped(LinkError):
+    """The device heard nothing for too long, made its outputs safe, and writes nothing before `arm()`."""
 
 
 class DeviceMismatch(LinkError):

@@ -278,6 +278,22 @@ ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, cons
   return guarded([&] { return told(link->link->write_control(address, value, how)); });
 }
 
+ul_status ul_set_dead_man(ul_link* link, uint64_t silence_ns, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->set_dead_man(static_cast<double>(silence_ns) * 1e-9, how)); });
+}
+
+ul_status ul_arm(ul_link* link, const ul_options* options) {
+  RequestOptions how;
+  if (link == nullptr || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->arm(how)); });
+}
+
 ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* subscription) {
   if (link == nullptr || addresses == nullptr || subscription == nullptr || !known(options)) {
     return bad_argument(known(options) ? null_pointer : unknown_size);

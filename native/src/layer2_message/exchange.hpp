@@ -69,6 +69,7 @@ struct Exchange {
   std::string_view error;                    // the device's E_xxx, empty when it gave none
   std::uint8_t datalink_code = 0;            // the ?xx that voided it last, 0 none
   std::uint32_t words = 0;                   // words that were executed; read_group: addresses
+  std::uint8_t first_failure = 0;            // synchronise: the status of the first post that failed
   std::uint32_t attempts = 0;                // times an answer was asked for: the request itself, or a fence for its sake
   bool sent = false;                         // at least a byte of it has ever left
   std::uint64_t begun_ns = 0;

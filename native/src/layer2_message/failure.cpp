@@ -22,7 +22,7 @@ std::string_view meaning_of(std::string_view error) noexcept {
   if (error == "bus_error") return "its bus refused";
   if (error == "bus_timeout") return "nothing on its bus answered";
   if (error == "bad_address") return "it has no such control register";
-  if (error == "denied") return "its dead-man has tripped; arm() the outputs again";
+  if (error == "denied") return "its dead-man has tripped and its outputs are safe; arm() lets them be written again";
   if (error == "invalid") return "this gateware was built without that";
   if (error == "too_long") return "the reply would not fit into its buffers";
   if (error == "no_group") return "no such group, or more words than one holds";
@@ -164,6 +164,7 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
     case Status::mismatch:
       outcome.text = name + ": another device now answers on this port; connect again";
       break;
+    case Status::denied:
     case Status::bus_error: outcome.text = refused_text(exchange, name, context); break;
     case Status::cancelled: outcome.text = name + ": not sent, because an earlier request of the same call failed"; break;
     case Status::protocol_error:

@@ -19,6 +19,7 @@ Status status_of(std::uint8_t status) noexcept {
     case reply_status::ok: return Status::ok;
     case reply_status::bus_error:
     case reply_status::bus_timeout: return Status::bus_error;
+    case reply_status::denied: return Status::denied;
     default: return Status::protocol_error;
   }
 }
@@ -201,9 +202,13 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if (status == reply_status::ok) {
     on_executed(place);
   }
+  const bool over = status == reply_status::ok && exchange->operation == Operation::close_session;
   release(place);
   finish(*exchange, status_of(status));
-  if (exchange == &restoration_) {
+  if (over) {  // what comes next opens another session
+    lose_session();
+    state_ = State::silent;
+  } else if (exchange == &restoration_) {
     restore();
   }
 }
@@ -220,8 +225,6 @@ void FramedEngine::on_executed(const Place& place) noexcept {
     clock_due_ns_ = now_ns_;
   } else if (exchange.operation == Operation::write_control && exchange.address == control::deadman_ticks) {
     deadman_ticks_ = exchange.value;
-  } else if (exchange.operation == Operation::close_session) {
-    state_ = State::silent;
   }
 }
 

@@ -159,6 +159,7 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
       }
       exchange.words = number_at(body.data() + 2, 2);
       exchange.value = number_at(body.data() + 4, 2);
+      exchange.first_failure = body[6];
       return true;
     default: return body.empty();
   }

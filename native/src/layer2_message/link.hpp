@@ -115,6 +115,11 @@ class Link {
   [[nodiscard]] Outcome read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] Outcome write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
 
+  // So many seconds of silence from here on make the outputs safe, 0: never. Signs of life are sent while nobody calls. mismatch: it has none.
+  [[nodiscard]] Outcome set_dead_man(double silence_s, const RequestOptions& how);
+  // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped in this one.
+  [[nodiscard]] Outcome arm(const RequestOptions& how);
+
   // `id` names the subscription from then on; an id never comes back. What came before it was closed can be drained until its group
   // (group_of) is subscribed anew; then there is nothing behind the old id any more.
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
@@ -222,6 +227,7 @@ class Link {
   ClassicEngine classic_;
   std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
   Engine* engine_ = &classic_;           // the one of the two that is used
+  std::uint32_t dead_man_ticks_ = 0;     // as set last
   std::uint32_t failed_posts_ = 0;       // of this session, told by the last sync()
   std::uint64_t failed_session_ = 0;
   std::string reason_;                   // why the link has ended

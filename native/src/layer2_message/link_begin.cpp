@@ -2,7 +2,6 @@
 // How a link begins: resynchronise, find out which protocol is spoken and what the device can do.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <tuple>
 
@@ -90,12 +89,10 @@ Outcome Link::begin_framed() {
   }
   outcome = describe_device();
   if (outcome.ok() && options_.deadman_s > 0) {
-    if ((description_.features & control_value::feature_deadman) == 0) {
-      return {Status::mismatch, "deadman= is asked for, but this gateware was built without one"};
+    outcome = set_dead_man(options_.deadman_s, {});
+    if (outcome.status == Status::denied) {  // it tripped before: whoever may arm it has to have a link
+      return {};
     }
-    const double ticks = std::ceil(options_.deadman_s * static_cast<double>(configuration_.base_hz));
-    outcome = write_control(control::deadman_ticks, static_cast<std::uint32_t>(std::min(ticks, 4294967295.0)), {});
-    start_reader();  // for the signs of life while nobody calls
   }
   return outcome;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What only the framed protocol can do, and what stands in for it on a classic link.
 #include <algorithm>
+#include <cmath>
 
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link.hpp"
@@ -13,6 +14,7 @@ constexpr std::size_t operation_head_bytes = 2;
 constexpr std::size_t list_reply_head_bytes = 6; // id, posts, done
 constexpr std::size_t words_max = 255;           // in one operation
 constexpr std::size_t posts_per_flush = 256;
+constexpr double ticks_max = 4294967295.0;       // of the base frequency
 
 Outcome classic_only(const char* what) {
   return {Status::mismatch, std::string(what) + " needs gateware with the framed protocol; this link speaks the classic one"};
@@ -157,8 +159,12 @@ Outcome Link::sync(const RequestOptions& how) {
   if (exchange.words <= known) {
     return {};
   }
-  Outcome outcome(Status::bus_error, std::to_string(exchange.words - known) + " posts failed on the device's bus, or were denied after a " +
-                                         "dead-man");
+  const std::uint32_t failed = exchange.words - known;
+  const bool denied = exchange.first_failure == protocol::reply_status::denied;
+  Outcome outcome(denied ? Status::denied : Status::bus_error,
+                  std::to_string(failed) + (failed == 1 ? " post was " : " posts were ") +
+                      (denied ? "denied: the dead-man has tripped and the outputs are safe; arm() lets them be written again"
+                              : "refused by the device's bus, or nothing answered there"));
   const PostQueue& posts = framed_->posts();
   const std::uint64_t first = posts.confirmed() - ((posts.confirmed() - exchange.value) & 0xFFFF);
   if (known == 0 && posts.made() - first <= PostQueue::capacity) {
@@ -201,6 +207,53 @@ Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const Re
   exchange.value = value;
   run(std::span(&exchange, 1));
   return outcome_of(exchange);
+}
+
+Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
+  if (!framed_) {
+    return classic_only("a dead-man");
+  }
+  if ((description_.features & protocol::control_value::feature_deadman) == 0) {
+    return {Status::mismatch, "a dead-man is asked for, but this gateware was built without one"};
+  }
+  const double ticks = std::ceil(silence_s * static_cast<double>(configuration_.base_hz));
+  if (!(ticks >= 0 && ticks <= ticks_max)) {
+    return {Status::range, "a dead-man waits for 0 to " + std::to_string(ticks_max / static_cast<double>(configuration_.base_hz)) +
+                               " s of silence, not " + std::to_string(silence_s)};
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    dead_man_ticks_ = static_cast<std::uint32_t>(ticks);
+  }
+  Outcome outcome = write_control(protocol::control::deadman_ticks, static_cast<std::uint32_t>(ticks), how);
+  if (outcome.ok() && ticks > 0) {
+    start_reader();  // for the signs of life while nobody calls
+  }
+  return outcome;
+}
+
+Outcome Link::arm(const RequestOptions& how) {
+  Outcome outcome = write_control(protocol::control::arm, 1, how);
+  if (outcome.status == Status::denied) {  // it tripped in this session, which is thereby over
+    Exchange farewell;
+    prepare(farewell, how);
+    farewell.operation = Operation::close_session;
+    run(std::span(&farewell, 1));
+    if (farewell.status != Status::ok) {
+      return outcome_of(farewell);
+    }
+    outcome = write_control(protocol::control::arm, 1, how);
+  }
+  std::uint32_t ticks = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    ticks = dead_man_ticks_;
+  }
+  if (outcome.ok() && ticks > 0) {
+    outcome = write_control(protocol::control::deadman_ticks, ticks, how);
+    start_reader();
+  }
+  return outcome;
 }
 
 ClockState Link::clock() {

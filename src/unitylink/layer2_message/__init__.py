@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
-from .device import Clock, Description, Health
+from .device import Clock, DeadMan, Description, Health
 from .engine import Times, Words
 from .link import Link
 from .subscription import PublishCallback, Subscription
@@ -26,6 +26,7 @@ __all__ = [
     "Batch",
     "Clock",
     "Configuration",
+    "DeadMan",
     "Description",
     "Health",
     "Link",

@@ -66,6 +66,17 @@ class Health:
 
 
 @dataclass(frozen=True)
+class DeadMan:
+    """What watches whether the host is alive (docs/protocol.md, section 6)."""
+
+    tripped: bool
+    """The outputs are safe, and nothing is written before `Link.arm`."""
+    running: bool
+    silence_s: float
+    """After which it trips; 0 where it does not run."""
+
+
+@dataclass(frozen=True)
 class Clock:
     """The device's clock in the host's time, fitted to readings of it."""
 

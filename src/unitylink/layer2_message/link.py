@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from unitylink.protocol import CONTROL_ARM, CONTROL_FRAMES
+from unitylink.protocol import CONTROL_ARM, CONTROL_DEADMAN_TICKS, CONTROL_FRAMES
 
 from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
-from .device import Clock, Description, Health
+from .device import Clock, DeadMan, Description, Health
 from .engine import Words, open_engine
 from .mailbox import LoopMailbox
 from .subscription import Subscription
@@ -324,12 +324,35 @@ class Link:
             words += self.read_control(CONTROL_FRAMES + len(words), count).tolist()
         return Health(*words)
 
-    def arm(self) -> None:
-        """Let outputs be written again after the dead-man (URL option `deadman`) has tripped.
+    def set_dead_man(self, silence_s: float, *, timeout_s: float | None = None) -> None:
+        """Have `silence_s` without a sign of life make the outputs safe; 0: never. URL option: `deadman`.
 
-        A dead-man needs a new session for it: connect again if this raises ProtocolError.
+        The link gives signs of life by itself as long as this program runs. After a trip whatever would be
+        written is DeadManTripped until `arm()`. DeviceMismatch where the gateware has no dead-man.
         """
-        self.write_control(CONTROL_ARM, 1)
+        self._native.set_dead_man(silence_s, timeout_s)
+
+    def dead_man(self) -> DeadMan | None:
+        """Ask the device how its dead-man stands; None on a classic link, which has none.
+
+        if link.dead_man().tripped:
+            link.arm()
+        """
+        if self.protocol != "framed":
+            return None
+        state, ticks = (
+            int(self.read_control(address)[0]) for address in (CONTROL_ARM, CONTROL_DEADMAN_TICKS)
+        )
+        base_hz = self.configuration.base_hz
+        return DeadMan(tripped=bool(state & 1), running=bool(state & 2), silence_s=ticks / base_hz)
+
+    def arm(self, *, timeout_s: float | None = None) -> None:
+        """Let outputs be written again after the dead-man has tripped, and start it again.
+
+        Nothing else does: not a new link, and no write. Where it tripped in the session of this link, the
+        session is ended and another begun. Publishes go on. DeviceMismatch on a classic link.
+        """
+        self._native.arm(timeout_s)
 
     @property
     def clock(self) -> Clock | None:

@@ -122,6 +122,12 @@ class MappedEngine:
     def write_control(self, address: int, value: int) -> None:
         raise DeviceMismatch("mapped memory has no registers of its own; they need the framed protocol")
 
+    def set_dead_man(self, silence_s: float, timeout_s: float | None) -> None:
+        raise DeviceMismatch("mapped memory has no dead-man: nothing notices that this program is gone")
+
+    def arm(self, timeout_s: float | None) -> None:
+        raise DeviceMismatch("mapped memory has no dead-man, so there is nothing to arm")
+
     def start(  # noqa: PLR0917 (as the native engine has it)
         self,
         mailbox: _native.Mailbox,

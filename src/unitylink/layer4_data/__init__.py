@@ -13,6 +13,7 @@ from unitylink.lazy import load_name
 if TYPE_CHECKING:
     from . import binding
     from .binding import Tree
+    from .dead_man import DeadMen
     from .group import ValueGroup
     from .node import Node
     from .publishing import Publisher
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ClearValue",
+    "DeadMen",
     "Node",
     "Publisher",
     "PulseValue",
@@ -43,6 +45,7 @@ __all__ = [
 
 _HOMES = {
     "ClearValue": "write_value",
+    "DeadMen": "dead_man",
     "Node": "node",
     "Publisher": "publishing",
     "PulseValue": "write_value",

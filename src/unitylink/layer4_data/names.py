@@ -15,7 +15,9 @@ NODE_NAMES = frozenset(
     {
         "apply_initial",
         "apply_safe",
+        "dead_man",
         "display",
+        "links",
         "name",
         "on_change",
         "on_publish",

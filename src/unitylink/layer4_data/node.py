@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .binding import Tree
+from .dead_man import DeadMen
 from .group import ValueGroup
 from .read_value import ReadClearValue, ReadValue
 from .recording import Recording
@@ -21,6 +22,7 @@ V = TypeVar("V", bound=Value[Any])
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from unitylink.layer2_message import Link
     from unitylink.layer3_hardware import HardwareProxy
 
 
@@ -155,6 +157,16 @@ class Node:
         }
         if known:
             self._all().write(known, timeout_s=timeout_s)
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """The links of the values below, each once: for `link.health()`, `link.dead_man()` and the like."""
+        return tuple(dict.fromkeys(value.hardware.link for value in self))
+
+    @property
+    def dead_man(self) -> DeadMen:
+        """What makes the outputs safe when this program falls silent: `start`, `tripped`, `arm`."""
+        return DeadMen(self.links)
 
     def on_publish(self, callback: Callable[[float, Snapshot], object]) -> Callable[[], None]:
         """Call `callback(time_s, snapshot)` once per set of fresh samples of all published values below."""

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The dead-men of the devices that a part of a robot lies on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+
+class DeadMen:
+    """What each of some links is asked and told about its dead-man, see `Link.dead_man`.
+
+    >>> robot.dead_man.start(0.1)                  # doctest: +SKIP
+    >>> if robot.dead_man.tripped:                 # doctest: +SKIP
+    ...     robot.dead_man.arm()
+    """
+
+    def __init__(self, links: tuple[Link, ...]) -> None:
+        self.links = links
+
+    def start(self, silence_s: float) -> None:
+        """Have `silence_s` without a sign of life make safe what has a SAFE value; 0: never.
+
+        Raises DeviceMismatch on a classic link or where the gateware has none.
+        """
+        for link in self.links:
+            link.set_dead_man(silence_s)
+
+    def arm(self) -> None:
+        """Let outputs be written again after a dead-man has tripped."""
+        for link in self.links:
+            link.arm()
+
+    @property
+    def tripped(self) -> bool:
+        """Ask whether a dead-man has tripped; False on classic links, which have none."""
+        states = [link.dead_man() for link in self.links]
+        return any(state is not None and state.tripped for state in states)
+
+    @property
+    def running(self) -> bool:
+        """Ask whether all links have a dead-man that runs."""
+        states = [link.dead_man() for link in self.links]
+        return all(state is not None and state.running for state in states)
