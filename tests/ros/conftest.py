@@ -19,6 +19,7 @@ from unitylink.generate import write
 from unitylink.simulate import Board
 from unitylink.simulate.plant import AnyPlant, load_plant
 from unitylink.spec import load
+from unitylink.tools.bench.ros import LOOPBACK
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
@@ -190,6 +191,13 @@ def ros(workspace: Workspace, tmp_path: Path) -> Iterator[Ros]:
 def _listens(port: int) -> bool:
     with socket.socket() as probe:
         return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    """A DDS domain of this test process, on the loopback interface."""
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
+    return 1 + os.getpid() % 230
 
 
 class Still:

@@ -29,11 +29,6 @@ from unitylink.spec import load
 RIG = Path(__file__).with_name("rig.ul")
 MakeBoard = Callable[..., Board]
 PATIENCE_S = 120.0
-LOOPBACK = (
-    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>'
-    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-    '<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>'
-)
 
 
 def store() -> Any:
@@ -156,12 +151,6 @@ def until(holds: Callable[[], Any]) -> None:
     while not holds():
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.01)
-
-
-@pytest.fixture
-def domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
-    return 1 + os.getpid() % 230
 
 
 @pytest.fixture

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What `ros2 topic` and `ros2 service` do, on genuine rclpy; the wheels of ROS 2 have no command line.
+
+A line of JSON on standard input asks, a line on standard output answers. {"ask": "echo", "topic": .., "type":
+..} waits for a message, "pub" with "fields" publishes once somebody listens, "call" calls a service, "graph"
+tells nodes, topics and the quality of service of a topic's publishers.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib import import_module
+from typing import Any
+
+import rclpy
+from rclpy.node import Node
+
+PATIENCE_S = 100.0
+
+
+def kind(name: str, part: str) -> Any:
+    package, _, message = name.partition("/")
+    return getattr(import_module(f"{package}.{part}"), message)
+
+
+def plain(value: Any) -> Any:
+    """A message as what JSON knows."""
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, bytes):
+        return list(value)
+    if isinstance(value, (str, int, float, bool)):
+        return value
+    return [plain(one) for one in value]
+
+
+def fill(message: Any, fields: dict[str, Any]) -> Any:
+    for name, value in fields.items():
+        own = getattr(message, name)
+        setattr(message, name, fill(own, value) if isinstance(value, dict) else value)
+    return message
+
+
+class Peer:
+    def __init__(self) -> None:
+        rclpy.init()
+        self.node: Node = rclpy.create_node("peer")
+        self.kept: list[Any] = []  # publishers, whose messages are still on their way
+
+    def until(self, holds: Any) -> None:
+        deadline = self.node.get_clock().now().nanoseconds + int(PATIENCE_S * 1e9)
+        while not holds():
+            assert self.node.get_clock().now().nanoseconds < deadline, "waited in vain"
+            rclpy.spin_once(self.node, timeout_sec=0.05)
+
+    def echo(self, topic: str, type: str, count: int = 1) -> Any:
+        found: list[Any] = []
+        subscription = self.node.create_subscription(kind(type, "msg"), topic, found.append, 50)
+        self.until(lambda: len(found) >= count)
+        self.node.destroy_subscription(subscription)
+        return [plain(message) for message in found[:count]]
+
+    def pub(self, topic: str, type: str, fields: dict[str, Any]) -> Any:
+        publisher = self.node.create_publisher(kind(type, "msg"), topic, 1)
+        self.kept.append(publisher)
+        self.until(lambda: publisher.get_subscription_count() > 0)
+        publisher.publish(fill(kind(type, "msg")(), fields))
+        return publisher.get_subscription_count()
+
+    def call(self, service: str, type: str, fields: dict[str, Any]) -> Any:
+        client = self.node.create_client(kind(type, "srv"), service)
+        assert client.wait_for_service(PATIENCE_S), f"no service {service}"
+        answer = client.call_async(fill(kind(type, "srv").Request(), fields))
+        self.until(answer.done)
+        return plain(answer.result())
+
+    def graph(self, topic: str = "") -> Any:
+        qos = [one.qos_profile for one in self.node.get_publishers_info_by_topic(topic)] if topic else []
+        return {
+            "nodes": self.node.get_node_names_and_namespaces(),
+            "topics": dict(self.node.get_topic_names_and_types()),
+            "reliability": [one.reliability.name for one in qos],
+        }
+
+
+def main() -> None:
+    peer = Peer()
+    for line in sys.stdin:
+        asked = json.loads(line)
+        answer = getattr(peer, asked.pop("ask"))(**asked)
+        print(json.dumps(answer), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Genuine ROS 2 (Jazzy): the generated package built by colcon, both nodes in Python seen by it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink.generate import write
+from unitylink.simulate import Board
+from unitylink.spec import load
+
+HERE = Path(__file__).parent
+JAZZY = HERE.parents[1] / "build" / "jazzy"
+MakeBoard = Callable[..., Board]
+PATIENCE_S = 120.0
+pytestmark = pytest.mark.xdist_group("jazzy")  # one workspace is built for all of these
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The rig's package, built as its README says; the environment in which its programs run."""
+    assert (JAZZY / "made-of.txt").exists(), "ROS 2 is missing: tools/setup.sh ros2"
+    folder = tmp_path_factory.mktemp("colcon")
+    write(load(HERE / "rig.ul"), folder / "src", "ros2")
+    clean = {
+        k: v
+        for k, v in os.environ.items()
+        if not k.startswith(("ROS", "AMENT", "COLCON", "PYTHON", "CMAKE_P"))
+    }
+    environment = clean | {
+        "PATH": f"{JAZZY / 'bin'}:{Path(sys.executable).parent}:{clean['PATH']}",
+        "AMENT_PREFIX_PATH": str(JAZZY),
+        "CMAKE_PREFIX_PATH": str(JAZZY),
+        "ROS_LOG_DIR": str(folder / "log"),
+        "PYTHONUNBUFFERED": "1",
+        "MAKEFLAGS": "-j2",
+    }
+    python = JAZZY / "bin" / "python3"
+    build = [python, "-m", "colcon", "build", "--cmake-args", f"-DPython3_EXECUTABLE={python}"]
+    done = subprocess.run(
+        build, cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    source = ["bash", "-c", ". install/setup.bash && env -0"]
+    shown = subprocess.run(source, cwd=folder, env=environment, capture_output=True, check=True)
+    made = dict(line.split("=", 1) for line in shown.stdout.decode().split("\0") if "=" in line)
+    return made | {
+        "RIG_NODE": str(folder / "install" / "rig_unitylink" / "lib" / "rig_unitylink" / "node.py")
+    }
+
+
+@dataclass
+class Peer:
+    """A process of genuine ROS 2 that is asked in JSON."""
+
+    process: subprocess.Popen[str]
+
+    def __call__(self, ask: str, **more: Any) -> Any:
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.process.stdin.write(json.dumps({"ask": ask} | more) + "\n")
+        self.process.stdin.flush()
+        answer = self.process.stdout.readline()
+        assert answer, "the peer has ended"
+        return json.loads(answer)
+
+
+@contextmanager
+def running(environment: dict[str, str], *command: str | Path, log: Path) -> Iterator[subprocess.Popen[str]]:
+    """Start a node; interrupt it at the end, as Ctrl-C does, and see that it ends well."""
+    with log.open("w") as out:
+        heeding = ("env", "--default-signal=INT", *command)
+        process = subprocess.Popen(heeding, env=environment, stdout=out, stderr=out, text=True)
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        print(log.read_text())
+    assert process.returncode == 0, log.read_text()
+
+
+@pytest.fixture
+def ros2(workspace: dict[str, str], domain: int) -> dict[str, str]:
+    return workspace | {
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "CYCLONEDDS_URI": os.environ["CYCLONEDDS_URI"],
+    }
+
+
+@pytest.fixture
+def peer(ros2: dict[str, str]) -> Iterator[Peer]:
+    command = [JAZZY / "bin" / "python3", HERE / "rclpy_peer.py"]
+    with subprocess.Popen(
+        command, env=ros2, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        yield Peer(process)
+        process.kill()
+
+
+def test_the_generated_node_on_rclpy(
+    ros2: dict[str, str], peer: Peer, board: MakeBoard, tmp_path: Path
+) -> None:
+    device = board("rig", "still")
+    for address, value in ((0x10, 500), (0x11, -100), (0x1, 0b1011), (0x3, 7)):
+        device.registers[address] = value & 0xFFFF
+    link = f"link:={device.url}?timeout=2"
+    node = (ros2["RIG_NODE"], "--ros-args", "-r", "__ns:=/rig", "-p", link)
+    with running(ros2, JAZZY / "bin" / "python3", *node, log=tmp_path / "node.log"):
+        (states,) = peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+        assert states["name"] == ["j_0", "j_1"] and states["header"]["frame_id"] == "base"
+        assert states["position"] == [0.5, 0.0] and states["velocity"] == [-1.0, 0.0]
+        messages = peer("echo", topic="/rig/feedback_100hz", type="rig_unitylink/RigFeedback100Hz", count=3)
+        assert [m["sequence"] - messages[0]["sequence"] for m in messages] == [0, 1, 2], "none is missing"
+        assert messages[0]["flags"] == {"on": True, "heat": 2.5} and messages[0]["mode"] == 1
+        (slow,) = peer("echo", topic="/rig/slow", type="std_msgs/UInt16")
+        assert slow == {"data": 7}
+
+        commanded = {"name": ["j_1"], "position": [0.5], "velocity": [2.0]}
+        peer("pub", topic="/rig/joint_commands", type="sensor_msgs/JointState", fields=commanded)
+        twist = {"linear": {"x": 1.5}, "angular": {"z": -2.0}}
+        peer("pub", topic="/rig/cart/cmd_vel", type="geometry_msgs/Twist", fields=twist)
+        duty = {"mode": 0, "duty": [0.1, 0.2, 0.3]}
+        peer("pub", topic="/rig/command", type="rig_unitylink/RigCommand", fields=duty)
+        arrived = {0x1A: 500, 0x1B: 200, 0x8: 0x3FC00000, 0x9: 0xC0000000, 0x4: 1, 0x5: 2, 0x6: 3}
+        while {address: device.registers[address] for address in arrived} != arrived:
+            peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+
+        read = peer("call", service="/rig/read", type="rig_unitylink/Read", fields={"names": ["j[0].pos"]})
+        assert (read["success"], read["values"], read["texts"]) == (True, [0.5], ["0.5 rad"])
+        off = peer("call", service="/rig/arm", type="std_srvs/SetBool", fields={"data": False})
+        assert off["success"] and device.registers[0x1A] == 250, "disarming writes the safe values"
+        wrote = {"names": ["mode"], "values": [1.0]}
+        refused = peer("call", service="/rig/write", type="rig_unitylink/Write", fields=wrote)
+        assert not refused["success"] and "not armed" in refused["message"]
+        peer("call", service="/rig/arm", type="std_srvs/SetBool", fields={"data": True})
+        safe = peer("call", service="/rig/set_safe", type="std_srvs/Trigger", fields={})
+        assert safe["success"] and "j[1].pos_sp" in safe["message"]
+
+        (told,) = peer("echo", topic="/diagnostics", type="diagnostic_msgs/DiagnosticArray")
+        (status,) = told["status"]
+        assert status["level"] == [0] and status["name"] == "/rig/unitylink: Unity-Link"
+        graph = peer("graph", topic="/rig/slow")
+        assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
+
+
+def test_the_node_on_dds_is_seen_by_ros_2(
+    ros2: dict[str, str], peer: Peer, board: MakeBoard, tmp_path: Path
+) -> None:
+    """No ROS 2 on the node's side, another maker's DDS on the other."""
+    device = board("rig", "still")
+    device.registers[0x10] = 500
+    bridge = (sys.executable, "-m", "unitylink", "bridge", "ros2", f"{device.url}?timeout=2", HERE / "rig.ul")
+    with running(os.environ | ros2, *bridge, log=tmp_path / "bridge.log"):
+        (states,) = peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+        assert states["name"] == ["j_0", "j_1"] and states["position"] == [0.5, 0.0]
+        topics = peer("graph")["topics"]
+        assert topics["/rig/joint_commands"] == ["sensor_msgs/msg/JointState"]
+        assert topics["/rig/slow"] == ["std_msgs/msg/UInt16"] and topics["/rig/cart/cmd_vel"]
+        fields = {"name": ["j_0"], "position": [-0.5]}
+        peer("pub", topic="/rig/joint_commands", type="sensor_msgs/JointState", fields=fields)
+        while device.registers[0x12] != 0xFE0C:
+            peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+    assert device.registers[0x12] == 250, "safe at the end"
