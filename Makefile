@@ -72,6 +72,7 @@ bench: $(VENV)/.built $(NATIVE)/.built
 	$(BIN)/unitylink bench
 
 experiments: $(VENV)/.built
+	@tools/setup.sh rtl
 	$(BIN)/unitylink experiments $(if $(QUICK),--quick) --out build/experiments
 
 coverage: $(VENV)/.built

@@ -186,19 +186,16 @@ PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, c
 }
 
 void bind_device(nb::module_& module) {
-  nb::class_<Device>(module, "Device", "The twin on a clock the caller owns; times are clock cycles since reset.")
-      .def("__init__", [](Device* self, nb::handle configuration) { new (self) Device(configuration_of(configuration)); },
-           nb::arg("configuration"))
-      .def_prop_ro("clock", &Device::clock)
-      .def_prop_ro("input_empty", &Device::input_empty)
-      .def_prop_ro("last_activity", &Device::last_activity)
+  nb::class_<ServedDevice>(module, "ServedDevice", "A device on a clock the caller owns; times are clock cycles since reset.")
+      .def_prop_ro("clock", &ServedDevice::clock)
+      .def_prop_ro("input_empty", &ServedDevice::input_empty)
       .def_prop_ro("next_event",
-                   [](const Device& self) -> nb::object {
+                   [](const ServedDevice& self) -> nb::object {
                      const Clock next = self.next_event();
                      return next == never ? nb::none() : nb::object(nb::int_(next));
                    })
       .def("receive",
-           [](Device& self, nb::bytes data) {
+           [](ServedDevice& self, nb::bytes data) {
              std::size_t taken = 0;
              while (taken < data.size() && self.receive(static_cast<std::uint8_t>(data.c_str()[taken]))) {
                ++taken;
@@ -206,11 +203,10 @@ void bind_device(nb::module_& module) {
              return taken;
            },
            nb::arg("data"), "Offers bytes from the host, now; returns how many there was room for.")
-      .def("receive_error", &Device::receive_error, nb::arg("bits"))
-      .def("set_events", &Device::set_events, nb::arg("mask"))
-      .def("run_until", &Device::run_until, nb::arg("clock"))
+      .def("receive_error", &ServedDevice::receive_error, nb::arg("bits"))
+      .def("run_until", &ServedDevice::run_until, nb::arg("clock"))
       .def("take",
-           [](Device& self) {
+           [](ServedDevice& self) {
              std::string bytes;
              TimedByte byte;
              while (self.take(byte)) {
@@ -220,7 +216,7 @@ void bind_device(nb::module_& module) {
            },
            "Everything that has left the device.")
       .def("take_timed",
-           [](Device& self) {
+           [](ServedDevice& self) {
              std::vector<std::pair<Clock, std::uint8_t>> bytes;
              TimedByte byte;
              while (self.take(byte)) {
@@ -229,14 +225,22 @@ void bind_device(nb::module_& module) {
              return bytes;
            },
            "Everything that has left the device, as (clock, byte).")
-      .def("get", [](Device& self, std::uint32_t address) { return value_of(self.bus().get(address, self.clock())); },
-           nb::arg("address"))
+      .def("get", [](ServedDevice& self, std::uint32_t address) { return value_of(self.get(address)); }, nb::arg("address"))
       .def("set",
-           [](Device& self, std::uint32_t address, std::uint32_t value) {
-             return self.bus().set(address, value, self.clock()) == BusStatus::ok;
-           },
+           [](ServedDevice& self, std::uint32_t address, std::uint32_t value) { return self.set(address, value) == BusStatus::ok; },
            nb::arg("address"), nb::arg("value"))
-      .def("statistics", [](const Device& self) { return statistics_of(self.statistics()); });
+      .def("statistics", [](const ServedDevice& self) { return statistics_of(self.statistics()); })
+      .def_prop_ro("failure", &ServedDevice::failure, "The assertion of compiled gateware that failed; empty while none has.");
+  nb::class_<Device, ServedDevice>(module, "Device", "The twin.")
+      .def("__init__", [](Device* self, nb::handle configuration) { new (self) Device(configuration_of(configuration)); },
+           nb::arg("configuration"))
+      .def_prop_ro("last_activity", &Device::last_activity)
+      .def("set_events", &Device::set_events, nb::arg("mask"));
+  nb::class_<RtlDevice, ServedDevice>(module, "RtlDevice", "The gateware itself, compiled; every clock is run.")
+      .def(nb::new_([](nb::handle configuration, nb::handle model) {
+             return make_rtl_device(model, configuration_of(configuration)).release();
+           }),
+           nb::arg("configuration"), nb::arg("model"));
 }
 
 }  // namespace

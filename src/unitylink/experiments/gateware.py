@@ -1,40 +1,106 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware behind the chip: the 2012 one clock for clock, and ours by the clocks its tests hold it to."""
+"""The gateware behind the chip, clock for clock: that of 2012 by the twin, ours by its own VHDL, compiled."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import deque
-from dataclasses import dataclass
-from typing import Protocol
+from functools import cache
+from typing import Any
 
 from unitylink import _native
+from unitylink import protocol as p
 from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import UnityLinkError
+
+from .exchange import EPOCH, SPEC, frame, plain_client
 
 CLOCK_HZ = 50_000_000
-_LINE_FEED = 0x0A
+FIFO_LATENCY = 2  # clocks through the FIFO of each way
 _LARGE = 1 << 16  # bytes: what fifo 0 means
 _IN_FLIGHT_CLOCKS = 16  # from the word a byte comes of
+_QUIET_CLOCKS = (
+    2500  # longer than any answer of ours takes to begin, or pauses: a list of 60 words takes 1700
+)
+_START_UP_CLOCKS = 1000  # tables are cleared behind a reset
+_OPENING_CLOCKS = 20_000
 
 
-class Gateware(Protocol):
-    """Bytes in, bytes out, and when each message was executed and answered."""
+class Gateware(ABC):
+    """A device between FIFOs of `fifo` bytes (0: large): bytes in, bytes out, and when each was answered.
 
-    answered: list[int]  # clock at which the last byte of each message left the core
-    peak: int  # most bytes that have waited in the transmit FIFO
+    `watch` is an address; `effects` gets the clock of each change of its word. Clocks in which the device
+    cannot do anything are not run: it stands still behind a full transmit FIFO, and when nothing is due.
+    """
+
+    terminator = 0x0A  # ends a message
+    publish_heads = b"%&"  # begin a publish
+
+    def __init__(self, device: _native.ServedDevice, *, fifo: int, watch: int | None = None) -> None:
+        self._device = device
+        self._depth = fifo or _LARGE
+        self._stood = 0  # clocks for which the device stood still
+        self._transmit: deque[int] = deque()
+        self._watch = watch
+        self._word = None if watch is None else device.get(watch)
+        self.answered: list[int] = []  # clock at which the last byte of each message left the core
+        self.effects: list[int] = []
+        self.peak = 0  # most bytes that have waited in the transmit FIFO
+
+    @abstractmethod
+    def _due(self) -> int | None:
+        """Return the device's clock at which it may do something; None: nothing until a byte comes."""
 
     @property
-    def waiting(self) -> int: ...  # bytes in the transmit FIFO
+    def clock(self) -> int:
+        """Clocks since reset, or since the session was opened."""
+        return self._device.clock + self._stood
+
     @property
-    def next_event(self) -> int | None: ...
-    def receive(self, byte: int) -> bool: ...  # False: the receive FIFO is full
-    def run_until(self, clock: int) -> None: ...
-    def take(self) -> int: ...  # the oldest byte; `waiting` must not be 0
+    def waiting(self) -> int:
+        """Bytes in the transmit FIFO."""
+        return len(self._transmit)
+
+    @property
+    def next_event(self) -> int | None:
+        """The clock at which something may happen."""
+        if len(self._transmit) >= self._depth or (due := self._due()) is None:
+            return None
+        return due + self._stood
+
+    def receive(self, byte: int) -> bool:
+        """Take a byte; False: the receive FIFO is full."""
+        return self._device.receive(bytes([byte])) == 1
+
+    def run_until(self, clock: int) -> None:
+        device = self._device
+        while (end := clock - self._stood) > device.clock:
+            due = None if len(self._transmit) >= self._depth else self._due()
+            if due is None:
+                self._stood = clock - device.clock
+                return
+            if self._watch is None:  # a byte leaves in a clock at most
+                due = max(due, min(end, device.clock + self._depth - len(self._transmit)))
+            device.run_until(max(device.clock + 1, min(end, due)))
+            if self._watch is not None and (word := device.get(self._watch)) != self._word:
+                self._word = word
+                self.effects.append(device.clock + self._stood)
+            for at, byte in device.take_timed():
+                self._sent(at + self._stood, byte)
+            self.peak = max(self.peak, len(self._transmit))
+
+    def take(self) -> int:
+        """Return the oldest byte of the transmit FIFO, which must not be empty."""
+        return self._transmit.popleft()
+
+    def _sent(self, clock: int, byte: int) -> None:
+        self._transmit.append(byte)
+        if byte == self.terminator:
+            self.answered.append(clock)
 
 
-class Gateware2012:
-    """The gateware of 2012: the twin, which has its clocks, between FIFOs of `fifo` bytes.
-
-    `watch` is an address; `effects` gets the clock of each change of its word.
+class Gateware2012(Gateware):
+    """The gateware of 2012: the twin, which has its clocks.
 
     >>> gateware = Gateware2012(fifo=256)
     >>> all(gateware.receive(byte) for byte in b"#R:12\\n")
@@ -43,133 +109,97 @@ class Gateware2012:
     ([57], 14)
     """
 
-    def __init__(self, *, fifo: int = 256, fifo_latency: int = 2, watch: int | None = None) -> None:
-        self._device = _native.Device(
-            BoardConfiguration(fifo=fifo, fifo_latency=fifo_latency, clock_hz=CLOCK_HZ, protocol="classic")
+    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
+        self._twin = _native.Device(
+            BoardConfiguration(fifo=fifo, fifo_latency=FIFO_LATENCY, clock_hz=CLOCK_HZ, protocol="classic")
         )
-        self._depth = fifo or _LARGE
-        self._latency = fifo_latency  # a byte can be taken so long after it was sent
-        self._stalled = 0  # clocks for which the transmit FIFO was full and the core stood still
-        self._transmit: deque[int] = deque()
-        self._watch = watch
-        self._word = None if watch is None else self._device.get(watch)
-        self.answered: list[int] = []
-        self.effects: list[int] = []
-        self.peak = 0
+        super().__init__(self._twin, fifo=fifo, watch=watch)
 
-    @property
-    def waiting(self) -> int:
-        return len(self._transmit)
-
-    @property
-    def next_event(self) -> int | None:
-        if len(self._transmit) >= self._depth:
-            return None
-        device = self._device
-        if device.clock < device.last_activity + self._latency + _IN_FLIGHT_CLOCKS:
-            return device.clock + 1 + self._stalled  # what was sent is on its way through the FIFO
-        return None if (event := device.next_event) is None else event + self._stalled
-
-    def receive(self, byte: int) -> bool:
-        return self._device.receive(bytes([byte])) == 1
-
-    def run_until(self, clock: int) -> None:
-        device = self._device
-        while device.clock + self._stalled < clock:
-            if len(self._transmit) >= self._depth:
-                self._stalled = clock - device.clock
-                return
-            end, event = clock - self._stalled, device.next_event
-            device.run_until(end if event is None else max(device.clock + 1, min(end, event)))
-            if self._watch is not None and (word := device.get(self._watch)) != self._word:
-                self._word = word
-                self.effects.append(device.clock + self._stalled)
-            for at, byte in device.take_timed():
-                self._transmit.append(byte)
-                if byte == _LINE_FEED:
-                    self.answered.append(at + self._stalled)
-            self.peak = max(self.peak, len(self._transmit))
-
-    def take(self) -> int:
-        return self._transmit.popleft()
+    def _due(self) -> int | None:
+        twin = self._twin
+        if twin.clock < twin.last_activity + FIFO_LATENCY + _IN_FLIGHT_CLOCKS:
+            return twin.clock + 1  # what was sent is on its way through the FIFO
+        return twin.next_event
 
 
-@dataclass(frozen=True)
-class CoreClocks:
-    """What a request costs our core: last byte in to first and to last byte out, and the period of many."""
+class OurGateware(Gateware):
+    """Our gateware: the VHDL that is generated for SPEC, compiled; needs GHDL and Verilator the first time.
 
-    first_out: int
-    last_out: int
-    period: int
-
-
-FIFO_CLOCKS = 4  # through both FIFOs
-# docs/gateware/core.md, which the RTL is held to; a write's answer comes from the figure through both FIFOs.
-CORE = {b"#R": CoreClocks(6, 23, 14), b"#W": CoreClocks(14, 18, 14)}
-CORE_CHECKED_PERIOD = {b"$R": 17, b"$W": 17}
-_REPLY = {b"#R": b"#S_R:00000000\n", b"#W": b"#S_W\n"}
-
-
-class Core:
-    """Our core between FIFOs of `fifo` bytes, by its clocks; it knows reads and writes
-    without checksum.
-
-    >>> core = Core(fifo=256)
-    >>> all(core.receive(byte) for byte in b"#R:12\\n")
-    True
-    >>> core.run_until(100); core.answered, core.waiting
-    ([27], 14)
+    ToolError where they are missing.
     """
 
-    def __init__(self, *, fifo: int = 256) -> None:
-        self._fifo = fifo
-        self._clock = 0
-        self._received = bytearray()
-        self._due: deque[tuple[int, int]] = deque()
-        self._transmit: deque[int] = deque()
-        self._free_at = 0
-        self.answered: list[int] = []
+    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
+        configuration, model = _compiled(fifo)
+        self._rtl = _native.RtlDevice(configuration, model)
+        self._rtl.run_until(_START_UP_CLOCKS)
+        self._quiet_at = 0
+        super().__init__(self._rtl, fifo=fifo, watch=watch)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Let clocks and what is counted begin now."""
+        self.answered.clear()
+        self._stood = -self._rtl.clock
         self.peak = 0
 
-    @property
-    def waiting(self) -> int:
-        return len(self._transmit)
-
-    @property
-    def next_event(self) -> int | None:
-        stalled = len(self._transmit) >= self._fifo
-        return self._due[0][0] if self._due and not stalled else None
+    def _due(self) -> int | None:
+        return self._rtl.clock + 1 if self._rtl.clock < self._quiet_at else None
 
     def receive(self, byte: int) -> bool:
-        if len(self._received) >= self._fifo:
-            return False
-        self._received.append(byte)
-        self._execute()
-        return True
+        self._quiet_at = self._rtl.clock + _QUIET_CLOCKS
+        return super().receive(byte)
 
     def run_until(self, clock: int) -> None:
-        self._clock = max(self._clock, clock)
-        while self._due and self._due[0][0] <= clock and len(self._transmit) < self._fifo:
-            at, byte = self._due.popleft()
-            self._transmit.append(byte)
-            if byte == _LINE_FEED:
-                self.answered.append(at)
-        self.peak = max(self.peak, len(self._transmit))
-        self._execute()
+        super().run_until(clock)
+        if self._rtl.failure:
+            raise UnityLinkError(f"an assertion of the gateware failed: {self._rtl.failure}")
 
-    def take(self) -> int:
-        return self._transmit.popleft()
+    def _sent(self, clock: int, byte: int) -> None:
+        self._quiet_at = self._rtl.clock + _QUIET_CLOCKS
+        super()._sent(clock, byte)
 
-    def _execute(self) -> None:
-        """Begin each request that is whole while the transmitter is not stalled."""
-        while (end := self._received.find(_LINE_FEED)) >= 0 and len(self._transmit) + len(
-            self._due
-        ) < self._fifo:
-            kind = bytes(self._received[: self._received.find(b":")])
-            del self._received[: end + 1]
-            clocks, reply = CORE[kind], _REPLY[kind]
-            start = max(self._clock + FIFO_CLOCKS, self._free_at)
-            self._free_at = start + clocks.period
-            slope = (clocks.last_out - clocks.first_out) / (len(reply) - 1)
-            for index, byte in enumerate(reply):
-                self._due.append((start + clocks.first_out + round(index * slope), byte))
+
+class FramedGateware(OurGateware):
+    """Our gateware in a framed session, which is open when this returns."""
+
+    terminator = 0x00
+    publish_heads = bytes([p.DEVICE_KIND_PUBLISH])
+
+    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
+        super().__init__(fifo=fifo, watch=watch)
+        told = self._ask(p.REQUEST_KIND_HELLO, bytes([1, 1]), p.DEVICE_KIND_HELLO)
+        opening = told[1:3] + EPOCH.to_bytes(2, "big") + b"\0"
+        self._ask(p.REQUEST_KIND_OPEN, opening, p.DEVICE_KIND_OPEN)
+        self._begin()
+
+    def _ask(self, kind: int, payload: bytes, wanted: int) -> bytes:
+        for byte in b"\0" + frame(kind, payload, p.FRAME_OPEN_EPOCH):
+            while not self.receive(byte):
+                self.run_until(self.clock + 1)
+        self.run_until(self.clock + _OPENING_CLOCKS)
+        answer = bytes(self.take() for _ in range(self.waiting)).rstrip(b"\0")
+        got, told = plain_client().unframe(answer, p.FRAME_OPEN_EPOCH)
+        if got != wanted:
+            raise UnityLinkError(f"the gateware answered {answer.hex(' ')} where a session was to begin")
+        return bytes(told)
+
+
+@cache
+def _compiled(fifo: int) -> tuple[BoardConfiguration, Any]:
+    from unitylink.simulate.rtl import build_model, design_of
+    from unitylink.spec import compile_text
+
+    spec = compile_text(SPEC.encode(), "experiment.ul").spec
+    assert spec is not None
+    configuration = BoardConfiguration.for_spec(
+        spec, clock_hz=CLOCK_HZ, protocol="both", fifo=fifo, fifo_latency=FIFO_LATENCY
+    )
+    return configuration, build_model(design_of(spec, configuration))
+
+
+CLASSIC, FRAMED = "ours, classic", "ours, framed"
+GATEWARES: dict[str, type[Gateware2012] | type[OurGateware]] = {
+    "2012": Gateware2012,
+    CLASSIC: OurGateware,
+    FRAMED: FramedGateware,
+}

@@ -6,73 +6,76 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from .gateware import CLOCK_HZ, CORE, CORE_CHECKED_PERIOD, FIFO_CLOCKS, Gateware2012
-from .low_level import ADDRESS, Exchange, read, read_many, write
+from .exchange import (
+    WRITE_ADDRESS,
+    Exchange,
+    framed_post,
+    framed_read,
+    framed_read_many,
+    framed_write,
+    read,
+    read_many,
+    write,
+)
+from .gateware import CLOCK_HZ, GATEWARES, Gateware
 
-_RUN_CLOCKS = 200_000
+_RUN_CLOCKS = 60_000
 _REPEATS = 16
 
 
 @dataclass(frozen=True)
 class GatewareFigures:
-    """Clocks of one request through both FIFOs, the period of many, and bit/s at that period."""
+    """Clocks of one request through both FIFOs, the period of many, and bit/s at that period.
 
+    `latency_clocks` go from the first byte in to the last out, `effect_clocks` to the output of the register;
+    None where there is no answer, or no effect.
+    """
+
+    gateware: str
     name: str
-    latency_clocks: int | None  # None: no test holds the core to one
+    latency_clocks: int | None
+    effect_clocks: int | None
     period_clocks: int
     request_hz: float
     reply_hz: float
 
 
-def gateware_2012(exchange: Exchange) -> GatewareFigures:
-    """Run the twin, request bytes at full speed.
+def figures(gateware: str, exchange: Exchange) -> GatewareFigures:
+    """Run one of GATEWARES, request bytes at full speed.
 
-    >>> from unitylink.experiments.low_level import read
-    >>> figures = gateware_2012(read())
-    >>> figures.latency_clocks, figures.period_clocks
+    >>> figures("2012", read()).latency_clocks, figures("2012", read()).period_clocks
     (57, 28)
     """
-    single = Gateware2012(fifo=0)
-    _feed(single, exchange.request)
-    many = Gateware2012(fifo=0)
-    _feed(many, exchange.request * _REPEATS)
-    periods = [b - a for a, b in pairwise(many.answered)][_REPEATS // 2 :]
-    return _figures(exchange, single.answered[0], max(periods))
+    single, many = _fed(gateware, exchange.request(0)), _fed(gateware, exchange.burst(_REPEATS))
+    ends = many.answered if exchange.reply_bytes else many.effects
+    ends = ends[len(ends) // _REPEATS - 1 :: len(ends) // _REPEATS]  # one of each exchange
+    period = max(b - a for a, b in list(pairwise(ends))[_REPEATS // 2 :])
+    per_s = 8 * CLOCK_HZ / period
+    return GatewareFigures(
+        gateware,
+        exchange.title,
+        single.answered[-1] if single.answered else None,
+        single.effects[0] if single.effects else None,
+        period,
+        exchange.request_bytes * per_s,
+        exchange.reply_bytes * per_s,
+    )
 
 
-def core(exchange: Exchange) -> GatewareFigures:
-    """Give the figures our core is held to by its tests; reads and writes of one word."""
-    kind = exchange.request[:2]
-    if kind in CORE_CHECKED_PERIOD:
-        return _figures(exchange, None, CORE_CHECKED_PERIOD[kind])
-    clocks = CORE[kind]
-    last_in = len(exchange.request) - 1
-    return _figures(exchange, last_in + clocks.last_out + FIFO_CLOCKS, clocks.period)
+def all_figures() -> list[GatewareFigures]:
+    """Return the figures of each request of each gateware."""
+    classic = [read(), read(checked=True), write(), write(checked=True)]
+    classic += [read_many(words, checked=checked) for words in (1, 4, 32) for checked in (False, True)]
+    framed = [framed_read(), framed_write(), framed_post()]
+    framed += [framed_read_many(words) for words in (1, 4, 32)]
+    exchanges = {"2012": classic, "ours, classic": classic, "ours, framed": framed}
+    return [figures(gateware, exchange) for gateware in GATEWARES for exchange in exchanges[gateware]]
 
 
-def effect_2012_clocks() -> int:
-    """Return the clocks from the first byte of a write to the change of the bus register."""
-    gateware = Gateware2012(fifo=0, watch=ADDRESS)
-    _feed(gateware, write().request)
-    return gateware.effects[0]
-
-
-def all_figures() -> list[tuple[str, GatewareFigures]]:
-    """Return the figures of each request of both gatewares."""
-    exchanges = [read(), read(checked=True), write(), write(checked=True)]
-    many = [read_many(words, checked=checked) for words in (1, 4, 32) for checked in (False, True)]
-    return [("2012", gateware_2012(one)) for one in [*exchanges, *many]] + [
-        ("ours", core(one)) for one in exchanges
-    ]
-
-
-def _feed(gateware: Gateware2012, data: bytes) -> None:
+def _fed(name: str, data: bytes) -> Gateware:
+    """Give a fresh gateware all of `data` at once; return it when all is done."""
+    gateware = GATEWARES[name](fifo=0, watch=WRITE_ADDRESS)
     for byte in data:
         gateware.receive(byte)
     gateware.run_until(_RUN_CLOCKS)
-
-
-def _figures(exchange: Exchange, latency: int | None, period: int) -> GatewareFigures:
-    per_s = 8 * CLOCK_HZ / period
-    name = exchange.name + (", CRC" if exchange.request.startswith(b"$") else "")
-    return GatewareFigures(name, latency, period, len(exchange.request) * per_s, exchange.reply_bytes * per_s)
+    return gateware

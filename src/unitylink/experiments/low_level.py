@@ -7,66 +7,30 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import mean
 
-from unitylink.layer1_stream import ClassicEncoder
-
-from .gateware import CLOCK_HZ, Core, Gateware, Gateware2012
+from .exchange import WRITE_ADDRESS, Exchange, framed_read, read
+from .gateware import CLOCK_HZ, FRAMED, GATEWARES
 from .link_parameters import LinkParameters
 from .virtual_link import VirtualLink
 
-ADDRESS = 0x12
 TRANSMIT_FIFO_BYTES = 255  # as the paper counts its 256
+BURST_PATIENCE_S = 1.0
 _PAUSE = 4  # a gap so many times the median one is a pause
 
 
-@dataclass(frozen=True)
-class Exchange:
-    """A request and how many bytes its reply has."""
-
-    name: str
-    request: bytes
-    reply_bytes: int
-
-    @property
-    def bits(self) -> int:
-        return 8 * (len(self.request) + self.reply_bytes)
-
-
-def read(*, checked: bool = False) -> Exchange:
-    """Return the read of one word.
-
-    >>> read().request, read().bits
-    (b'#R:12\\n', 160)
-    """
-    return Exchange(
-        "read", ClassicEncoder(checked=checked).encode("R", bytes([ADDRESS])), 17 if checked else 14
-    )
-
-
-def read_many(words: int, *, checked: bool = False) -> Exchange:
-    """Return the read of `words` words in one request."""
-    data = bytes([words]) + bytes([ADDRESS]) * words
-    tail = 3 if checked else 0
-    return Exchange(f"read {words}", ClassicEncoder(checked=checked).encode("RM", data), 7 + 8 * words + tail)
-
-
-def write(value: int = 1, *, checked: bool = False) -> Exchange:
-    """Return the write of one word."""
-    data = bytes([ADDRESS]) + value.to_bytes(4, "big")
-    return Exchange("write", ClassicEncoder(checked=checked).encode("W", data), 8 if checked else 5)
-
-
-def synchronous_s(link: LinkParameters, exchange: Exchange, *, count: int = 20, fifo: int = 256) -> float:
+def synchronous_s(
+    link: LinkParameters, exchange: Exchange, *, gateware: str = "2012", count: int = 20, fifo: int = 256
+) -> float:
     """Return the mean time from a request to its reply, one after another; the first is not counted.
 
     >>> from unitylink.experiments.link_parameters import FT245_ASYNC
     >>> round(synchronous_s(FT245_ASYNC, read()) * 1e6)
     1000
     """
-    wire = VirtualLink(link, Gateware2012(fifo=fifo))
+    wire = VirtualLink(link, GATEWARES[gateware](fifo=fifo))
     times: list[float] = []
-    for _ in range(count + 1):
+    for number in range(count + 1):
         start_s = wire.now_s
-        wire.send(exchange.request)
+        wire.send(exchange.request(number))
         wire.wait(exchange.reply_bytes)
         times.append(wire.now_s - start_s)
     return mean(times[1:])
@@ -85,11 +49,11 @@ class ReadBurst:
 
 
 def read_burst(link: LinkParameters, requests: int, *, gateware: str = "2012", fifo: int = 256) -> ReadBurst:
-    """Send so many reads at once to the gateware "2012" or "ours", and see the replies come."""
-    device: Gateware = Gateware2012(fifo=fifo) if gateware == "2012" else Core(fifo=fifo)
+    """Send so many reads at once to one of GATEWARES, and see the replies come."""
+    device = GATEWARES[gateware](fifo=fifo)
     wire = VirtualLink(link, device)
-    exchange = read()
-    wire.send(exchange.request * requests)
+    exchange = framed_read() if gateware == FRAMED else read()
+    wire.send(exchange.burst(requests))
     wire.wait(exchange.reply_bytes * requests)
     bits = 8 * exchange.reply_bytes
     gaps = [b - a for a, b in pairwise(device.answered)]
@@ -126,14 +90,18 @@ class WriteBurst:
     effective_hz: float  # bits / (first latency + n periods), as the paper counts
 
 
-def write_burst(link: LinkParameters, requests: int = 30) -> WriteBurst:
-    """Send so many writes at once to a bus register, and see its output change."""
-    device = Gateware2012(watch=ADDRESS)
+def write_burst(
+    link: LinkParameters, exchange: Exchange, *, gateware: str = "2012", requests: int = 30
+) -> WriteBurst:
+    """Send so many writes or posts at once to a bus register, and see its output change."""
+    device = GATEWARES[gateware](watch=WRITE_ADDRESS)
     wire = VirtualLink(link, device)
-    exchanges = [write(number + 1) for number in range(requests)]
-    wire.send(b"".join(exchange.request for exchange in exchanges))
-    wire.wait(exchanges[0].reply_bytes * requests)
+    wire.send(exchange.burst(requests))
+    while len(device.effects) < requests:
+        wire.run_until(wire.now_s + link.microframe_s)
+        if wire.now_s > BURST_PATIENCE_S:
+            raise TimeoutError(f"{len(device.effects)} of {requests} writes took effect")
     effects = [clock / CLOCK_HZ for clock in device.effects]
     period_s = mean(b - a for a, b in pairwise(effects))
-    bits = 8 * len(exchanges[0].request) * requests
+    bits = 8 * exchange.request_bytes * requests
     return WriteBurst(effects[0], period_s, bits / (effects[0] + requests * period_s))

@@ -6,9 +6,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from . import level_one
+from .exchange import read, write
 from .gateware import CLOCK_HZ
 from .link_parameters import FT245_ASYNC
-from .low_level import largest_held_burst, read, read_burst, synchronous_s, write, write_burst
+from .low_level import largest_held_burst, read_burst, synchronous_s, write_burst
 from .software_cost import SoftwareCost
 
 BURST_REQUESTS = 200
@@ -25,8 +26,10 @@ def model_figures(cost: SoftwareCost) -> dict[str, float]:
     figures: dict[str, float] = {"link_hz": 8 / link.byte_s}
     for exchange, stack_s in ((read(), cost.stack_read_s), (write(), cost.stack_write_s)):
         name = exchange.name
-        one = level_one.gateware_2012(exchange)
+        one = level_one.figures("2012", exchange)
         assert one.latency_clocks is not None
+        if one.effect_clocks is not None:
+            figures[f"{name}_gateware_effect_s"] = one.effect_clocks / CLOCK_HZ
         figures[f"{name}_gateware_s"] = one.latency_clocks / CLOCK_HZ
         figures[f"{name}_gateware_request_hz"] = one.request_hz
         figures[f"{name}_gateware_reply_hz"] = one.reply_hz
@@ -37,12 +40,11 @@ def model_figures(cost: SoftwareCost) -> dict[str, float]:
             figures[f"{name}_script{tail}_hz"] = exchange.bits / script_s
             figures[f"{name}_stack{tail}_s"] = script_s + stack_s
             figures[f"{name}_stack{tail}_hz"] = exchange.bits / (script_s + stack_s)
-    figures["write_gateware_effect_s"] = level_one.effect_2012_clocks() / CLOCK_HZ
     for tail, chosen, requests in (("", link, BURST_REQUESTS), ("_si", link_si, HELD_BURST_REQUESTS)):
         reads = read_burst(chosen, requests)
         figures[f"read_burst{tail}_received_hz"] = reads.received_hz
         figures[f"burst{tail}_stamped_hz"] = reads.stamped_hz
-        writes = write_burst(chosen)
+        writes = write_burst(chosen, write())
         figures[f"write_burst{tail}_first_s"] = writes.first_s
         figures[f"write_burst{tail}_period_s"] = writes.period_s
         figures[f"write_burst{tail}_hz"] = writes.effective_hz

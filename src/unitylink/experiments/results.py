@@ -8,40 +8,43 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import unitylink
+from unitylink.protocol import FRAME_WINDOW_DEFAULT
 from unitylink.tools.bench.report import machine
 
 from . import level_one, software_cost
+from .exchange import (
+    Exchange,
+    framed_post,
+    framed_read,
+    framed_read_many,
+    framed_write,
+    read,
+    read_many,
+    write,
+)
+from .gateware import CLASSIC, CLOCK_HZ, FRAMED, GATEWARES
 from .link_parameters import FT245_ASYNC, FT245_SYNC, LINKS, LinkParameters, assumptions
-from .low_level import read, read_burst, read_many, synchronous_s, write
+from .low_level import read_burst, synchronous_s, write_burst
 from .model_figures import LONG_BURST_REQUESTS, model_figures
 from .publish_limits import WORDS, limits
 from .scaling import scaling
 from .simplicity import PAPER, simplicity
+from .software_cost import SoftwareCost
 from .table_one import CELLS, TEXT, Cell
 
-FORMAT = 1
-_LINE_FEED = 0x0A
+FORMAT = 2
 
 
 def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
     """Run everything; `quick` repeats the measured part less often. The modelled part is the same in both."""
     say("level 1: the gateware")
-    gateware = [{"gateware": which, **asdict(figures)} for which, figures in level_one.all_figures()]
+    gateware = [asdict(figures) for figures in level_one.all_figures()]
     say("level 3: what this host's software costs")
     cost = software_cost.measure(rounds=11 if quick else 101)
     say("level 2: the byte stream, through the model of the chip")
     figures = model_figures(cost)
     say("level 2: other links")
     links = [row for link in LINKS for row in _link_rows(link, quick=quick)]
-    bursts = [
-        {
-            "link": link.name,
-            "gateware": which,
-            **asdict(read_burst(link, LONG_BURST_REQUESTS, gateware=which)),
-        }
-        for link in (FT245_ASYNC, FT245_SYNC)
-        for which in ("2012", "ours")
-    ]
     say("scaling")
     grown = scaling(rounds=5 if quick else 51)
     return {
@@ -56,7 +59,9 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
         "table_one": [_compared(cell, figures) for cell in CELLS],
         "text": [_compared(cell, figures) for cell in TEXT],
         "links": links,
-        "bursts": bursts,
+        "ours": _ours(cost),
+        "bursts": _read_bursts(),
+        "write_bursts": _write_bursts(),
         "scaling": grown,
         "publish": {"words": list(WORDS), "limits_hz": limits()},
         "simplicity": {"paper": PAPER, "ours": simplicity()},
@@ -68,25 +73,90 @@ def _compared(cell: Cell, figures: dict[str, float]) -> dict[str, Any]:
     return {**asdict(cell), "model": value, "difference": value / cell.paper - 1}
 
 
-def _link_rows(link: LinkParameters, *, quick: bool) -> list[dict[str, Any]]:
-    """Latencies of one link when the chip waits for its timer, and when something makes it send."""
-    if link.half_duplex:
-        ways = {"latency timer": link, "send-immediate": replace(link, send_immediate="all")}
-    else:
-        ways = {"latency timer": link, "event character": replace(link, event_character=_LINE_FEED)}
-    exchanges = [read(), read(checked=True), write(), write(checked=True), read_many(32), read_many(255)]
+def _ours(cost: SoftwareCost) -> list[dict[str, Any]]:
+    """Return the latencies of Table I with our gateware and our stack on the paper's link."""
+    rows = []
+    for gateware, exchanges, stack_s in (
+        (CLASSIC, (read(), write()), (cost.stack_read_s, cost.stack_write_s)),
+        (FRAMED, (framed_read(), framed_write()), (cost.framed_read_s, cost.framed_write_s)),
+    ):
+        for exchange, software_s in zip(exchanges, stack_s, strict=True):
+            clocks = level_one.figures(gateware, exchange).latency_clocks
+            assert clocks is not None
+            gateware_s = clocks / CLOCK_HZ
+            for sends in ("never", "all"):
+                link = replace(FT245_ASYNC, send_immediate=sends)
+                script_s = synchronous_s(link, exchange, gateware=gateware)
+                rows.append(
+                    {
+                        "gateware": gateware,
+                        "request": exchange.name,
+                        "send_immediate": sends,
+                        "bytes": exchange.bits // 8,
+                        "gateware_s": gateware_s,
+                        "ideal_s": exchange.bits * link.byte_s / 8 + gateware_s,
+                        "script_s": script_s,
+                        "stack_s": script_s + software_s,
+                    }
+                )
+    return rows
+
+
+def _read_bursts() -> list[dict[str, Any]]:
+    """Reads sent together: as many as the paper's, or as the window of the framed protocol has places."""
+    sizes = {"2012": LONG_BURST_REQUESTS, CLASSIC: LONG_BURST_REQUESTS, FRAMED: FRAME_WINDOW_DEFAULT}
+    return [
+        {"link": link.name, "gateware": gateware, **asdict(read_burst(link, size, gateware=gateware))}
+        for link in (FT245_ASYNC, FT245_SYNC)
+        for gateware, size in sizes.items()
+    ]
+
+
+def _write_bursts() -> list[dict[str, Any]]:
+    """The paper's 30 writes, and 30 posts, of each gateware."""
+    kinds = [("2012", write()), (CLASSIC, write()), (FRAMED, framed_write()), (FRAMED, framed_post())]
     return [
         {
-            "link": link.name,
-            "sends": sends,
-            "fifo": fifo,
-            "latencies_s": {
-                exchange.name + (", CRC" if exchange.request.startswith(b"$") else ""): synchronous_s(
-                    chosen, exchange, fifo=fifo, count=5 if quick else 20
-                )
-                for exchange in exchanges
-            },
+            "gateware": gateware,
+            "request": exchange.name,
+            "send_immediate": sends,
+            **asdict(write_burst(replace(FT245_ASYNC, send_immediate=sends), exchange, gateware=gateware)),
         }
-        for sends, chosen in ways.items()
-        for fifo in (16, 256)
+        for gateware, exchange in kinds
+        for sends in ("never", "all")
     ]
+
+
+def _link_rows(link: LinkParameters, *, quick: bool) -> list[dict[str, Any]]:
+    """Latencies of one link when the chip waits for its timer, and when something makes it send."""
+    classic = [read(), read(checked=True), write(), write(checked=True), read_many(32), read_many(255)]
+    framed = [framed_read(), framed_write(), framed_read_many(32), framed_read_many(255)]
+    cases: list[tuple[str, int, list[Exchange]]] = [
+        ("2012", 16, classic),
+        ("2012", 256, classic),
+        (CLASSIC, 256, classic),
+        (FRAMED, 256, framed),
+    ]
+    rows = []
+    for gateware, fifo, exchanges in cases:
+        if link.half_duplex:
+            ways = {"latency timer": link, "send-immediate": replace(link, send_immediate="all")}
+        else:
+            end = GATEWARES[gateware].terminator
+            ways = {"latency timer": link, "event character": replace(link, event_character=end)}
+        rows += [
+            {
+                "link": link.name,
+                "gateware": gateware,
+                "sends": sends,
+                "fifo": fifo,
+                "latencies_s": {
+                    exchange.title: synchronous_s(
+                        chosen, exchange, gateware=gateware, fifo=fifo, count=2 if quick else 20
+                    )
+                    for exchange in exchanges
+                },
+            }
+            for sends, chosen in ways.items()
+        ]
+    return rows

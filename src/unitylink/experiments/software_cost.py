@@ -4,27 +4,30 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from statistics import median
 from time import thread_time_ns
+from typing import TYPE_CHECKING
 
-SPEC = """link plain;
-public experiment() {
-   @input = 0x10: READ(ID="input");
-   @output = 0x11: WRITE(ID="output");
-}
-"""
+from .exchange import SPEC
+
+if TYPE_CHECKING:
+    from unitylink.simulate import Board
 
 
 @dataclass(frozen=True)
 class SoftwareCost:
-    """Processor time of one request, in seconds: a bare script's and the full stack's."""
+    """Processor time of one request, in seconds: a bare classic script's, and the full stack's on either
+    protocol."""
 
     script_read_s: float
     script_write_s: float
     stack_read_s: float
     stack_write_s: float
+    framed_read_s: float
+    framed_write_s: float
 
 
 def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
@@ -33,35 +36,53 @@ def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
     Waiting for the virtual board takes no processor time, so it is not in the figures, and other programs on
     the machine disturb them little.
     """
+    with ExitStack() as stack:
+        descriptor = stack.enter_context(_descriptor())
+        calls: list[Callable[[], object]] = [
+            lambda: _exchange(descriptor, b"#R:10\n"),
+            lambda: _exchange(descriptor, b"#W:1100000001\n"),
+        ]
+        for protocol in ("classic", "framed"):
+            calls += _requests(stack, protocol)
+        samples: list[list[float]] = [[] for _ in calls]
+        for _ in range(rounds):
+            for call, taken in zip(calls, samples, strict=True):
+                taken.append(thread_s(call, count))
+    return SoftwareCost(*(median(taken) for taken in samples))
+
+
+def _board() -> Board:
+    from unitylink.simulate import Board, BoardConfiguration
+
+    return Board(configuration=BoardConfiguration(clock_hz=1_000_000_000))
+
+
+@contextmanager
+def _descriptor() -> Iterator[int]:
+    """Serve a board; give the bare script its descriptor."""
+    with _board() as board:
+        descriptor = int(board.url.removeprefix("fd:"))
+        os.set_blocking(descriptor, True)
+        try:
+            yield descriptor
+        finally:
+            os.close(descriptor)
+
+
+def _requests(stack: ExitStack, protocol: str) -> list[Callable[[], object]]:
+    """Return a read and a write through generated objects, of a board that is served until `stack` ends."""
     from unitylink import connect
     from unitylink.layer4_data import ReadValue, WriteValue, load_spec_objects
-    from unitylink.simulate import Board, BoardConfiguration
     from unitylink.spec import compile_text
 
     spec = compile_text(SPEC.encode(), "experiment.ul").spec
     assert spec is not None
-    configuration = BoardConfiguration(clock_hz=1_000_000_000)
-    with Board(configuration=configuration) as first, Board(configuration=configuration) as second:
-        descriptor = int(first.url.removeprefix("fd:"))
-        os.set_blocking(descriptor, True)
-        try:
-            with connect(second.url) as link:
-                tree = load_spec_objects(spec, link)
-                word, output = tree["input"], tree["output"]
-                assert isinstance(word, ReadValue) and isinstance(output, WriteValue)
-                calls: list[Callable[[], object]] = [
-                    lambda: _exchange(descriptor, b"#R:10\n"),
-                    lambda: _exchange(descriptor, b"#W:1100000001\n"),
-                    word.read,
-                    lambda: output.write(1),
-                ]
-                samples: list[list[float]] = [[] for _ in calls]
-                for _ in range(rounds):
-                    for call, taken in zip(calls, samples, strict=True):
-                        taken.append(thread_s(call, count))
-        finally:
-            os.close(descriptor)
-    return SoftwareCost(*(median(taken) for taken in samples))
+    board = stack.enter_context(_board())
+    link = stack.enter_context(connect(f"{board.url}?protocol={protocol}"))
+    tree = load_spec_objects(spec, link)
+    word, output = tree["input"], tree["output"]
+    assert isinstance(word, ReadValue) and isinstance(output, WriteValue)
+    return [word.read, lambda: output.write(1)]
 
 
 def _exchange(descriptor: int, request: bytes) -> bytes:

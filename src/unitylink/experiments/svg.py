@@ -10,6 +10,7 @@ from html import escape
 COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2")
 WIDTH, HEIGHT = 900, 400
 LEFT, RIGHT, TOP, BOTTOM = 80, 20, 20, 90
+_NUMBER = 24  # wide; over a narrower bar it stands upright
 
 
 def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]], label: str) -> str:
@@ -30,7 +31,12 @@ def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]]
             x, top = LEFT + group * slot + slot * 0.1 + index * bar, _height(value, low, high)
             size = f'width="{bar - 2:.1f}" height="{HEIGHT - BOTTOM - top:.1f}"'
             parts.append(f'<rect x="{x:.1f}" y="{top:.1f}" {size} fill="{colour}"/>')
-            parts.append(_text(x + bar / 2 - 1, top - 4, _short(value), size=9))
+            middle = x + bar / 2 - 1
+            if bar < _NUMBER:
+                turn = f' transform="rotate(-90 {middle + 3:.1f} {top - 4:.1f})"'
+                parts.append(_text(middle + 3, top - 4, _short(value), size=9, anchor="start", turn=turn))
+            else:
+                parts.append(_text(middle, top - 4, _short(value), size=9))
     for group, name in enumerate(groups):
         parts.append(_text(LEFT + (group + 0.5) * slot, HEIGHT - BOTTOM + 18, name, size=10))
     return _whole(parts, list(series))

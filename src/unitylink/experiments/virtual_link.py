@@ -10,9 +10,6 @@ from .chip import Chip
 from .gateware import CLOCK_HZ, Gateware
 from .link_parameters import LinkParameters
 
-_LINE_FEED = 0x0A
-_PUBLISH_HEADS = b"%&"
-_HEADS = b"#$%&?"
 _CLOCK_FRACTION = 1e-6  # what binary fractions may be off
 
 
@@ -43,6 +40,7 @@ class VirtualLink:
         self._to_board_s = 0.0  # when the lines are free
         self._to_host_s = 0.0
         self._publish = False  # the message on its way to the host is one
+        self._begins = True  # a message, with the next byte to the host
         self._count = 0
 
     @property
@@ -100,9 +98,10 @@ class VirtualLink:
 
     def _carry_to_host(self, time_s: float) -> None:
         byte = self.gateware.take()
-        if byte in _HEADS:
-            self._publish = byte in _PUBLISH_HEADS
-        self.chip.put(byte, ends_message=byte == _LINE_FEED, publish=self._publish)
+        if self._begins:
+            self._publish = byte in self.gateware.publish_heads
+        self._begins = byte == self.gateware.terminator
+        self.chip.put(byte, ends_message=self._begins, publish=self._publish)
         self._to_host_s = time_s + self.parameters.byte_s
         if self.parameters.half_duplex:
             self._to_board_s = max(self._to_board_s, self._to_host_s)
@@ -127,5 +126,8 @@ class VirtualLink:
         if self._outgoing and not refused:
             times.append(self._to_board_s)
         if (event := self.gateware.next_event) is not None:
-            times.append(event / CLOCK_HZ)
+            if refused:  # until there is room
+                times.append(event / CLOCK_HZ)
+            elif not self.gateware.waiting:  # until there is a byte, and the line is free for it
+                times.append(max(event / CLOCK_HZ, self._to_host_s))
         return max(min(times), time_s + 1 / CLOCK_HZ)

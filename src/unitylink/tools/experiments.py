@@ -24,7 +24,8 @@ def command(out: Path, quick: bool) -> int:
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
     Writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own, so
-    a busy machine changes nothing but the cost of this host's software, which is measured.
+    a busy machine changes nothing but the cost of this host's software, which is measured. Our gateware's
+    clocks are those of its VHDL, compiled the first time, which takes GHDL and Verilator.
 
     \b
     Examples:

@@ -8,9 +8,10 @@ from dataclasses import replace
 import pytest
 
 from unitylink.experiments.chip import Chip
-from unitylink.experiments.gateware import Core, Gateware2012
+from unitylink.experiments.exchange import read, write
+from unitylink.experiments.gateware import Gateware2012
 from unitylink.experiments.link_parameters import FT245_ASYNC, FT245_SYNC, LINKS, SOURCES, assumptions, uart
-from unitylink.experiments.low_level import read, read_burst, synchronous_s, write, write_burst
+from unitylink.experiments.low_level import read_burst, synchronous_s, write_burst
 from unitylink.experiments.virtual_link import VirtualLink
 
 IMMEDIATE = replace(FT245_ASYNC, send_immediate="all")
@@ -34,15 +35,14 @@ def test_send_immediate_lets_one_reply_through_in_a_microframe() -> None:
 
 
 def test_a_write_burst_is_no_faster_than_its_line() -> None:
-    assert write_burst(IMMEDIATE).period_s >= len(write().request) * FT245_ASYNC.byte_s
+    assert write_burst(IMMEDIATE, write()).period_s >= write().request_bytes * FT245_ASYNC.byte_s
 
 
 @pytest.mark.parametrize("sends", [{}, {"send_immediate": "all"}, {"event_character": 0x0A}], ids=str)
-@pytest.mark.parametrize("gateware", [Gateware2012, Core])
-def test_every_byte_arrives_in_order(gateware: type, sends: dict[str, object]) -> None:
+def test_every_byte_arrives_in_order(sends: dict[str, object]) -> None:
     for link in LINKS:
-        wire = VirtualLink(replace(link, **sends), gateware())  # type: ignore[arg-type]
-        wire.send(read().request * 40)
+        wire = VirtualLink(replace(link, **sends), Gateware2012())  # type: ignore[arg-type]
+        wire.send(read().burst(40))
         wire.wait(14 * 40)
         assert b"".join(data for _, data in wire.received) == b"#S_R:00000000\n" * 40
         assert wire.lost == 0
@@ -77,7 +77,7 @@ def test_only_publishes_send_at_once_where_only_they_may() -> None:
 
 def test_a_uart_that_outruns_the_gateware_loses_bytes() -> None:
     wire = VirtualLink(replace(uart(12_000_000), byte_s=20e-9), Gateware2012(fifo=16))
-    wire.send(read().request * 20)
+    wire.send(read().burst(20))
     wire.run_until(2e-3)
     assert wire.lost > 0
 
@@ -93,7 +93,7 @@ def test_the_chip_is_emptied_several_times_a_microframe_where_its_driver_does() 
     payload_hz = 8 * FT245_SYNC.payload_bytes * FT245_SYNC.packets_per_microframe / FT245_SYNC.microframe_s
     assert payload_hz == pytest.approx(320e6, rel=0.03)
     once_hz = 8 * FT245_SYNC.payload_bytes * FT245_SYNC.chip_packets / FT245_SYNC.microframe_s
-    assert read_burst(FT245_SYNC, 600, gateware="ours").stamped_hz > 1.5 * once_hz
+    assert read_burst(FT245_SYNC, 600).stamped_hz > 1.5 * once_hz
 
 
 def test_a_faster_line_is_not_slower() -> None:

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The tables of the report, from the results."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .document import Block, Paragraph, Table
+
+
+def ours(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "Latency of one request after another on the paper's link, FIFOs of 256 bytes, by level; the bytes "
+        "are "
+        "those of request and reply. The stack is the script's latency and what a layer-4 call costs this "
+        "host.",
+        ["gateware", "request", "send-immediate", "bytes", "gateware", "ideal link", "script", "stack"],
+        [
+            [
+                row["gateware"],
+                row["request"],
+                row["send_immediate"],
+                str(row["bytes"]),
+                *(value(row[name], "s") for name in ("gateware_s", "ideal_s", "script_s", "stack_s")),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        caption,
+        ["row", "figure", "paper", "model", "difference", "cause"],
+        [
+            [
+                row["row"],
+                row["quantity"],
+                value(row["paper"], row["unit"]),
+                value(row["model"], row["unit"]),
+                f"{100 * row['difference']:+.1f} %",
+                row["cause"],
+            ]
+            for row in rows
+        ],
+    )
+
+
+def gateware(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "Clocks at 50 MHz, 32-bit words and 8-bit addresses through both FIFOs, bit rates at the steady "
+        "period. "
+        "2012: the twin, which has that gateware's clocks. Ours: the generated VHDL of a spec of two words, "
+        "compiled and run clock by clock, with both protocols on its port. The paper's Table I has 57 and 28 "
+        "for the read, 63 and 37 for the write. A frame always has its checksum.",
+        ["gateware", "request", "first in to last out", "to effect", "period", "requests", "replies"],
+        [
+            [
+                row["gateware"],
+                row["name"],
+                clocks(row["latency_clocks"]),
+                clocks(row["effect_clocks"]),
+                str(row["period_clocks"]),
+                value(row["request_hz"], "bit/s"),
+                value(row["reply_hz"], "bit/s") if row["reply_hz"] else "none",
+            ]
+            for row in rows
+        ],
+    )
+
+
+def clocks(count: int | None) -> str:
+    return "none" if count is None else str(count)
+
+
+def links(rows: list[dict[str, Any]]) -> Table:
+    names = list(rows[0]["latencies_s"])
+    return Table(
+        "Latency of one request after another, in us. What is read in many words goes classic in one "
+        "request, "
+        "and framed in lists of up to 60 words.",
+        ["link", "gateware", "sends by", "FIFO", *names],
+        [
+            [
+                row["link"],
+                row["gateware"],
+                row["sends"],
+                str(row["fifo"]),
+                *(
+                    f"{row['latencies_s'][name] * 1e6:.0f}" if name in row["latencies_s"] else "always"
+                    for name in names
+                ),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def bursts(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "Reads sent together without send-immediate, FIFOs of 256 bytes: the rate of the replies by the "
+        "gateware's time stamps, the same without pauses, and replies between two pauses. A framed session "
+        "has "
+        "32 requests in flight at most.",
+        ["link", "gateware", "requests", "reply rate", "without pauses", "between pauses"],
+        [
+            [
+                row["link"],
+                row["gateware"],
+                str(row["requests"]),
+                value(row["stamped_hz"], "bit/s"),
+                value(row["unpaused_hz"], "bit/s"),
+                str(row["between_pauses"]),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def write_bursts(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "30 writes sent together, FIFOs of 256 bytes, by when they took effect: the paper has 19.9 us, "
+        "1.315 us "
+        "and 56.6 Mb/s, with send-immediate 19.03 us, 1.159 us and 62.5 Mb/s. A post has no answer: nothing "
+        "goes back, and nothing holds it up. 30 answers of 10 bytes do not fit the FIFO while the chip is "
+        "held.",
+        ["gateware", "request", "send-immediate", "first effect", "period", "effective rate"],
+        [
+            [
+                row["gateware"],
+                row["request"],
+                row["send_immediate"],
+                value(row["first_s"], "s"),
+                value(row["period_s"], "s"),
+                value(row["effective_hz"], "bit/s"),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def scaling(rows: dict[str, list[dict[str, Any]]]) -> list[Block]:
+    captions = {
+        "registers": "Processor time of a layer-4 read on this host against the registers in the spec.",
+        "links": "The same, in turns over so many links in one process, each to a virtual board of its own.",
+    }
+    return [
+        Table(
+            caption,
+            [name, *(str(row["count"]) for row in rows[name])],
+            [["a read", *(value(row["read_s"], "s") for row in rows[name])]],
+        )
+        for name, caption in captions.items()
+    ]
+
+
+def publishes(publish: dict[str, Any]) -> Table:
+    return Table(
+        "The same as numbers, messages per second.",
+        ["words", *publish["limits_hz"]],
+        [
+            [str(words), *(f"{limit[index]:.0f}" for limit in publish["limits_hz"].values())]
+            for index, words in enumerate(publish["words"])
+        ],
+    )
+
+
+def simplicity(counts: dict[str, Any]) -> list[Block]:
+    paper = counts["paper"]
+    return [
+        Table(
+            "Lines that are neither empty nor only a comment.",
+            ["specification", "written", "Python made of it", "VHDL made of it"],
+            [
+                [row["file"], str(row["written"]), str(row["python"]), str(row["vhdl"])]
+                for row in counts["ours"]
+            ],
+        ),
+        Paragraph(
+            f"The paper has {paper['specification']} lines of specification, {paper['VHDL, configured']} "
+            f"of VHDL written and {paper['VHDL, copied']} copied; "
+            f"the microcontroller before it {paper['MCU, communication']} of C for the communication and "
+            f"{paper['MCU, hardware']} of C and assembly for the hardware. "
+            "A board's pins and servo drivers of your own are in neither column of ours. Nobody was timed."
+        ),
+    ]
+
+
+def value(value: float, unit: str) -> str:
+    """Write a figure with four digits and a prefix a reader knows."""
+    if unit == "s":
+        return f"{value * 1e6:.4g} us"
+    if unit == "bit/s":
+        return f"{value / 1e6:.4g} Mb/s" if value >= 1e6 else f"{value / 1e3:.4g} kb/s"
+    return f"{value:.4g}"
