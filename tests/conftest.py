@@ -7,6 +7,9 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,17 +19,50 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 ROOT = Path(__file__).resolve().parents[1]
-FAKE = ROOT / "native" / "test" / "fake_usb" / "fake_libusb.cpp"
+FAKES = ROOT / "native" / "test"
+
+
+def _compiled(source: Path, library: Path) -> Path:
+    compiler = os.environ.get("CXX") or shutil.which("c++") or "g++"
+    options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-pthread", "-I", str(ROOT / "native" / "src")]
+    subprocess.run([compiler, *options, str(source), "-o", str(library)], check=True, timeout=300)
+    return library
 
 
 @pytest.fixture(scope="session")
 def fake_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The fake of libusb, compiled."""
-    library = tmp_path_factory.mktemp("usb") / "fake_libusb.so"
-    compiler = os.environ.get("CXX") or shutil.which("c++") or "g++"
-    options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-pthread", "-I", str(ROOT / "native" / "src")]
-    subprocess.run([compiler, *options, str(FAKE), "-o", str(library)], check=True, timeout=300)
-    return library
+    return _compiled(
+        FAKES / "fake_usb" / "fake_libusb.cpp", tmp_path_factory.mktemp("usb") / "fake_libusb.so"
+    )
+
+
+@pytest.fixture(scope="session")
+def fake_spidev(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The fake of the kernel's SPI port, to be preloaded, compiled."""
+    return _compiled(
+        FAKES / "fake_spi" / "fake_spidev.cpp", tmp_path_factory.mktemp("spi") / "fake_spidev.so"
+    )
+
+
+@pytest.fixture
+def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
+    """Run a program that has /dev/spidev0.0: spi_client(code, port=5555) returns what it prints."""
+    log, file = tmp_path / "spi.log", tmp_path / "spidev"
+    file.touch()
+
+    def run(code: str, **settings: object) -> str:
+        words = {"device": "/dev/spidev0.0", "file": file, "log": log, **settings}
+        fake = " ".join(f"{key}={value}" for key, value in words.items())
+        environment = {**os.environ, "LD_PRELOAD": str(fake_spidev), "FAKE_SPI": fake}
+        command = [sys.executable, "-W", "error", "-c", textwrap.dedent(code)]
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=False, timeout=120
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
 
 
 # A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.

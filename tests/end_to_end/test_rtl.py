@@ -70,6 +70,31 @@ def test_scara_moves_behind_an_ft245_and_the_driver_of_its_chip(
         assert board.error is None, "the chip saw its rules kept"
 
 
+def test_scara_moves_behind_the_spi_slave(spi_client: Callable[..., str]) -> None:
+    """The driver clocks the VHDL of the slave itself, byte by byte."""
+    spec = load(SCARA)
+    configuration = rtl_configuration(spec, physical="spi")
+    with RtlBoard(
+        spec, configuration=configuration, plant=load_plant("scara", spec), endpoint="tcp"
+    ) as board:
+        code = f"""
+            import threading
+            from unitylink import connect
+            from unitylink.layer4_data import load_spec_objects
+            from unitylink.spec import load
+            with connect("spi:/dev/spidev0.0?fifo=256&timeout=2") as link:
+                arm = load_spec_objects(load({str(SCARA)!r}), link)
+                there = threading.Event()
+                arm["j1.cpos"].on_change(lambda counts: counts == 300 and there.set())
+                arm["j1.spd_sp"].write(2000)
+                arm["j1.pos_sp"].write(300)
+                print(there.wait(60), link.protocol)
+                arm.stop_publishing()
+        """
+        assert spi_client(code, port=board.url.rpartition(":")[2], exchange=1) == "True framed\n"
+        assert board.error is None
+
+
 @pytest.mark.parametrize(
     ("example", "arguments", "said"),
     [

@@ -3,20 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
-#include <poll.h>
-#include <sys/socket.h>
-#include <thread>
-#include <unistd.h>
 #include <vector>
 
-#include "layer0_driver/descriptor_driver.hpp"
 #include "layer0_driver/ftdi_port.hpp"
+#include "layer0_driver/pumped_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
 
 namespace unitylink {
@@ -26,62 +18,32 @@ constexpr std::size_t transfers = 4;              // under way at once, so that 
 constexpr std::size_t transfer_bytes = 16 * 1024;  // a short packet ends one earlier
 constexpr unsigned int send_timeout_ms = 100;      // between looks at the end
 constexpr long events_timeout_us = 50'000;
-constexpr int patience_ms = 100;
+constexpr std::uint64_t patience_ns = 100'000'000;
 
-// Two threads move bytes between the chip and one end of a socket pair; the link has the other end and waits on it as on any port.
-// What the link does not fetch stays in the socket, then in the transfers, then in the chip, which stalls the board.
-class FtdiDriver final : public DescriptorDriver {
+// What the link does not fetch stays in the transfers, then in the chip, which stalls the board.
+class FtdiDriver final : public PumpedDriver {
  public:
-  FtdiDriver(std::unique_ptr<ftdi::Port> port, int near, int far, std::uint64_t byte_time_ns, bool event_told)
-      : DescriptorDriver(near), port_(std::move(port)), far_(far), byte_time_ns_(byte_time_ns), event_told_(event_told) {
-    receiver_ = std::thread([this] { receive_all(); });
-    sender_ = std::thread([this] { send_all(); });
+  FtdiDriver(std::unique_ptr<ftdi::Port> port, const SocketPair& pair, std::uint64_t byte_time_ns, bool event_told)
+      : PumpedDriver(pair), port_(std::move(port)), byte_time_ns_(byte_time_ns), event_told_(event_told) {
+    start([this] { receive_all(); });
+    start([this] { send_all(); });
   }
   ~FtdiDriver() override { FtdiDriver::close(); }
 
-  void close() noexcept override {
-    if (!stop_.exchange(true) && receiver_.joinable()) {
-      ::shutdown(far_, SHUT_RDWR);
-    }
-    if (receiver_.joinable()) {
-      receiver_.join();
-      sender_.join();
-      ::close(far_);
-      port_.reset();
-    }
-    DescriptorDriver::close();
-  }
-
-  void disown() noexcept override {  // a forked child: the threads and the claim are the parent's
-    stop_ = true;
-    if (receiver_.joinable()) {
-      receiver_.detach();
-      sender_.detach();
-      ::close(far_);
-      static_cast<void>(port_.release());
-    }
-    DescriptorDriver::close();
-  }
-
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
   void messages_end_with(std::uint8_t end) noexcept override {
-    if (!event_told_ && !stop_ && !gone_) {
+    if (!event_told_ && running()) {
       static_cast<void>(port_->set_event(end));  // without it the latency timer hands on
     }
   }
-  [[nodiscard]] std::string reason() const override {
-    const std::scoped_lock lock(mutex_);
-    return why_.empty() ? DescriptorDriver::reason() : why_;
-  }
 
  private:
-  void ended(const std::string& why) {
-    const std::scoped_lock lock(mutex_);
-    if (why_.empty() && !stop_) {
-      why_ = why;
+  void let_go(bool ours) noexcept override {
+    if (ours) {
+      port_.reset();
+    } else {
+      static_cast<void>(port_.release());
     }
-    gone_ = true;
-    ::shutdown(far_, SHUT_RDWR);
   }
 
   // ---- from the chip
@@ -106,7 +68,7 @@ class FtdiDriver final : public DescriptorDriver {
     switch (transfer.status) {
       case usb::TransferStatus::completed:
       case usb::TransferStatus::timed_out:
-        if (!stop_ && !gone_) {
+        if (running()) {
           submit(incoming);
         }
         return;
@@ -124,20 +86,6 @@ class FtdiDriver final : public DescriptorDriver {
     }
   }
 
-  void hand_on(std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty() && !stop_ && !gone_) {
-      const ssize_t count = ::send(far_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-      if (count > 0) {
-        bytes = bytes.subspan(static_cast<std::size_t>(count));
-      } else if (errno == EAGAIN || errno == EINTR) {
-        pollfd waiting{far_, POLLOUT, 0};
-        ::poll(&waiting, 1, patience_ms);
-      } else {
-        return;
-      }
-    }
-  }
-
   void receive_all() {
     usb::Library& usb = port_->library();
     std::array<Incoming, transfers> incoming;
@@ -146,14 +94,14 @@ class FtdiDriver final : public DescriptorDriver {
       one.transfer = usb.alloc_transfer(0);
       *one.transfer = usb::Transfer{port_->handle(), 0, port_->in(), usb::bulk, 0, {}, static_cast<int>(one.bytes.size()), 0, &arrived,
                                     &one, one.bytes.data(), 0};
-      if (!gone_) {
+      if (running()) {
         submit(one);
       }
     }
     const auto under_way = [&] { return std::ranges::any_of(incoming, &Incoming::under_way); };
     bool cancelled = false;
     while (under_way()) {
-      if ((stop_ || gone_) && !cancelled) {
+      if (!running() && !cancelled) {
         cancelled = true;
         for (const Incoming& one : incoming) {
           if (one.under_way) {
@@ -173,22 +121,13 @@ class FtdiDriver final : public DescriptorDriver {
 
   void send_all() {
     std::vector<std::uint8_t> bytes(transfer_bytes);
-    while (!stop_ && !gone_) {
-      pollfd waiting{far_, POLLIN, 0};
-      if (::poll(&waiting, 1, patience_ms) <= 0) {
-        continue;
-      }
-      const ssize_t count = ::recv(far_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-      if (count > 0) {
-        push(std::span(bytes.data(), static_cast<std::size_t>(count)));
-      } else if (count == 0) {
-        return;  // the link has closed its end
-      }
+    while (running()) {
+      push(std::span(bytes.data(), fetch(bytes, patience_ns)));
     }
   }
 
   void push(std::span<std::uint8_t> bytes) {
-    while (!bytes.empty() && !stop_ && !gone_) {
+    while (!bytes.empty() && running()) {
       int done = 0;
       const int code = port_->library().bulk_transfer(port_->handle(), port_->out(), bytes.data(), static_cast<int>(bytes.size()), &done,
                                                       send_timeout_ms);
@@ -202,14 +141,8 @@ class FtdiDriver final : public DescriptorDriver {
   }
 
   std::unique_ptr<ftdi::Port> port_;
-  int far_;
   std::uint64_t byte_time_ns_;
   bool event_told_;
-  std::atomic<bool> stop_ = false;  // close() has been called
-  std::atomic<bool> gone_ = false;  // the chip has gone
-  mutable std::mutex mutex_;
-  std::string why_;
-  std::thread receiver_, sender_;
 };
 
 // The serial port that the kernel has for the chip, with what it cost to take it.
@@ -295,12 +228,12 @@ Outcome open_ftdi(const Url& url, std::unique_ptr<Driver>& driver) {
     const bool may_be_had_otherwise = outcome.status == Status::permission || (outcome.status == Status::not_found && port == nullptr);
     return may_be_had_otherwise && settings.mode != ftdi::Mode::sync_fifo ? fall_back(url, settings, outcome, driver) : outcome;
   }
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    return {Status::closed, std::string("no socket pair: ") + std::strerror(errno)};
+  SocketPair pair;
+  if (Outcome outcome = make_socket_pair(pair); !outcome.ok()) {
+    return outcome;
   }
   const std::uint64_t byte_time_ns = settings.mode == ftdi::Mode::serial ? 10'000'000'000 / settings.baud_hz : 0;
-  driver = std::make_unique<FtdiDriver>(std::move(port), ends[0], ends[1], byte_time_ns, settings.event_told);
+  driver = std::make_unique<FtdiDriver>(std::move(port), pair, byte_time_ns, settings.event_told);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include "layer0_driver/ftdi_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
 #include "layer0_driver/socket_driver.hpp"
+#include "layer0_driver/spi_driver.hpp"
 
 namespace unitylink {
 namespace {
@@ -32,6 +33,9 @@ Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driv
   }
   if (url.scheme == "ftdi") {
     return open_ftdi(url, driver);
+  }
+  if (url.scheme == "spi") {
+    return open_spi(url, driver);
   }
   if (url.scheme == "tcp" || url.scheme == "udp") {
     return open_socket(url, timeout_ns, driver);

@@ -7,7 +7,7 @@ namespace unitylink {
 namespace {
 
 constexpr std::string_view expected =
-    "expected serial:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
+    "expected serial:/dev/NAME, spi:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
 
 Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
@@ -99,6 +99,16 @@ bool parse_number(std::string_view text, std::uint64_t maximum, std::uint64_t& v
   return error == std::errc{} && stop == end && !text.empty() && value <= maximum;
 }
 
+bool parse_seconds(std::string_view text, std::uint64_t& ns) noexcept {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || stop != text.data() + text.size() || !(value >= 1e-6 && value <= 3600)) {
+    return false;
+  }
+  ns = static_cast<std::uint64_t>(value * 1e9);
+  return true;
+}
+
 Outcome parse_url(std::string_view text, Url& url) {
   url = Url{};
   url.text = text;
@@ -120,9 +130,9 @@ Outcome parse_url(std::string_view text, Url& url) {
   if (url.scheme == "tcp" || url.scheme == "udp") {
     return split_host(text, place, url);
   }
-  if (url.scheme == "serial") {
+  if (url.scheme == "serial" || url.scheme == "spi") {
     if (place.empty()) {
-      return wrong(text, "the device file is missing, as in serial:/dev/ttyUSB0");
+      return wrong(text, "the device file is missing, as in " + url.scheme + (url.scheme == "spi" ? ":/dev/spidev0.0" : ":/dev/ttyUSB0"));
     }
     url.path = place;
     return {};

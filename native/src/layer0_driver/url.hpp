@@ -14,8 +14,8 @@ namespace unitylink {
 
 struct Url {
   std::string text;    // as given
-  std::string scheme;  // serial | tcp | udp | ftdi | fd
-  std::string path;    // serial: the device file; ftdi: the serial number; fd: the number
+  std::string scheme;  // serial | spi | tcp | udp | ftdi | fd
+  std::string path;    // serial, spi: the device file; ftdi: the serial number; fd: the number
   std::string host;    // tcp, udp
   std::string port;    // tcp, udp
   std::vector<std::pair<std::string, std::string>> options;  // in the order given, each name once
@@ -28,5 +28,8 @@ struct Url {
 
 // A whole number, decimal or 0x…; false when it is none or above `maximum`.
 [[nodiscard]] bool parse_number(std::string_view text, std::uint64_t maximum, std::uint64_t& value) noexcept;
+
+// Seconds, from 1e-6 to 3600, as ns; false when the text is none.
+[[nodiscard]] bool parse_seconds(std::string_view text, std::uint64_t& ns) noexcept;
 
 }  // namespace unitylink

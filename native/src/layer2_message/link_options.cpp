@@ -5,6 +5,7 @@
 #include <string>
 
 #include "layer0_driver/ftdi_driver.hpp"
+#include "layer0_driver/spi_driver.hpp"
 
 namespace unitylink {
 namespace {
@@ -30,7 +31,7 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), speed_hz and poll (spi), "
     "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 
@@ -47,16 +48,6 @@ bool number_in(const std::string& text, std::uint64_t minimum, std::uint64_t max
   return true;
 }
 
-bool seconds(const std::string& text, std::uint64_t& ns) noexcept {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || stop != text.data() + text.size() || !(value >= 1e-6 && value <= 3600)) {
-    return false;
-  }
-  ns = static_cast<std::uint64_t>(value * 1e9);
-  return true;
-}
-
 bool fifo(const std::string& text, EngineSettings& engine) noexcept {
   const std::size_t comma = text.find(',');
   const std::string receive = text.substr(0, comma);
@@ -67,7 +58,7 @@ bool fifo(const std::string& text, EngineSettings& engine) noexcept {
 Outcome parse_option(const Url& url, const std::string& name, const std::string& value, LinkOptions& options) {
   std::uint32_t number = 0;
   if (name == "timeout") {
-    return seconds(value, options.engine.timeout_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+    return parse_seconds(value, options.engine.timeout_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
   }
   if (name == "attempts") {
     return number_in(value, 1, 1000, options.attempts) ? Outcome{} : wrong(url, name, value, "a count from 1 to 1000");
@@ -105,7 +96,7 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
   }
   if (name == "deadman") {
     std::uint64_t ns = 0;
-    if (!seconds(value, ns)) {
+    if (!parse_seconds(value, ns)) {
       return wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
     }
     options.deadman_s = static_cast<double>(ns) * 1e-9;
@@ -136,7 +127,8 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       return {};
     }
   }
-  if (name == "trace" || (name == "baud" && url.scheme == "serial") || (url.scheme == "ftdi" && is_ftdi_option(name))) {
+  if (name == "trace" || (name == "baud" && url.scheme == "serial") || (url.scheme == "ftdi" && is_ftdi_option(name)) ||
+      (url.scheme == "spi" && is_spi_option(name))) {
     return {};  // the driver's
   }
   return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};

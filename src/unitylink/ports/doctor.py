@@ -131,7 +131,7 @@ class _Doctor:
     say: Callable[[str], None]
 
     def examine(self) -> list[Finding]:
-        found = {"serial": self.port, "ftdi": self.chip}.get(self.place.scheme, list)()
+        found = {"serial": self.port, "ftdi": self.chip, "spi": self.spi}.get(self.place.scheme, list)()
         if not _stopped(found):
             found += self.device()
         return sorted(found, key=lambda f: ("error", "warning", "note").index(f.severity))
@@ -147,13 +147,7 @@ class _Doctor:
             return absent + ([finding("brltty", device=device)] if machine.runs("brltty") else [])
         if not machine.is_serial(device):
             return [finding("no-serial-port", device=device)]
-        found = []
-        if not machine.may_open(device):
-            found.append(finding("permission", device=device, group=machine.group_of(device)))
-        if holders := machine.holders(device):
-            names = ", ".join(f"{holder.command} (process {holder.pid})" for holder in holders)
-            pids = " ".join(str(holder.pid) for holder in holders)
-            found.append(finding("busy-port", device=device, holders=names, pids=pids))
+        found = self.access(device)
         if machine.modem_manager_probes(device):
             link = shlex.quote(self.place.url)
             found.append(finding("modem-manager", device=device, program=program(), link=link))
@@ -162,6 +156,25 @@ class _Doctor:
             name = device.rpartition("/")[2]
             found.append(finding("latency-timer", device=device, latency_ms=latency_ms, name=name))
         return found
+
+    def access(self, device: str) -> list[Finding]:
+        """Look who may open a device file that is there, and who has."""
+        found = []
+        if not self.machine.may_open(device):
+            found.append(finding("permission", device=device, group=self.machine.group_of(device)))
+        if holders := self.machine.holders(device):
+            names = ", ".join(f"{holder.command} (process {holder.pid})" for holder in holders)
+            pids = " ".join(str(holder.pid) for holder in holders)
+            found.append(finding("busy-port", device=device, holders=names, pids=pids))
+        return found
+
+    def spi(self) -> list[Finding]:
+        device = self.place.path
+        self.say(f"looking at {device}")
+        if not self.machine.exists(device):
+            ports = ", ".join(self.machine.spi_ports()) or "none"
+            return [finding("no-spi", device=device, ports=ports)]
+        return self.access(device)
 
     def chip(self) -> list[Finding]:
         """Look at the FTDI chip as a USB device."""

@@ -121,6 +121,15 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "is the programmer, and a wrong EEPROM makes it unfindable. libusb-1.0 is needed: "
             "`sudo apt-get install libusb-1.0-0`.",
         ),
+        "no-spi": FindingKind(
+            "error",
+            "The SPI port does not exist",
+            "{device} is not there; SPI ports on this machine: {ports}",
+            "switch SPI on; on a Raspberry Pi: sudo raspi-config nonint do_spi 0    # then reboot",
+            "The kernel shows a chip select as /dev/spidevBUS.SELECT where its device tree says so "
+            "(`dtparam=spi=on` in config.txt of a Raspberry Pi). USB adapters such as the FT2232H in MPSSE "
+            "mode are no spidev.",
+        ),
         "unreachable": FindingKind(
             "error",
             "The network device cannot be reached",

@@ -85,6 +85,10 @@ class Machine:
                 found.append(self._port(f"/dev/{entry.name}", hardware.resolve()))
         return sorted(found, key=lambda port: (len(port.device), port.device))
 
+    def spi_ports(self) -> list[str]:
+        """Return the device files of the chip selects that the kernel's spidev has."""
+        return [f"/dev/{entry.name}" for entry in entries(self.path("/sys/class/spidev"))]
+
     def serial_port(self, device: str) -> SerialPort:
         """Return what is known of one device file; links such as /dev/serial/by-id/... are followed."""
         name = os.path.basename(os.path.realpath(self.path(device)))

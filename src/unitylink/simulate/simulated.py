@@ -58,6 +58,11 @@ def simulated_board(url: str) -> tuple[Board, str]:
                 generics[_BOARD_ONLY.get(option, option)] = int(text.split(",")[0], 0)
             except ValueError as error:
                 raise UrlError(f"{url!r}: {option}={text} is not a whole number") from error
+    if kind == "rtl" and generics.get("physical") == "spi":
+        raise UrlError(
+            f"{url!r}: an SPI slave speaks only when it is clocked, and an rtl: link does not clock it; "
+            "leave physical= out, or use RtlBoard and a spi: link (docs/spi.md)"
+        )
     try:
         spec = load(path)
     except OSError as error:

@@ -67,14 +67,18 @@ def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool
 
     machine = Machine()
     chips = [(one.url, one.port.device or None) for one in ftdi_channels(machine)]
+    spi = [f"spi:{device}" for device in machine.spi_ports()]
     entries = [_entry(machine, found, baud_hz if ask else None) for found in machine.serial_ports()]
     if ask:
         for url, answer in ask_everybody(port=port, address=broadcast):
             said = answer.decode("ascii", "replace").strip()
             entries.append({"link": url, "device": None, "identity": "", "holders": [], "answers": said})
     if as_json:
-        print_json({"ports": entries, "ftdi": [{"link": url, "device": device} for url, device in chips]})
+        by_chip = [{"link": url, "device": device} for url, device in chips]
+        print_json({"ports": entries, "ftdi": by_chip, "spi": [{"link": link} for link in spi]})
         return
+    if spi:
+        click.echo(f"SPI ports, which are not asked: {', '.join(spi)}")
     if not entries:
         more = ", and nobody answers on the network" if ask else "; --ask looks for boards on the network"
         click.echo("no serial ports" + more)

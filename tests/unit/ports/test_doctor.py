@@ -138,6 +138,14 @@ def test_ftdi_permission(diagnose: Diagnose, fake: FakeMachine) -> None:
     assert found["ftdi-permission"].remedy.endswith("doctor 'ftdi:?channel=B' --install")
 
 
+def test_no_spi(diagnose: Diagnose, fake: FakeMachine) -> None:
+    fake.write("sys/class/spidev/spidev0.1/dev", "153:1")
+    fake.write("dev/spidev0.1", "").chmod(0o000)
+    found = diagnose(link="spi:/dev/spidev0.0")
+    assert found["no-spi"].cause == "/dev/spidev0.0 is not there; SPI ports on this machine: /dev/spidev0.1"
+    assert list(diagnose(link="spi:/dev/spidev0.1")) == ["permission"]
+
+
 def test_ftdi_refused(fake: FakeMachine, clock: Clock) -> None:
     fake.usb_port()
 

@@ -85,6 +85,7 @@ def test_missing_tools_are_named_all_at_once(monkeypatch: pytest.MonkeyPatch, tm
     [
         ("rtl:", r"expected sim:SPEC\.ul or rtl:SPEC\.ul"),
         ("rtl:x.ul?clock_hz=fast", "clock_hz=fast is not a whole number"),
+        ("rtl:x.ul?physical=spi", "an SPI slave speaks only when it is clocked"),
     ],
 )
 def test_urls_that_will_not_do(url: str, message: str) -> None:
@@ -100,9 +101,9 @@ def test_a_board_behind_a_chip_has_its_files_and_refuses_what_is_no_layer(tmp_pa
         spec, BoardConfiguration.for_spec(spec, physical="ft245_async", send_immediate="never")
     )
     plain = design_of(spec, BoardConfiguration.for_spec(spec))
-    assert (behind.top, plain.top) == ("lamp_behind_ft245", "lamp_design")
-    assert set(behind.files) - set(plain.files) == {"lamp_behind_ft245.vhd", "ft245_chip.vhd"}
-    assert "send_immediate => never" in behind.files["lamp_behind_ft245.vhd"]
+    assert (behind.top, plain.top) == ("lamp_behind_ft245_async", "lamp_design")
+    assert set(behind.files) - set(plain.files) == {"lamp_behind_ft245_async.vhd", "ft245_chip.vhd"}
+    assert "send_immediate => never" in behind.files["lamp_behind_ft245_async.vhd"]
     with connect(f"sim:{file}?physical=ft245_async") as link:  # the twin is flow-controlled anyway
         link.write(0x10, 1)
     with pytest.raises(ValueRangeError, match="physical is 'usb'"):

@@ -16,6 +16,9 @@ from unitylink.spec.model import Spec
 
 _HERE = Path(__file__).parent
 LATENCY_MS = 16  # what an FTDI chip waits for more bytes, as it comes
+# Physical layers that are simulated -> what is at the other end of their wires. Its streams are the board's;
+# the SPI master's are a byte in for each byte out.
+BEHIND = {"ft245_async": "ft245_chip.vhd", "spi": "spi_master.vhd"}
 
 
 @dataclass(frozen=True)
@@ -37,8 +40,8 @@ class RtlDesign:
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     """Return the design that `unitylink generate --only vhdl` makes of `spec`; raise BindingError.
 
-    With the physical layer ft245_async it stands behind that and a chip; the others are left out, and the
-    byte streams are the design's own.
+    With a physical layer of `BEHIND` it stands behind that and what is at the other end of its wires; the
+    others are left out, and the byte streams are the design's own.
     """
     words = word_map(spec, configuration)
     top = f"{design_name(spec)}_design"
@@ -47,9 +50,9 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
         for name, text in generate_vhdl(spec, configuration).items()
         if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
     }
-    if configuration.physical == "ft245_async":
-        top = f"{design_name(spec)}_behind_ft245"
-        files |= _behind_ft245(spec, configuration, top)
+    if configuration.physical in BEHIND:
+        top = f"{design_name(spec)}_behind_{configuration.physical}"
+        files |= _behind(spec, configuration, top)
     return RtlDesign(
         top=top,
         files=files,
@@ -59,15 +62,16 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     )
 
 
-def _behind_ft245(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str, str]:
+def _behind(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str, str]:
     template = jinja2.Template(
-        (_HERE / "behind_ft245.vhd.jinja").read_text(encoding="utf-8"),
+        (_HERE / "behind.vhd.jinja").read_text(encoding="utf-8"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     text = template.render(plan=plan(spec, configuration), top=top, latency_ms=LATENCY_MS)
-    return {f"{top}.vhd": text, "ft245_chip.vhd": (_HERE / "ft245_chip.vhd").read_text(encoding="utf-8")}
+    other_end = BEHIND[configuration.physical]
+    return {f"{top}.vhd": text, other_end: (_HERE / other_end).read_text(encoding="utf-8")}
 
 
 @dataclass(frozen=True)

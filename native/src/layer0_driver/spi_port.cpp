@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/spi_port.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <linux/spi/spidev.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace unitylink {
+namespace {
+
+Outcome cannot_open(const std::string& path, int error) {
+  const std::string name = "SPI port " + path + ": ";
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case ENOTDIR:
+    case EISDIR:
+      return {Status::not_found, name + "there is no such port; is SPI switched on (on a Raspberry Pi: dtparam=spi=on in config.txt)?"};
+    case ENOTTY: return {Status::not_found, name + "this is not an SPI port of the kernel (spidev)"};
+    case EACCES:
+    case EPERM: return {Status::permission, name + "permission denied; on Debian and Raspberry Pi OS: sudo adduser $USER spi, then log in again"};
+    case EWOULDBLOCK:
+    case EBUSY: return {Status::busy, name + "another program holds it"};
+    default: return {Status::closed, name + std::strerror(error)};
+  }
+}
+
+}  // namespace
+
+Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::unique_ptr<SpiPort>& port) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) {
+    return cannot_open(path, errno);
+  }
+  std::unique_ptr<SpiPort> made(new SpiPort(descriptor, speed_hz));
+  std::uint8_t mode = 0;
+  if (::ioctl(descriptor, SPI_IOC_RD_MODE, &mode) != 0) {
+    return cannot_open(path, errno);
+  }
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {  // spidev lets several programs in, whose messages would mix
+    return cannot_open(path, errno);
+  }
+  mode = SPI_MODE_0;
+  std::uint8_t bits = 8;
+  if (::ioctl(descriptor, SPI_IOC_WR_MODE, &mode) != 0 || ::ioctl(descriptor, SPI_IOC_WR_BITS_PER_WORD, &bits) != 0) {
+    return {Status::mismatch, "SPI port " + path + ": it has no mode 0 with 8 bits a byte: " + std::strerror(errno)};
+  }
+  if (::ioctl(descriptor, SPI_IOC_WR_MAX_SPEED_HZ, &speed_hz) != 0) {
+    return {Status::mismatch, "SPI port " + path + ": cannot run at " + std::to_string(speed_hz) + " Hz; give another speed_hz="};
+  }
+  port = std::move(made);
+  return {};
+}
+
+SpiPort::~SpiPort() { ::close(descriptor_); }
+
+int SpiPort::exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) const noexcept {
+  spi_ioc_transfer transfer{};
+  transfer.tx_buf = reinterpret_cast<std::uintptr_t>(out.data());
+  transfer.rx_buf = reinterpret_cast<std::uintptr_t>(in.data());
+  transfer.len = static_cast<std::uint32_t>(std::min(out.size(), in.size()));
+  transfer.speed_hz = speed_hz_;
+  transfer.bits_per_word = 8;
+  return ::ioctl(descriptor_, SPI_IOC_MESSAGE(1), &transfer) >= 0 ? 0 : errno;
+}
+
+}  // namespace unitylink

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One chip select of an SPI bus, through the kernel's spidev: mode 0, 8 bits, most significant bit first.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "layer0_driver/status.hpp"
+
+namespace unitylink {
+
+class SpiPort {
+ public:
+  [[nodiscard]] static Outcome open(const std::string& path, std::uint32_t speed_hz, std::unique_ptr<SpiPort>& port);
+  SpiPort(const SpiPort&) = delete;
+  SpiPort& operator=(const SpiPort&) = delete;
+  ~SpiPort();
+
+  // One transfer: as many bytes each way as `out` and `in` both have. 0, or an errno.
+  [[nodiscard]] int exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) const noexcept;
+
+ private:
+  SpiPort(int descriptor, std::uint32_t speed_hz) noexcept : descriptor_(descriptor), speed_hz_(speed_hz) {}
+
+  int descriptor_;
+  std::uint32_t speed_hz_;
+};
+
+}  // namespace unitylink

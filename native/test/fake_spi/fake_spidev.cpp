@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// spidev as far as the SPI driver uses it. FAKE_SPI has `key=value` words with spaces between:
+//   device=/dev/spidev0.0   file=FILE (opened in its place)     port=5555   the board: TCP on this machine
+//   exchange=1       the board is clocked too: it answers each byte with one
+//   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
+//   unplug=1000      after so many bytes transfers fail          refuse=22   what setting the speed answers
+#include <arpa/inet.h>
+#include <cerrno>
+#include <cstdarg>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <linux/spi/spidev.h>
+#include <map>
+#include <netinet/tcp.h>
+#include <sstream>
+#include <string>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+struct Port {
+  std::map<std::string, std::string> settings;
+  int descriptor = -1, board = -1;
+  std::deque<std::uint8_t> coming;  // of the board's, from the last whole message on
+  std::size_t whole = 0;            // bytes of `coming` in whole messages
+  std::uint8_t next = 0;            // the byte on miso when the next transfer begins
+  std::size_t transfers = 0, bytes = 0;
+
+  Port() {
+    const char* const told = std::getenv("FAKE_SPI");
+    std::istringstream words(told != nullptr ? told : "");
+    for (std::string word; words >> word;) {
+      settings[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
+    }
+  }
+  long number(const char* key) {
+    const auto found = settings.find(key);
+    return found == settings.end() ? 0 : std::strtol(found->second.c_str(), nullptr, 0);
+  }
+  void log(const std::string& line) {
+    if (std::FILE* file = std::fopen(settings["log"].c_str(), "a"); file != nullptr) {
+      std::fprintf(file, "%s\n", line.c_str());
+      std::fclose(file);
+    }
+  }
+};
+
+Port& port() {
+  static Port one;
+  return one;
+}
+
+void connect_board() {
+  Port& p = port();
+  p.board = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(static_cast<std::uint16_t>(p.number("port")));
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(p.board, reinterpret_cast<sockaddr*>(&place), sizeof place) != 0) {
+    std::perror("fake_spidev: no board");
+    std::abort();
+  }
+  const int at_once = 1;
+  ::setsockopt(p.board, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
+}
+
+void gather() {
+  Port& p = port();
+  std::uint8_t bytes[4096];
+  for (ssize_t count = 0; (count = ::recv(p.board, bytes, sizeof bytes, MSG_DONTWAIT)) > 0;) {
+    p.coming.insert(p.coming.end(), bytes, bytes + count);
+  }
+  while (p.whole < p.coming.size()) {  // a frame ends with 0, text with a line feed
+    std::size_t end = p.whole;
+    while (end < p.coming.size() && p.coming[end] != (p.coming[p.whole] >= 0x80 ? 0 : '\n') && p.coming[end] != 0) {
+      ++end;
+    }
+    if (end == p.coming.size()) {
+      return;
+    }
+    p.whole = end + 1;
+  }
+}
+
+std::uint8_t offer() {
+  Port& p = port();
+  gather();
+  if (p.whole == 0) {
+    return 0;
+  }
+  const std::uint8_t byte = p.coming.front();
+  p.coming.pop_front();
+  --p.whole;
+  return byte;
+}
+
+int exchange(const spi_ioc_transfer& transfer) {
+  Port& p = port();
+  const auto* const out = reinterpret_cast<const std::uint8_t*>(transfer.tx_buf);
+  auto* const in = reinterpret_cast<std::uint8_t*>(transfer.rx_buf);
+  ++p.transfers;
+  p.bytes += transfer.len;
+  const long unplug = p.number("unplug");
+  if (transfer.len > 4096 || (unplug > 0 && p.bytes > static_cast<std::size_t>(unplug))) {
+    errno = transfer.len > 4096 ? EMSGSIZE : EIO;
+    return -1;
+  }
+  if (::send(p.board, out, transfer.len, MSG_NOSIGNAL) != static_cast<ssize_t>(transfer.len)) {
+    errno = EIO;
+    return -1;
+  }
+  if (p.number("exchange") != 0) {
+    if (::recv(p.board, in, transfer.len, MSG_WAITALL) != static_cast<ssize_t>(transfer.len)) {
+      errno = EIO;
+      return -1;
+    }
+    return static_cast<int>(transfer.len);
+  }
+  ::usleep(static_cast<useconds_t>(std::uint64_t{8'000'000} * transfer.len / transfer.speed_hz));
+  for (std::uint32_t place = 0; place < transfer.len; ++place) {
+    in[place] = p.next;
+    p.next = offer();
+  }
+  return static_cast<int>(transfer.len);
+}
+
+template <class Function>
+Function real(const char* name) {
+  return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
+}
+
+int open_instead(const char* name, const char* path, int flags, mode_t mode) {
+  Port& p = port();
+  const bool ours = p.settings["device"] == path;
+  const int descriptor = real<int (*)(const char*, int, ...)>(name)(ours ? p.settings["file"].c_str() : path, flags, mode);
+  if (ours && descriptor >= 0 && p.descriptor < 0) {
+    p.descriptor = descriptor;
+    connect_board();
+  }
+  return descriptor;
+}
+
+}  // namespace
+
+extern "C" {
+
+int open(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const auto mode = static_cast<mode_t>(va_arg(arguments, int));
+  va_end(arguments);
+  return open_instead("open", path, flags, mode);
+}
+int open64(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const auto mode = static_cast<mode_t>(va_arg(arguments, int));
+  va_end(arguments);
+  return open_instead("open64", path, flags, mode);
+}
+int close(int descriptor) {
+  Port& p = port();
+  if (descriptor >= 0 && descriptor == p.descriptor) {
+    p.descriptor = -1;
+    p.log("transfers " + std::to_string(p.transfers) + " bytes " + std::to_string(p.bytes));
+    ::close(p.board);
+  }
+  return real<int (*)(int)>("close")(descriptor);
+}
+int ioctl(int descriptor, unsigned long request, ...) {
+  va_list arguments;
+  va_start(arguments, request);
+  void* const argument = va_arg(arguments, void*);
+  va_end(arguments);
+  Port& p = port();
+  if (descriptor < 0 || descriptor != p.descriptor) {
+    return real<int (*)(int, unsigned long, ...)>("ioctl")(descriptor, request, argument);
+  }
+  switch (request) {
+    case SPI_IOC_RD_MODE: *static_cast<std::uint8_t*>(argument) = 3; return 0;
+    case SPI_IOC_WR_MODE: p.log("mode " + std::to_string(*static_cast<std::uint8_t*>(argument))); return 0;
+    case SPI_IOC_WR_BITS_PER_WORD: p.log("bits " + std::to_string(*static_cast<std::uint8_t*>(argument))); return 0;
+    case SPI_IOC_WR_MAX_SPEED_HZ:
+      p.log("speed_hz " + std::to_string(*static_cast<std::uint32_t*>(argument)));
+      errno = static_cast<int>(p.number("refuse"));
+      return errno == 0 ? 0 : -1;
+    case SPI_IOC_MESSAGE(1): return exchange(*static_cast<const spi_ioc_transfer*>(argument));
+    default: errno = ENOTTY; return -1;
+  }
+}
+
+}  // extern "C"

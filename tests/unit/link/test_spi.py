@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`spi:` links over a fake of the kernel's spidev, ioctl by ioctl, with the twin behind a slave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from unitylink import LinkNotFound, UrlError, connect
+from unitylink.simulate import Board
+
+SpiClient = Callable[..., str]
+
+MOVE = """
+    from unitylink import connect
+    with connect("spi:/dev/spidev0.0?speed_hz=20000000&fifo=256&protocol={protocol}") as link:
+        for number in range(20):
+            link.write(0x12, number)
+            assert link.read(0x12) == number
+        link.write_many([0x12, 0x1A] * 100, list(range(200)))
+        print(link.read_each([0x12, 0x1A] * 30).tolist() == [198, 199] * 30)
+        with link.subscribe([0x12, 0x1A], divisor=1) as subscription:
+            for _ in range(5):
+                assert subscription.wait(30)
+                assert set(map(tuple, subscription.drain()[1].tolist())) == {(198, 199)}
+        seen = link.statistics()
+        print(link.protocol, seen.garbage_bytes, seen.malformed_messages, seen.checksum_errors)
+"""
+
+
+@pytest.fixture
+def board() -> Iterator[Board]:
+    with Board(endpoint="tcp") as board:
+        yield board
+
+
+def port_of(board: Board) -> str:
+    return board.url.rpartition(":")[2]
+
+
+@pytest.mark.parametrize(("asked", "spoken"), [("auto", "framed"), ("classic", "classic")])
+def test_words_both_ways_and_publishes(
+    spi_client: SpiClient, board: Board, tmp_path: Path, asked: str, spoken: str
+) -> None:
+    said = spi_client(MOVE.replace("{protocol}", asked), port=port_of(board))
+    assert said.splitlines() == ["True", f"{spoken} 0 0 0"]
+    log = (tmp_path / "spi.log").read_text().splitlines()
+    assert log[:3] == ["mode 0", "bits 8", "speed_hz 20000000"]
+    assert log[-1].startswith("transfers ")
+
+
+def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None:
+    """More than a transfer, and the socket, hold; no filler is handed on."""
+    code = """
+        from unitylink.layer0_driver import Driver
+        with Driver("spi:/dev/spidev0.0?poll=1e-5") as driver:
+            driver.send(b"#RLC\\n")
+            reply = b""
+            while not reply.endswith(b"\\n"):
+                reply += driver.receive(timeout_s=30)
+            for _ in range(5):
+                driver.send(b"#RLC\\n" * 200)
+            got = b""
+            while len(got) < 1000 * len(reply):
+                more = driver.receive(timeout_s=30)
+                assert more
+                got += more
+        print(got == reply * 1000)
+    """.replace("\\\\", "\\")
+    assert spi_client(code, port=port_of(board)) == "True\n"
+
+
+def test_nothing_is_clocked_within_a_message(spi_client: SpiClient, board: Board) -> None:
+    """A zero within a classic message would be an invalid character: `?f3` instead of the answer."""
+    code = r"""
+        import time
+        from unitylink.layer0_driver import Driver
+        with Driver("spi:/dev/spidev0.0?poll=1e-5") as driver:
+            for part in (b"#R", b"L", b"C\n"):
+                driver.send(part)
+                assert part == b"C\n" or driver.receive(timeout_s=0.05) == b""
+            print(driver.receive(timeout_s=30)[:5])
+    """
+    assert spi_client(code, port=port_of(board)) == "b'#CNF:'\n"
+
+
+def test_a_transfer_that_fails_ends_the_link(spi_client: SpiClient, board: Board) -> None:
+    code = """
+        from unitylink import LinkClosed, connect
+        link = connect("spi:/dev/spidev0.0")
+        try:
+            while True:
+                link.read(0x12)
+        except LinkClosed as error:
+            print(error, link.closed)
+        link.close()
+    """
+    said = spi_client(code, port=port_of(board), unplug=20000)
+    assert "an SPI transfer failed: Input/output error" in said and said.endswith("True\n")
+
+
+def test_one_program_at_a_time(spi_client: SpiClient, board: Board, tmp_path: Path) -> None:
+    code = """
+        import fcntl
+        from unitylink import LinkBusy, connect
+        with open(FILE) as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            try:
+                connect("spi:/dev/spidev0.0")
+            except LinkBusy as error:
+                print(error)
+    """.replace("FILE", repr(str(tmp_path / "spidev")))
+    assert "another program holds it" in spi_client(code, port=port_of(board))
+
+
+def test_a_speed_that_the_port_has_not(spi_client: SpiClient, board: Board) -> None:
+    code = """
+        from unitylink import DeviceMismatch, connect
+        try:
+            connect("spi:/dev/spidev0.0?speed_hz=900000000")
+        except DeviceMismatch as error:
+            print(error)
+    """
+    assert "cannot run at 900000000 Hz" in spi_client(code, port=port_of(board), refuse=22)
+
+
+@pytest.mark.parametrize(
+    ("url", "error", "message"),
+    [
+        ("spi:", UrlError, "the device file is missing, as in spi:/dev/spidev0.0"),
+        ("spi:/dev/null?speed_hz=fast", UrlError, "speed_hz=fast is not a clock rate"),
+        ("spi:/dev/null?speed_hz=999", UrlError, "speed_hz=999 is not a clock rate"),
+        ("spi:/dev/null?poll=0", UrlError, "poll=0 is not a time in seconds"),
+        ("spi:/dev/null?baud=9600", UrlError, "no option 'baud'"),
+        ("serial:/dev/null?speed_hz=1000", UrlError, "no option 'speed_hz'"),
+        ("spi:/dev/spidev99.0", LinkNotFound, "there is no such port; is SPI switched on"),
+        ("spi:/dev/null", LinkNotFound, "this is not an SPI port"),
+    ],
+)
+def test_what_cannot_be(url: str, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        connect(url)
