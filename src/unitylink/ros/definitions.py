@@ -30,13 +30,13 @@ def definition(message: Message) -> str:
 
     >>> from .interface import Field
     >>> print(definition(Message("Lamp", (Field("led", "bool", comment="bright"),), stamped=True)), end="")
-    std_msgs/Header header   # stamp: when the gateware's publish came
+    std_msgs/Header header   # stamp: when the gateware sampled it
     uint32 sequence          # counts the publishes since the node has started; a gap is a loss
     bool led                 # bright
     """
     rows = [(f"{constant.type} {constant.name}={constant.value}", "") for constant in message.constants]
     if message.stamped:
-        rows.append(("std_msgs/Header header", "stamp: when the gateware's publish came"))
+        rows.append(("std_msgs/Header header", "stamp: when the gateware sampled it"))
         rows.append(("uint32 sequence", "counts the publishes since the node has started; a gap is a loss"))
     for field in message.fields:
         array = f"[{field.count}]" if field.count else ""

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+from unitylink.errors import LinkError
+
 from .plane import Plane
 
 if TYPE_CHECKING:
@@ -34,12 +36,12 @@ def health(node: RobotNode, link: Link | None, session: _Session | None) -> Heal
         "commands refused": str(node.refused),
         "links lost": str(node.keeper.losses),
         "armed": str(node.armed).lower(),
-        "dead-man": "none in this gateware",
     }
     if link is None or session is None:
         return Health(ERROR, node.keeper.state, "", facts)
     inbox = session.inbox
     facts |= {
+        "dead-man": session.guard.told(),
         "publishes taken": str(session.outbox.received),
         "publishes lost": str(sum(report.lost for report in session.tree.publisher.reports())),
         "writes": str(inbox.writes),
@@ -49,13 +51,34 @@ def health(node: RobotNode, link: Link | None, session: _Session | None) -> Heal
     facts |= {
         f"link {f.name.replace('_', ' ')}": str(getattr(statistics, f.name)) for f in fields(statistics)
     }
+    facts |= _device_facts(link)
     level = OK
     message = node.keeper.state
+    if session.guard.tripped:
+        level, message = WARN, f"{message}; the dead-man has tripped"
     if not node.armed:
         level, message = WARN, f"{message}; not armed"
     if inbox.failed or node.refused:
         level, message = WARN, f"{message}; {node.refused} commands refused, {inbox.failed} writes failed"
     return Health(level, message, link.url, facts)
+
+
+def _device_facts(link: Link) -> dict[str, str]:
+    """What the device itself counts, and how its clock goes; nothing on a classic link."""
+    facts = {}
+    clock = link.clock
+    if clock is not None:
+        facts["device clock drift ppm"] = f"{clock.drift_ppm:.1f}"
+        facts["device clock uncertainty us"] = f"{clock.uncertainty_ns / 1000:.0f}"
+    try:
+        counted = link.health()
+    except LinkError as error:  # the keeper finds out what that means
+        return facts | {"device": str(error)}
+    if counted is not None:
+        facts |= {
+            f"device {f.name.replace('_', ' ')}": str(getattr(counted, f.name)) for f in fields(counted)
+        }
+    return facts
 
 
 def diagnostics(plane: Plane, name: str, found: Health, time_s: float) -> object:

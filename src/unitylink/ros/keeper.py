@@ -24,6 +24,10 @@ class Session(Protocol):
         """Return for how long nothing has come."""
         ...
 
+    def check(self) -> None:
+        """Raise LinkError where the device is there but no longer as it was."""
+        ...
+
     def probe(self) -> None:
         """Ask the device for something harmless; raise LinkError where it does not answer."""
         ...
@@ -106,6 +110,7 @@ class LinkKeeper:
             while not self._stop.wait(CHECK_S):
                 if link.closed:
                     raise LinkError(f"{link.url}: the port is gone")
+                session.check()
                 if session.quiet_s() > SILENCE_S and time.monotonic() - asked_s > SILENCE_S:
                     asked_s = time.monotonic()
                     session.probe()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import BindingError, LinkError, UnityLinkError, ValueRangeError
 from unitylink.layer4_data import Node, ValueGroup
 
+from .dead_man import DeadManGuard
 from .health import Health, health
 from .inbox import Inbox
 from .interface import Interface, Topic
@@ -25,16 +26,17 @@ from .values import read_values, write_values
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-NO_DEAD_MAN = "this gateware keeps its outputs when the link is lost; back again, they are made safe first"
 COMPLAIN_EVERY_S = 1.0
 
 
 @dataclass(frozen=True)
 class Options:
-    """What a user sets: `command_timeout_s` without a command makes the robot safe (0: never); `safe_at_exit`
+    """What a user sets: `command_timeout_s` without a command makes the robot safe (0: never); `deadman_s`
+    without a sign of life from the node makes the gateware do so by itself (0: never); `safe_at_exit`
     writes the safe values when the node ends; `armed` False takes no commands before `arm` was called."""
 
     command_timeout_s: float = 0.0
+    deadman_s: float = 1.0
     safe_at_exit: bool = True
     armed: bool = True
     retry_s: float = 1.0
@@ -66,7 +68,9 @@ class RobotNode:
         self._session: _Session | None = None
         self._complained_s = 0.0
         self._lock = threading.Lock()
-        self._senders = [(topic, sender(interface, topic, plane)) for topic in interface.published]
+        self.senders: Sequence[tuple[Topic, Send]] = [
+            (topic, sender(interface, topic, plane)) for topic in interface.published
+        ]
         for topic in interface.commanded:
             plane.subscribe(topic, self._taker(receiver(interface, topic)))
         plane.serve("set_safe", TRIGGER, self.set_safe)
@@ -86,13 +90,21 @@ class RobotNode:
             raise BindingError(
                 f"{self.interface.package}: the robot has no {missing[0]}; generate both again"
             )
-        if again:  # before anything else: what it was told before the loss is old
+        guard = DeadManGuard(link, self.options.deadman_s, safe=bool(_said_safe(tree)))
+        if guard.tripped and self.armed:
+            guard.arm()
+            self._plane.say(1, "the dead-man had tripped and made the outputs safe; they are armed again")
+        if guard.tripped:
+            self._plane.say(
+                1, "the dead-man has tripped: the outputs are safe until the service arm is called"
+            )
+        elif again:  # before anything else: what it was told before the loss is old
             tree.apply_safe()
             said = _said_safe(tree) or "the spec gives no SAFE values, so its outputs stay as they are"
             self._plane.say(1, f"the device is back; {said}; commands of before are forgotten")
-        elif any(value.writable for value in tree):
-            self._plane.say(0, NO_DEAD_MAN)
-        session = _Session(self, link, tree, self._senders)
+        elif guard.lacking and any(value.writable for value in tree):
+            self._plane.say(0, guard.lacking)
+        session = _Session(self, link, tree, guard)
         try:
             tree.start_publishing(fallback=True)
         except BaseException:
@@ -146,6 +158,8 @@ class RobotNode:
 
         def act(session: _Session) -> str:
             session.inbox.clear()
+            if session.guard.tripped:
+                return "the outputs are safe already: the dead-man has tripped"
             session.tree.apply_safe()
             return _said_safe(session.tree) or "the spec gives no SAFE values; nothing was written"
 
@@ -153,9 +167,16 @@ class RobotNode:
 
     def arm(self, on: bool) -> tuple[bool, str]:
         """Take commands from now on; without `on` take none any more, and write the safe values."""
-        self.armed = on
         if on:
+            session = self._session
+            if session is not None:
+                try:
+                    session.guard.arm()
+                except UnityLinkError as error:
+                    return False, str(error)
+            self.armed = True
             return True, "armed: commands are taken"
+        self.armed = False
         done, message = self.set_safe()
         return done, f"disarmed: no commands are taken; {message}"
 
@@ -184,7 +205,8 @@ class RobotNode:
         if session is not None and self.options.safe_at_exit and self.accepted:
             try:
                 session.inbox.close()
-                session.tree.apply_safe()
+                if not session.guard.tripped:
+                    session.tree.apply_safe()
             except LinkError as error:
                 self._plane.say(2, f"the safe values were not written: {error}")
         self.keeper.close()
@@ -198,13 +220,11 @@ def _said_safe(tree: Node) -> str:
 class _Session:
     """What lives as long as one link."""
 
-    def __init__(
-        self, node: RobotNode, link: Link, tree: Node, senders: Sequence[tuple[Topic, Send]]
-    ) -> None:
-        self.link, self.tree = link, tree
+    def __init__(self, node: RobotNode, link: Link, tree: Node, guard: DeadManGuard) -> None:
+        self.link, self.tree, self.guard = link, tree, guard
         self._node = node
         self._probe = next((value.address for value in tree if value.pollable), None)
-        self.outbox = Outbox(tree, senders)
+        self.outbox = Outbox(tree, node.senders)
         group = ValueGroup({value.path: value for value in tree if value.writable}, node.interface.robot)
         self.inbox = Inbox(
             group, node.complain, timeout_s=node.options.command_timeout_s, on_silence=self._silent
@@ -219,6 +239,9 @@ class _Session:
 
     def quiet_s(self) -> float:
         return time.monotonic() - self.outbox.last_s
+
+    def check(self) -> None:
+        self.guard.check()
 
     def probe(self) -> None:
         if self._probe is not None:

@@ -20,6 +20,7 @@ class Parameters:
 
     link: str = ""
     command_timeout: float = 0.0
+    deadman_s: float = 1.0
     safe_at_exit: bool = True
     armed: bool = True
 
@@ -27,8 +28,12 @@ class Parameters:
         """Return what the node makes of them; UrlError where there is no link, or a number is wrong."""
         if not self.link:
             raise UrlError("no link: set the parameter link, as in link:=serial:/dev/ttyUSB0?baud=3000000")
-        if not 0 <= self.command_timeout < float("inf"):
-            raise UrlError(f"command_timeout {self.command_timeout}: expected seconds, 0 for never")
+        for name in ("command_timeout", "deadman_s"):
+            if not 0 <= getattr(self, name) < float("inf"):
+                raise UrlError(f"{name} {getattr(self, name)}: expected seconds, 0 for never")
         return Options(
-            command_timeout_s=self.command_timeout, safe_at_exit=self.safe_at_exit, armed=self.armed
+            command_timeout_s=self.command_timeout,
+            deadman_s=self.deadman_s,
+            safe_at_exit=self.safe_at_exit,
+            armed=self.armed,
         )

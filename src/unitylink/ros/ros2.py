@@ -53,8 +53,9 @@ def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequen
 def parse(arguments: Sequence[str], namespace: str) -> tuple[Parameters, str]:
     """Read what follows `--ros-args`: `-p NAME:=VALUE` and `-r __ns:=NAMESPACE`.
 
-    >>> parse(["--ros-args", "-p", "link:=tcp://127.0.0.1:5555", "-p", "armed:=false"], "/scara")
-    (Parameters(link='tcp://127.0.0.1:5555', command_timeout=0.0, safe_at_exit=True, armed=False), '/scara')
+    >>> parameters, namespace = parse(["-p", "link:=tcp://127.0.0.1:5555", "-p", "armed:=false"], "/scara")
+    >>> parameters.link, parameters.armed, namespace
+    ('tcp://127.0.0.1:5555', False, '/scara')
     """
     found = Parameters()
     words = [word for word in arguments if word not in ("--ros-args", "--dds")]

@@ -4,11 +4,17 @@
 from __future__ import annotations
 
 import importlib.util
+import socket
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import pairwise
 from pathlib import Path
+from select import select
 from types import ModuleType, SimpleNamespace
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -17,8 +23,9 @@ from unitylink.errors import LinkNotFound, UrlError
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
 from unitylink.ros import plan_interface
+from unitylink.ros.dead_man import NONE
 from unitylink.ros.node import Options, RobotNode
-from unitylink.simulate import Board
+from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
@@ -177,7 +184,6 @@ def test_waits_for_a_device_and_comes_back_safe(spec: Spec) -> None:
         sent = len(plane.sent.get("joint_states", []))
         assert (node.health().level == 2 and "lost" in plane.said[-1][1]) or "waiting" in plane.said[-1][1]
         with Board(spec, plant=Still(), endpoint=f"tcp:{url.rpartition(':')[2]}") as board:
-            board.registers[0x12] = 999
             plane.wait(node.keeper.up.is_set)
             assert board.registers[0x12] == 250 and board.registers[0x1A] == 250 and board.registers[0x0] == 0
             plane.wait(lambda: len(plane.sent.get("joint_states", [])) > sent)
@@ -197,6 +203,147 @@ def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
 
 def _silent() -> None:
     raise LinkNotFound("no answer")
+
+
+def becomes(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 30
+    while not holds():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.01)
+
+
+class Cable:
+    """A wire to a board, whose end at the host stays a port in order while bytes are lost (`cut`), are late
+    (`held`), or while the board is replaced by another: an FPGA that was configured again."""
+
+    def __init__(self, board: Board) -> None:
+        self.cut = self.held = False
+        self._board = self._to(board)
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self.url = f"tcp://127.0.0.1:{self._listening.getsockname()[1]}"
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    @staticmethod
+    def _to(board: Board) -> socket.socket:
+        where = urlsplit(board.url)
+        return socket.create_connection((where.hostname, where.port))
+
+    def replace(self, board: Board) -> None:
+        old, self._board = self._board, self._to(board)
+        old.close()
+
+    def _serve(self) -> None:
+        host: socket.socket | None = None
+        while not self._stop.is_set():
+            board = self._board
+            ends = [self._listening] + ([host] if host else []) + ([] if self.held else [board])
+            ready, _, _ = select(ends, [], [], 0.01)
+            for end in ready:
+                if end is self._listening:
+                    host, _ = self._listening.accept()
+                    continue
+                with suppress(OSError):  # of a board that is being replaced
+                    data = end.recv(65536)
+                    if end is host and not data:
+                        host.close()
+                        host = None
+                    elif not self.cut and host is not None:
+                        (board if end is host else host).sendall(data)
+        for end in (self._listening, self._board, host):
+            if end is not None:
+                end.close()
+
+    def __enter__(self) -> Cable:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        self._thread.join()
+
+
+def test_the_gateware_is_safe_by_itself_and_the_node_comes_back(spec: Spec, board: Board) -> None:
+    """Bytes vanish, nobody is told: the dead-man trips; the node notices, arms it and forgets the past."""
+    with Cable(board) as cable, running(spec, f"{cable.url}?timeout=0.1", deadman_s=0.3) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        assert node.health().facts["dead-man"] == "trips after 0.3 s"
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))
+        plane.wait(lambda: board.registers[0x12] == 750)
+        cable.cut = True
+        plane.wait(lambda: board.registers[0x12] == 250)  # nothing but the gateware can have done it
+        cable.cut = False
+        plane.wait(lambda: node.keeper.losses >= 1 and node.keeper.up.is_set())
+        assert any("armed again" in text for _, text in plane.said)
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.5))
+        plane.wait(lambda: board.registers[0x12] == 500)
+        facts = node.health().facts
+        assert int(facts["device deadman trips"]) >= 1 and "device clock drift ppm" in facts
+
+
+def test_a_disarmed_node_leaves_a_tripped_gateware_safe(spec: Spec, board: Board) -> None:
+    with Cable(board) as cable, Link(f"{cable.url}?timeout=0.05&attempts=1&deadman=0.05"):
+        cable.cut = True  # a program that was killed: nothing says goodbye
+        becomes(lambda: board.registers[0x12] == 250)
+    with running(spec, board.url, armed=False) as (node, plane):
+        plane.wait(lambda: node.health().facts.get("dead-man") == "tripped: the outputs are safe, call arm")
+        assert node.health().level == 1 and board.registers[0x12] == 250
+        assert plane.services["set_safe"]() == (
+            True,
+            "the outputs are safe already: the dead-man has tripped",
+        )
+        assert plane.services["arm"](True)[0]
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.5))
+        plane.wait(lambda: board.registers[0x12] == 500)
+        assert node.keeper.losses == 0
+
+
+def test_what_has_no_dead_man_says_so(spec: Spec) -> None:
+    still = Still()
+    classic = BoardConfiguration.for_spec(spec, protocol="classic")
+    with (
+        Board(spec, plant=still, configuration=classic, endpoint="tcp") as board,
+        running(spec, board.url) as (node, plane),
+    ):
+        plane.wait(node.keeper.up.is_set)
+        assert (0, NONE) in plane.said
+        assert node.health().facts["dead-man"] == "this gateware has no dead-man"
+        assert "device frames" not in node.health().facts
+    with (
+        Board(spec, plant=still, endpoint="tcp") as board,
+        running(spec, board.url, deadman_s=0.0) as (node, plane),
+    ):
+        plane.wait(node.keeper.up.is_set)
+        assert node.health().facts["dead-man"] == "the dead-man is off"
+
+
+def test_a_device_that_was_reset_is_made_safe_first(spec: Spec, board: Board) -> None:
+    """The port stays and the link comes back by itself: what was written is gone all the same."""
+    with (
+        Board(spec, plant=Still(), endpoint="tcp") as other,
+        Cable(board) as cable,
+        running(spec, f"{cable.url}?timeout=0.1") as (node, plane),
+    ):
+        plane.wait(node.keeper.up.is_set)
+        cable.replace(other)
+        plane.wait(lambda: node.keeper.losses >= 1 and node.keeper.up.is_set())
+        assert other.registers[0x12] == 250
+        assert any("the device is back; safe values written" in text for _, text in plane.said)
+
+
+def test_stamps_are_of_the_device_and_not_of_the_arrival(spec: Spec, board: Board) -> None:
+    """Publishes that were held up come together; their stamps stay a period apart."""
+    with Cable(board) as cable, running(spec, f"{cable.url}?timeout=2", deadman_s=0.0) as (_, plane):
+        plane.wait(lambda: len(plane.sent.get("joint_states", [])) > 2)
+        before = len(plane.sent["joint_states"])
+        began_s = time.monotonic()
+        cable.held = True
+        becomes(lambda: time.monotonic() - began_s > 0.15)
+        cable.held = False
+        plane.wait(lambda: len(plane.sent["joint_states"]) > before + 12)
+        stamps = [message.header[0] for message in plane.sent["joint_states"]]
+    apart = [after - stamp for stamp, after in pairwise(stamps)]
+    assert sum(0.009 < period_s < 0.011 for period_s in apart) >= 10, apart
 
 
 def test_arm_and_set_safe(spec: Spec, board: Board) -> None:

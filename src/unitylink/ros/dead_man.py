@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gateware's dead-man in the service of a node: asked for, watched, armed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from unitylink.errors import DeadManTripped, LinkError
+from unitylink.protocol import CONTROL_VALUE_FEATURE_DEADMAN
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+
+NONE = "this gateware has no dead-man: outputs stay when the link is lost; back again, they are safe first"
+OFF = "the dead-man is off: outputs stay when the link is lost; back again, they are made safe first"
+NO_SAFE = "the spec gives no SAFE values for a dead-man: outputs stay when the link is lost"
+
+
+class DeadManGuard:
+    """Have the gateware make its outputs safe when this program or the link is gone, where it can.
+
+    `lacking` says why it cannot, and is empty where it can. `tripped`: the outputs are safe, and nothing is
+    written before `arm()`. A `deadman=` in the link's URL goes before `silence_s`.
+    """
+
+    def __init__(self, link: Link, silence_s: float, *, safe: bool) -> None:
+        self._link = link
+        has_one = link.description is not None and link.description.features & CONTROL_VALUE_FEATURE_DEADMAN
+        state = link.dead_man() if has_one else None
+        self.tripped = state is not None and state.tripped
+        self.silence_s = state.silence_s if state is not None and state.running else silence_s
+        self.lacking = NONE if state is None else OFF if not self.silence_s else "" if safe else NO_SAFE
+        if not self.lacking and state is not None and not state.running:
+            try:
+                link.set_dead_man(self.silence_s)
+            except DeadManTripped:  # arm() starts it
+                self.tripped = True
+        self._sessions = link.statistics().sessions
+
+    def arm(self) -> None:
+        """Let outputs be written again after a trip."""
+        if self.tripped:
+            self._link.arm()
+            self.tripped = False
+            self._sessions = self._link.statistics().sessions
+
+    def check(self) -> None:
+        """Raise LinkError where the outputs are no longer what was written: after a trip, or a reset."""
+        if self._link.description is None or self.tripped:
+            return
+        if not self.lacking:
+            state = self._link.dead_man()
+            if state is not None and state.tripped:
+                raise DeadManTripped(
+                    "the dead-man has tripped: nothing came for too long, the outputs are safe"
+                )
+        if self._link.statistics().sessions != self._sessions:
+            raise LinkError("the device was reset, or another program has opened it")
+
+    def told(self) -> str:
+        """Say how it stands, in a few words for the diagnostics."""
+        if self.tripped:
+            return "tripped: the outputs are safe, call arm"
+        return self.lacking.partition(":")[0].partition(",")[0] or f"trips after {self.silence_s:g} s"
