@@ -83,6 +83,7 @@ package protocol_pkg is
   constant limits_data_bits_max_c : natural := 32;
   constant limits_read_many_max_c : natural := 255;
   constant limits_groups_max_c : natural := 256;
+  constant limits_exchanges_max_c : natural := 256;
   constant limits_group_size_max_c : natural := 255;
   constant limits_rate_bytes_max_c : natural := 4;
   constant limits_groups_2012_c : natural := 16;

@@ -151,6 +151,20 @@ UL_API ul_status ul_sync(ul_link* link, const ul_options* options);
 /* The device's own registers, `count` from `address` on. UL_MISMATCH on a classic link, UL_PROTOCOL_ERROR where there is none. */
 UL_API ul_status ul_read_control(ul_link* link, uint32_t address, uint32_t* values, size_t count, const ul_options* options);
 UL_API ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, const ul_options* options);
+/* Exchange groups: words named once, which then travel as bare data, each in its own number of bytes (1 to data_bytes). `group` stands for
+ * the words from then on, also after the device was reset. UL_MISMATCH where it has no group left, or none so large. On a classic link it is kept here,
+ * and ul_exchange is writes and reads. */
+typedef struct {
+  uint32_t address;
+  uint32_t bytes;
+} ul_exchange_word;
+UL_API ul_status ul_define_exchange(ul_link* link, const ul_exchange_word* outputs, size_t output_count, const ul_exchange_word* inputs,
+                                    size_t input_count, uint32_t* group);
+/* Writes all outputs, then reads all inputs, with the bus held, once; or UL_UNKNOWN: the device was reset meanwhile. */
+UL_API ul_status ul_exchange(ul_link* link, uint32_t group, const uint32_t* outputs, size_t output_count, uint32_t* inputs,
+                             size_t input_count, const ul_options* options);
+/* Frees the group. Twice does nothing. */
+UL_API ul_status ul_release_exchange(ul_link* link, uint32_t group);
 /* From now on `silence_ns` without a sign of life from this program make the outputs safe (UL_DENIED for what is written then); the library
  * gives such signs by itself. 0: never. UL_MISMATCH where the gateware has no dead-man. */
 UL_API ul_status ul_set_dead_man(ul_link* link, uint64_t silence_ns, const ul_options* options);

@@ -70,6 +70,31 @@ void done(nb::handle timeout_s, const Call& call) {
   raise_unless_ok(outcome);
 }
 
+std::vector<ExchangeWord> layout_of(nb::handle addresses, nb::handle bytes) {
+  const std::vector<std::uint32_t> where = words_of(addresses, "address");
+  const std::vector<std::uint32_t> widths = words_of(bytes, "number of bytes");
+  std::vector<ExchangeWord> words;
+  for (std::size_t index = 0; index < std::min(where.size(), widths.size()); ++index) {
+    words.push_back({where[index], widths[index]});
+  }
+  return words;
+}
+
+std::uint32_t define_exchange(Link& link, nb::handle outputs, nb::handle output_bytes, nb::handle inputs, nb::handle input_bytes) {
+  const std::vector<ExchangeWord> out = layout_of(outputs, output_bytes);
+  const std::vector<ExchangeWord> in = layout_of(inputs, input_bytes);
+  std::uint32_t id = 0;
+  done(nb::none(), [&](const RequestOptions&) { return link.define_exchange(out, in, id); });
+  return id;
+}
+
+nb::object exchange(Link& link, std::uint32_t id, nb::handle outputs, std::size_t inputs, nb::handle timeout_s) {
+  const std::vector<std::uint32_t> words = words_of(outputs, "value");
+  auto values = std::make_unique<std::uint32_t[]>(inputs);
+  done(timeout_s, [&](const RequestOptions& how) { return link.exchange(id, words, std::span(values.get(), inputs), how); });
+  return array_of(std::move(values), {inputs});
+}
+
 void set_dead_man(Link& link, double silence_s, nb::handle timeout_s) {
   done(timeout_s, [&](const RequestOptions& how) { return link.set_dead_man(silence_s, how); });
 }
@@ -115,6 +140,9 @@ void bind_framed(nb::class_<Link>& link) {
       .def("sync", &synchronise, "timeout_s"_a.none())
       .def("read_control", &read_control, "address"_a, "count"_a)
       .def("write_control", &write_control, "address"_a, "value"_a)
+      .def("define_exchange", &define_exchange, "outputs"_a, "output_bytes"_a, "inputs"_a, "input_bytes"_a)
+      .def("exchange", &exchange, "id"_a, "outputs"_a, "inputs"_a, "timeout_s"_a.none())
+      .def("release_exchange", &Link::release_exchange, "id"_a, nb::call_guard<GilRelease>())
       .def("set_dead_man", &set_dead_man, "silence_s"_a, "timeout_s"_a.none())
       .def("arm", &arm, "timeout_s"_a.none())
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())

@@ -90,6 +90,7 @@ inline constexpr std::uint32_t data_bits_min = 8;
 inline constexpr std::uint32_t data_bits_max = 32;
 inline constexpr std::uint32_t read_many_max = 255;
 inline constexpr std::uint32_t groups_max = 256;
+inline constexpr std::uint32_t exchanges_max = 256;
 inline constexpr std::uint32_t group_size_max = 255;
 inline constexpr std::uint32_t rate_bytes_max = 4;
 inline constexpr std::uint32_t groups_2012 = 16;

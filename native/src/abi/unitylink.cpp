@@ -278,6 +278,43 @@ ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, cons
   return guarded([&] { return told(link->link->write_control(address, value, how)); });
 }
 
+ul_status ul_define_exchange(ul_link* link, const ul_exchange_word* outputs, size_t output_count, const ul_exchange_word* inputs,
+                             size_t input_count, uint32_t* group) {
+  if (link == nullptr || group == nullptr || (output_count > 0 && outputs == nullptr) || (input_count > 0 && inputs == nullptr)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    const auto words = [](const ul_exchange_word* given, size_t count) {
+      std::vector<ExchangeWord> taken;
+      for (size_t index = 0; index < count; ++index) {
+        taken.push_back({given[index].address, given[index].bytes});
+      }
+      return taken;
+    };
+    return told(link->link->define_exchange(words(outputs, output_count), words(inputs, input_count), *group));
+  });
+}
+
+ul_status ul_exchange(ul_link* link, uint32_t group, const uint32_t* outputs, size_t output_count, uint32_t* inputs, size_t input_count,
+                      const ul_options* options) {
+  RequestOptions how;
+  const bool missing = (output_count > 0 && outputs == nullptr) || (input_count > 0 && inputs == nullptr);
+  if (link == nullptr || missing || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr || missing ? null_pointer : unknown_size);
+  }
+  return guarded([&] { return told(link->link->exchange(group, {outputs, output_count}, {inputs, input_count}, how)); });
+}
+
+ul_status ul_release_exchange(ul_link* link, uint32_t group) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    link->link->release_exchange(group);
+    return ul_status{UL_OK};
+  });
+}
+
 ul_status ul_set_dead_man(ul_link* link, uint64_t silence_ns, const ul_options* options) {
   RequestOptions how;
   if (link == nullptr || !request_options(options, false, how)) {

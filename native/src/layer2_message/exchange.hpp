@@ -31,10 +31,18 @@ enum class Operation : std::uint8_t {
   // the framed protocol
   transfer,       // words to write, then words to read, in one message
   define_group,
+  define_exchange, // what an exchange group is
+  exchange,       // writes all outputs of an exchange group and reads all its inputs
   read_control,
   write_control,
   synchronise,    // how far the posts have come
   close_session,
+};
+
+// A word of an exchange group, of which the low `bytes` bytes travel.
+struct ExchangeWord {
+  std::uint32_t address = 0;
+  std::uint32_t bytes = 0;
 };
 
 // Requests of one call that must not go on after one of them failed.
@@ -47,11 +55,13 @@ struct Exchange {
   Operation operation = Operation::read;
   bool checked = false;
   bool repeat = true;                        // sending it twice does no harm
-  std::uint32_t address = 0;                 // read, write; the group of group commands; a control register
+  std::uint32_t address = 0;                 // read, write; the group of group and exchange commands; a control register
   std::uint32_t value = 0;                   // write: the word; of a group: the divisor
   std::span<const std::uint32_t> addresses;  // read_many, transfer; of a group
   std::span<const std::uint32_t> write_addresses;  // transfer
-  std::span<const std::uint32_t> write_values;
+  std::span<const std::uint32_t> write_values;     // exchange: of the outputs, too
+  std::span<const ExchangeWord> outputs;     // define_exchange, exchange
+  std::span<const ExchangeWord> inputs;
   bool atomic = false;                       // transfer, read_many: with the bus held from the first word to the last
   bool chained = false;                      // only after the exchange submitted before it has been executed
   bool on_event = false;                     // define_group: publish on its event input, too
@@ -79,7 +89,9 @@ struct Exchange {
   // How it ends when it is not sent (again).
   [[nodiscard]] Status cut_off() const noexcept { return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout; }
   // It changes something on the device's bus.
-  [[nodiscard]] bool writes() const noexcept { return operation == Operation::write || !write_addresses.empty(); }
+  [[nodiscard]] bool writes() const noexcept {
+    return operation == Operation::write || !write_addresses.empty() || (operation == Operation::exchange && !outputs.empty());
+  }
 
  private:
   friend class Engine;

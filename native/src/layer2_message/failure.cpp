@@ -77,6 +77,8 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
              (exchange.addresses.empty() ? "" : "read of " + std::to_string(exchange.addresses.size()) + " words") +
              (has_address ? " (at " + hex_address(address, address_bytes) + ")" : "");
     case Operation::define_group: return "definition of group " + std::to_string(exchange.address);
+    case Operation::define_exchange: return "definition of exchange group " + std::to_string(exchange.address);
+    case Operation::exchange: return "exchange of group " + std::to_string(exchange.address);
     case Operation::read_control: return "read of control register " + hex_address(exchange.address, 2);
     case Operation::write_control: return "write of control register " + hex_address(exchange.address, 2);
     case Operation::synchronise: return "the question what became of the posts";

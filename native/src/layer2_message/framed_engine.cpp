@@ -160,6 +160,9 @@ bool FramedEngine::send_next() noexcept {
     finish(waiting_.pop_front(), exchange.cut_off());
     return true;
   }
+  if (exchange.operation == Operation::exchange && restoring()) {
+    return false;  // its group may not be defined yet
+  }
   Place& place = place_of(next_id_);
   // The other half of a large window is for what goes on behind a request that was lost.
   const std::uint32_t most = window_ >= 64 ? window_ / 2 : window_;
@@ -191,6 +194,9 @@ bool FramedEngine::send_next() noexcept {
   if (exchange.operation == Operation::define_group) {  // at once: a publish may come before the answer
     rings_[exchange.address] = exchange.ring;
     groups_[exchange.address] = {exchange.ring, exchange.addresses, exchange.value, exchange.on_event, 0};
+  }
+  if (exchange.operation == Operation::define_exchange) {
+    exchange_groups_[exchange.address] = {exchange.outputs, exchange.inputs};
   }
   commit(place, size);
   credit_ += place.bytes;

@@ -56,6 +56,10 @@ class FramedEngine final : public Engine {
   void forget(Status status) noexcept override;
   void claim(std::uint32_t group, PublishRing* ring) noexcept override;
 
+  // An exchange group is not defined again in the next session.
+  void forget_exchange(std::uint32_t group) noexcept { exchange_groups_[group] = {}; }
+  // A new session is being set up as the last one was: what groups consist of is still read.
+  [[nodiscard]] bool restoring() const noexcept { return !idle(restoration_); }
   // A write without an answer. False: no room until the device has confirmed some; it is asked to.
   [[nodiscard]] bool post(const Post& post, std::uint64_t now_ns) noexcept;
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
@@ -93,6 +97,11 @@ class FramedEngine final : public Engine {
     std::uint32_t divisor = 0;
     bool on_event = false;
     std::uint16_t sequence = 0;       // of the next publish
+  };
+
+  struct ExchangeGroup {
+    std::span<const ExchangeWord> outputs;  // of who defined it, to be kept until it is forgotten
+    std::span<const ExchangeWord> inputs;
   };
 
   // what goes out (framed_engine.cpp)
@@ -170,6 +179,7 @@ class FramedEngine final : public Engine {
   std::uint64_t confirm_ns_ = no_deadline;
 
   std::array<Group, protocol::limits::groups_max> groups_;
+  std::array<ExchangeGroup, protocol::limits::exchanges_max> exchange_groups_;
   Exchange restoration_;                // the engine's own request that sets a new session up
   std::uint32_t restored_ = 0;          // steps of it that are done
   bool publishing_ = false;

@@ -11,7 +11,8 @@ using namespace protocol;
 
 constexpr std::uint32_t openings_max = 3;
 constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the session is asked for
-constexpr std::uint32_t restoration_steps = 2 + limits::groups_max;  // dead-man, groups, publishing
+constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // behind the dead-man and the groups
+constexpr std::uint32_t restoration_steps = first_exchange + limits::exchanges_max + 1;  // publishing
 constexpr std::uint32_t restoration_attempts = 1000;  // as long as the session lasts
 constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
 constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
@@ -142,6 +143,15 @@ void FramedEngine::restore() noexcept {
       if (step.value == 0) {
         continue;
       }
+    } else if (restored_ >= first_exchange) {
+      const ExchangeGroup& group = exchange_groups_[restored_ - first_exchange];
+      if (group.outputs.empty() && group.inputs.empty()) {
+        continue;
+      }
+      step.operation = Operation::define_exchange;
+      step.address = restored_ - first_exchange;
+      step.outputs = group.outputs;
+      step.inputs = group.inputs;
     } else {
       const Group& group = groups_[restored_ - 1];
       if (group.ring == nullptr) {

@@ -67,6 +67,14 @@ std::size_t reply_words(const Exchange& exchange) noexcept {
 
 }  // namespace
 
+std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
+  std::size_t bytes = 0;
+  for (const ExchangeWord& word : words) {
+    bytes += word.bytes;
+  }
+  return bytes;
+}
+
 std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept {
   return status < names.size() ? std::optional(names[status]) : std::nullopt;
 }
@@ -78,6 +86,8 @@ std::uint8_t framed_kind(const Exchange& exchange) noexcept {
     case Operation::read_many:
     case Operation::transfer: return request_kind::list;
     case Operation::define_group: return request_kind::define_group;
+    case Operation::define_exchange: return request_kind::define_exchange;
+    case Operation::exchange: return request_kind::exchange;
     case Operation::read_control: return request_kind::read_control;
     case Operation::write_control: return request_kind::write_control;
     case Operation::close_session: return request_kind::close;
@@ -102,6 +112,21 @@ void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configur
       encoder.word(static_cast<std::uint32_t>(exchange.addresses.size()), 1);
       for (const std::uint32_t address : exchange.addresses) {
         encoder.word(address, configuration.address_bytes);
+      }
+      break;
+    case Operation::define_exchange:
+      encoder.word(exchange.address, 1).word(static_cast<std::uint32_t>(exchange.outputs.size()), 1);
+      encoder.word(static_cast<std::uint32_t>(exchange.inputs.size()), 1);
+      for (const std::span<const ExchangeWord> words : {exchange.outputs, exchange.inputs}) {
+        for (const ExchangeWord& word : words) {
+          encoder.word(word.address, configuration.address_bytes).word(word.bytes, 1);
+        }
+      }
+      break;
+    case Operation::exchange:
+      encoder.word(exchange.address, 1);
+      for (std::size_t index = 0; index < exchange.outputs.size(); ++index) {
+        encoder.word(exchange.write_values[index], exchange.outputs[index].bytes);
       }
       break;
     case Operation::read_control:
@@ -145,6 +170,15 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
       }
       return true;
     }
+    case Operation::exchange:
+      if (body.size() != bytes_of(exchange.inputs)) {
+        return false;
+      }
+      for (std::size_t index = 0, at = 0; index < exchange.inputs.size(); ++index) {
+        exchange.values[index] = number_at(body.data() + at, exchange.inputs[index].bytes);
+        at += exchange.inputs[index].bytes;
+      }
+      return true;
     case Operation::read_control:
       if (body.size() != 4 * exchange.values.size()) {
         return false;

@@ -21,6 +21,8 @@ namespace unitylink {
   return value;
 }
 
+// What the words of an exchange group take together.
+[[nodiscard]] std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept;
 // The kind of an exchange's frame, without the chained and barrier bits.
 [[nodiscard]] std::uint8_t framed_kind(const Exchange& exchange) noexcept;
 // What stands behind id and barrier.

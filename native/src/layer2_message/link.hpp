@@ -111,6 +111,13 @@ class Link {
   // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown when a session was
   // lost before it had confirmed some.
   [[nodiscard]] Outcome sync(const RequestOptions& how);
+  // Names the words of an exchange group, once: `id` stands for it from then on, in later sessions too, until it is released. mismatch where the
+  // device has no group left, or none so large. On a classic link it is kept here, and exchange() is write_many() and read_many().
+  [[nodiscard]] Outcome define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs, std::uint32_t& id);
+  // Writes all outputs, then reads all inputs, with the bus held: only their data travels.
+  [[nodiscard]] Outcome exchange(std::uint32_t id, std::span<const std::uint32_t> outputs, std::span<std::uint32_t> inputs,
+                                 const RequestOptions& how);
+  void release_exchange(std::uint32_t id);
   // The device's own registers (protocol::control); mismatch on a classic link.
   [[nodiscard]] Outcome read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] Outcome write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
@@ -169,6 +176,7 @@ class Link {
 
  private:
   struct Subscription;
+  struct ExchangeLayout;
   using Lock = std::unique_lock<std::mutex>;
 
   Link(std::unique_ptr<Driver> driver, const LinkOptions& options);
@@ -199,6 +207,7 @@ class Link {
   [[nodiscard]] std::size_t words_read(bool repeat) const noexcept;
   [[nodiscard]] std::size_t words_written() const noexcept;
   [[nodiscard]] Outcome run_one(Exchange& exchange);
+  [[nodiscard]] Outcome check_exchange(const ExchangeLayout& layout) const;
   [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
 
   // subscriptions (link_subscriptions.cpp)
@@ -227,6 +236,9 @@ class Link {
   ClassicEngine classic_;
   std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
   Engine* engine_ = &classic_;           // the one of the two that is used
+  std::array<std::shared_ptr<const ExchangeLayout>, protocol::limits::exchanges_max> exchanges_;
+  std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // that the engine may still read
+  std::uint32_t exchanges_made_ = 0;
   std::uint32_t dead_man_ticks_ = 0;     // as set last
   std::uint32_t failed_posts_ = 0;       // of this session, told by the last sync()
   std::uint64_t failed_session_ = 0;

@@ -19,6 +19,7 @@ from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
 from .engine import Times, Words
+from .exchange_group import ExchangeGroup
 from .link import Link
 from .subscription import PublishCallback, Subscription
 
@@ -28,6 +29,7 @@ __all__ = [
     "Configuration",
     "DeadMan",
     "Description",
+    "ExchangeGroup",
     "Health",
     "Link",
     "Pending",

@@ -21,6 +21,7 @@ from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
 from .engine import Words, open_engine
+from .exchange_group import ExchangeGroup, Word
 from .mailbox import LoopMailbox
 from .subscription import Subscription
 
@@ -177,6 +178,18 @@ class Link:
         addresses = [address for address, _ in writes]
         values = [value for _, value in writes]
         return self._native.transfer(addresses, values, reads, atomic, timeout_s)
+
+    def exchange_group(self, writes: Sequence[Word] = (), reads: Sequence[Word] = ()) -> ExchangeGroup:
+        """Name words that are written and read together many times: addresses, or (address, bytes).
+
+        Then only data travels: a few bytes write all and bring all back, in one transaction of the bus. On a
+        classic link it is write_many and read_many. Raises DeviceMismatch when the device has no exchange
+        groups, none left, or none so large.
+
+            with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:
+                (position,) = group.exchange([1000, 1])
+        """
+        return ExchangeGroup(self._native, writes, reads, self.configuration.data_bytes)
 
     def batch(self, *, atomic: bool = False) -> Batch:
         """Return a context manager that collects reads and writes, and does them together at its end.

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from unitylink import _native
 from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
 from unitylink.protocol import GROUP_SIZE_MAX, GROUPS_MAX, RATE_BYTES_MAX, READ_MANY_MAX
@@ -46,6 +48,8 @@ class MappedEngine:
         self._memory = _native.map_memory(place.path, place.offset, place.size)
         self._publishes = PolledPublishes(self._poll)
         self._requests = 0
+        self._exchanges: dict[int, tuple[list[int], list[int], list[int]]] = {}
+        self._exchanges_made = 0
         self._unsettled = 0
 
     def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None) -> int:
@@ -121,6 +125,28 @@ class MappedEngine:
 
     def write_control(self, address: int, value: int) -> None:
         raise DeviceMismatch("mapped memory has no registers of its own; they need the framed protocol")
+
+    def define_exchange(
+        self, outputs: Integers, output_bytes: Integers, inputs: Integers, input_bytes: Integers
+    ) -> int:
+        self._exchanges[self._exchanges_made] = (
+            [int(address) for address in outputs],
+            [int(address) for address in inputs],
+            [(1 << 8 * int(size)) - 1 for size in input_bytes],
+        )
+        self._exchanges_made += 1
+        return self._exchanges_made - 1
+
+    def exchange(self, id: int, outputs: Integers, inputs: int, timeout_s: float | None) -> Words:
+        if id not in self._exchanges:
+            raise ValueRangeError(f"there is no exchange group {id}; it was closed")
+        addresses, reads, masks = self._exchanges[id]
+        self.write_many(addresses, outputs, None, False, timeout_s)
+        words = self.read_many(reads, False, None, True, timeout_s)
+        return np.bitwise_and(words, np.array(masks, dtype=np.uint32))
+
+    def release_exchange(self, id: int) -> None:
+        self._exchanges.pop(id, None)
 
     def set_dead_man(self, silence_s: float, timeout_s: float | None) -> None:
         raise DeviceMismatch("mapped memory has no dead-man: nothing notices that this program is gone")

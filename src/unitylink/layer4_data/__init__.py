@@ -13,6 +13,7 @@ from unitylink.lazy import load_name
 if TYPE_CHECKING:
     from . import binding
     from .binding import Tree
+    from .cycle import Cycle
     from .dead_man import DeadMen
     from .group import ValueGroup
     from .node import Node
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ClearValue",
+    "Cycle",
     "DeadMen",
     "Node",
     "Publisher",
@@ -45,6 +47,7 @@ __all__ = [
 
 _HOMES = {
     "ClearValue": "write_value",
+    "Cycle": "cycle",
     "DeadMen": "dead_man",
     "Node": "node",
     "Publisher": "publishing",

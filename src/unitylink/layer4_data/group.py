@@ -8,13 +8,15 @@ import re
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
 
+from .at_once import at_once
+from .cycle import Cycle
 from .listeners import Listeners
+from .portions import portions
 from .publication import join
 from .read_value import ReadValue
 from .snapshot import Snapshot
@@ -86,7 +88,7 @@ class ValueGroup:
         def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
             started = time.monotonic()
             words: list[int] = []
-            for addresses, atomic in _portions(list(values.values()), consistent):
+            for addresses, atomic in portions(list(values.values()), consistent):
                 read = link.read_many(
                     addresses,
                     atomic=atomic,
@@ -98,10 +100,10 @@ class ValueGroup:
             return (started + time.monotonic()) / 2, words
 
         try:
-            fetched = _at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
+            fetched = at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904  the same error, now with its name
-        return self._snapshot(fetched)
+        return self.taken(dict(zip(self._by_link, fetched, strict=True)))
 
     async def snapshot_async(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
         """Read all READs: per link one atomic read, the links at the same time."""
@@ -110,7 +112,7 @@ class ValueGroup:
         async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
             started = time.monotonic()
             words: list[int] = []
-            for addresses, atomic in _portions(list(values.values()), consistent):
+            for addresses, atomic in portions(list(values.values()), consistent):
                 read = await link.read_many_async(
                     addresses,
                     atomic=atomic,
@@ -125,7 +127,7 @@ class ValueGroup:
             fetched = await _all(fetch(link, values) for link, values in self._by_link.items())
         except LinkError as error:
             raise self._named(error)  # noqa: B904
-        return self._snapshot(fetched)
+        return self.taken(dict(zip(self._by_link, fetched, strict=True)))
 
     def _check_snapshot(self, consistent: bool) -> None:
         if not self.reads:
@@ -140,10 +142,12 @@ class ValueGroup:
                     f"at {link.url}; take smaller groups, or snapshot(consistent=False)"
                 )
 
-    def _snapshot(self, fetched: Sequence[tuple[float, list[int]]]) -> Snapshot:
+    def taken(self, fetched: Mapping[Link, tuple[float, list[int]]]) -> Snapshot:
+        """Return what was read: of each link when, and the words of its READs in their order."""
         numbers: dict[str, Any] = {}
         times_s: dict[str, float] = {}
-        for (link, values), (time_s, words) in zip(self._by_link.items(), fetched, strict=True):
+        for link, values in self._by_link.items():
+            time_s, words = fetched[link]
             times_s[self._labels[link]] = time_s
             taken = join(list(values.values()), words)
             for key, value, raw in zip(values, values.values(), taken, strict=True):
@@ -187,7 +191,7 @@ class ValueGroup:
 
         try:
             send(batched)  # here, for a batch is its thread's
-            _at_once([partial(send, proxies) for proxies in by_link.values()])
+            at_once([partial(send, proxies) for proxies in by_link.values()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904
 
@@ -218,11 +222,18 @@ class ValueGroup:
         except LinkError as error:
             raise self._named(error)  # noqa: B904
 
-    def _words(
-        self,
-        values: Mapping[str, Any] | Sequence[Any] | None,
-        named: Mapping[str, Any],
-    ) -> Writes:
+    def cycle(self) -> Cycle:
+        """Return what writes all WRITEs and reads all READs with each call, as a control loop does.
+
+        >>> with group.cycle() as cycle:                                 # doctest: +SKIP
+        ...     state = cycle(j1_pos_sp=100, j2_pos_sp=-200)
+        """
+        return Cycle(self)
+
+    def chosen(
+        self, values: Mapping[str, Any] | Sequence[Any] | None, named: Mapping[str, Any]
+    ) -> dict[WriteValue[Any], Any]:
+        """Return which WRITEs a call of `write` is about, and what it gives them."""
         chosen: dict[WriteValue[Any], Any] = {}
         if isinstance(values, Mapping):
             for key, number in values.items():
@@ -243,8 +254,11 @@ class ValueGroup:
             chosen.update(zip(self.writes.values(), values, strict=True))
         for name, number in named.items():
             chosen[self._by_keyword(name)] = number
+        return chosen
+
+    def _words(self, values: Mapping[str, Any] | Sequence[Any] | None, named: Mapping[str, Any]) -> Writes:
         writes: Writes = {}
-        for value, number in chosen.items():
+        for value, number in self.chosen(values, named).items():
             writes.setdefault(value.hardware, []).append((value, value.encode(number)))
         return writes
 
@@ -315,20 +329,6 @@ def _keyword(key: str) -> str:
     return re.sub(r"\W+", "_", key)
 
 
-def _portions(values: Sequence[Value[Any]], consistent: bool) -> list[tuple[list[int], bool]]:
-    """Return what is read at once: (addresses, atomic); no value of several words is ever torn."""
-    whole = [address for value in values for address in value.addresses]
-    if consistent or len(whole) == len(values):
-        return [(whole, consistent and len(whole) > 1)]
-    limit = max(1, values[0].hardware.link.configuration.read_many)
-    portions: list[tuple[list[int], bool]] = [([], True)]
-    for value in values:
-        if portions[-1][0] and len(portions[-1][0]) + value.codec.words > limit:
-            portions.append(([], True))
-        portions[-1][0].extend(value.addresses)
-    return portions
-
-
 def _all_repeatable(values: Iterable[ReadValue[Any]]) -> bool:
     return all(value.pollable and value.hardware.repeatable_reads for value in values)
 
@@ -344,11 +344,3 @@ async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:
         if isinstance(result, BaseException):
             raise result
     return cast("list[R]", ended)
-
-
-def _at_once(jobs: Sequence[Callable[[], R]]) -> list[R]:
-    """Run jobs at the same time, each link's in a thread; all end before the first error is raised."""
-    if len(jobs) <= 1:
-        return [job() for job in jobs]
-    with ThreadPoolExecutor(len(jobs)) as pool:
-        return [future.result() for future in [pool.submit(job) for job in jobs]]

@@ -15,6 +15,7 @@ NODE_NAMES = frozenset(
     {
         "apply_initial",
         "apply_safe",
+        "cycle",
         "dead_man",
         "display",
         "links",

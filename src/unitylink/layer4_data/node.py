@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .binding import Tree
+from .cycle import Cycle
 from .dead_man import DeadMen
 from .group import ValueGroup
 from .read_value import ReadClearValue, ReadValue
@@ -157,6 +158,10 @@ class Node:
         }
         if known:
             self._all().write(known, timeout_s=timeout_s)
+
+    def cycle(self) -> Cycle:
+        """Return what writes every WRITE below and reads every READ with each call: see Cycle."""
+        return self._all().cycle()
 
     @property
     def links(self) -> tuple[Link, ...]:

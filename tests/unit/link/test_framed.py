@@ -4,13 +4,10 @@
 from __future__ import annotations
 
 import random
-import socket
-import threading
 from collections.abc import Callable
 
 import pytest
-from reference.device import ReferenceDevice
-from reference.settings import Settings
+from reference.line import Line
 
 from unitylink.errors import BusError, DeviceMismatch, OutcomeUnknown, ProtocolError
 from unitylink.layer2_message import Link
@@ -68,48 +65,6 @@ def test_a_dead_man_trips_only_where_the_host_is_silent() -> None:
         link.arm()
 
 
-class Line:
-    """A reference device behind a line that damages, loses, doubles and cuts frames, and resets it."""
-
-    def __init__(self, seed: int) -> None:
-        self.random = random.Random(seed)
-        self.rate = self.random.choice([0.0, 0.02, 0.1])
-        self.reset_rate = self.random.choice([0.0, 0.0, 0.01])
-        self.device = ReferenceDevice(Settings(window=8))
-        self.calm = False
-        ours, theirs = socket.socketpair()
-        self._theirs = theirs
-        self.url = f"fd:{ours.detach()}?protocol=framed&timeout=0.2&attempts=20"
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self) -> None:
-        with self._theirs:
-            self._answer()
-
-    def _answer(self) -> None:
-        while data := self._theirs.recv(65536):
-            if self.random.random() < self.reset_rate and not self.calm:
-                self.device = ReferenceDevice(Settings(window=8), self.device.bus)
-            answer = self.bad(self.device.feed(self.bad(data)))
-            try:
-                self._theirs.sendall(answer)
-            except BrokenPipeError:
-                return
-
-    def bad(self, data: bytes) -> bytes:
-        if self.calm:
-            return data
-        pieces = data.split(b"\0")
-        return b"\0".join([*map(self._piece, pieces[:-1]), pieces[-1]])
-
-    def _piece(self, piece: bytes) -> bytes:
-        if not piece or self.random.random() >= self.rate:
-            return piece
-        at = self.random.randrange(len(piece))
-        flipped = piece[:at] + bytes([piece[at] ^ 1 << self.random.randrange(8)]) + piece[at + 1 :]
-        return self.random.choice([b"", flipped, piece[:at], piece + b"\0" + piece])
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_everything_is_executed_once_or_said_to_be_unknown(seed: int) -> None:
     line = Line(seed)
@@ -138,7 +93,12 @@ def test_everything_is_executed_once_or_said_to_be_unknown(seed: int) -> None:
         read = link.exchange([words[-1] % 8], writes=[(word % 8, word) for word in words])
         assert read.tolist() == [words[-1]]
 
-    calls: list[Callable[[Link, list[int]], None]] = [write, write_many, post, exchange]
+    def cycle(link: Link, words: list[int]) -> None:
+        words[4:] = []
+        with link.exchange_group(writes=[word % 8 for word in words], reads=[words[-1] % 8]) as group:
+            assert group.exchange(words).tolist() == [words[-1]]
+
+    calls: list[Callable[[Link, list[int]], None]] = [write, write_many, post, exchange, cycle]
     with Link(line.url) as link:
         for _ in range(60):
             words = fresh(choose.randrange(1, 90))
