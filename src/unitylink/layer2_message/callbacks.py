@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from typing import Protocol
 
 from unitylink.errors import LinkError
@@ -18,6 +19,8 @@ _log = logging.getLogger("unitylink.link")
 
 class Deliverable(Protocol):
     """A subscription, as the callback thread sees it."""
+
+    gather_s: float  # how long what has come may wait
 
     def deliver(self) -> None:
         """Fetch what has come and call back for each."""
@@ -59,8 +62,11 @@ class CallbackThread:
         seen = 0
         while True:
             seen = self._native.wait_publishes(seen, _PATIENCE_NS)
-            for subscription in self._subscriptions:
+            subscriptions = self._subscriptions
+            for subscription in subscriptions:
                 subscription.deliver()
+            if rest_s := min((each.gather_s for each in subscriptions), default=0.0):
+                time.sleep(rest_s)
             with self._lock:
                 if self._native.closed or not self._subscriptions:
                     self._thread = None

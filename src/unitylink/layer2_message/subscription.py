@@ -53,6 +53,7 @@ class Subscription:
         self._callbacks = link._callbacks
         self._open = True
         self._callback: PublishCallback | None = None
+        self.gather_s = 0.0
 
     @property
     def lost(self) -> int:
@@ -81,15 +82,18 @@ class Subscription:
         """
         return self._native.wait(self._identity, timeout_s)
 
-    def on_publish(self, callback: PublishCallback) -> None:
+    def on_publish(self, callback: PublishCallback, *, gather_s: float = 0.0) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
+        With `gather_s` the thread may rest so long between two looks, so that a fast stream does not wake it
+        for each publish; it does while all callbacks of the link allow it, and then for the shortest.
         What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
         A port that is gone ends the calls; that is logged too.
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
         self._callback = callback
+        self.gather_s = gather_s
         self._callbacks.add(self)
 
     async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:

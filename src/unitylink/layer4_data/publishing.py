@@ -119,12 +119,15 @@ class _Allocation:
 class Publisher:
     """Run the publishes of one tree of values.
 
+    With `gather_s` publishes may be delivered so much later, several at a time; each keeps its own time.
+
     >>> publisher.start()                                  # doctest: +SKIP
     >>> [(r.rate_hz, r.received) for r in publisher.reports()]   # doctest: +SKIP
     [(100.0, 42)]
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, gather_s: float = 0.0) -> None:
+        self._gather_s = gather_s
         self._lock = threading.RLock()
         self._items: dict[ReadValue[Any], Publish] = {}
         self._running: list[Publication] = []
@@ -205,7 +208,7 @@ class Publisher:
                 item = item.polled()
             else:
                 publication.source = subscription
-                subscription.on_publish(publication.deliver)
+                subscription.on_publish(publication.deliver, gather_s=self._gather_s)
                 return publication
         publication = Publication(item, self._current_takers)
         publication.source = Poller(item, publication.deliver)

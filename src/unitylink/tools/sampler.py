@@ -39,7 +39,7 @@ class Sampler:
     """
 
     def __init__(self, link: Link, items: Sequence[Item], rate_hz: float, *, gather_s: float = 0.0) -> None:
-        self.publisher = Publisher()
+        self.publisher = Publisher(gather_s=gather_s)
         self.lost = 0
         self._link = link
         self._gather_s = gather_s

@@ -153,7 +153,9 @@ class FakeSubscription:
         self.lost = 0
         self.callback: Callable[[float, tuple[int, ...]], None] = lambda time_s, words: None
 
-    def on_publish(self, callback: Callable[[float, tuple[int, ...]], None]) -> None:
+    def on_publish(
+        self, callback: Callable[[float, tuple[int, ...]], None], *, gather_s: float = 0.0
+    ) -> None:
         self.callback = callback
 
     def close(self) -> None:

@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import asyncio
+import queue
 import threading
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from unitylink import Link, LinkBusy, LinkClosed
+from unitylink.layer2_message import callbacks
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -55,6 +58,32 @@ def test_a_callback_may_read_write_and_subscribe(link: Link, device: Any) -> Non
     device.publish(subscription.group)
     assert done.wait(10)
     assert got == [77, 1]
+
+
+def test_the_callback_thread_rests_while_all_may_wait(
+    link: Link, device: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rests: queue.SimpleQueue[float] = queue.SimpleQueue()
+    monkeypatch.setattr(callbacks, "time", SimpleNamespace(sleep=rests.put))
+    called: queue.SimpleQueue[tuple[int, ...]] = queue.SimpleQueue()
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        called.put(words)
+
+    patient, urgent = (link.subscribe([address], divisor=10) for address in (1, 2))
+    patient.on_publish(callback, gather_s=0.02)
+    device.publish(patient.group)
+    called.get(timeout=10)
+    assert rests.get(timeout=10) == 0.02
+    urgent.on_publish(callback)
+    device.publish(urgent.group)  # from its delivery on there is no rest
+    called.get(timeout=10)
+    while not rests.empty():
+        rests.get()
+    for subscription in (patient, urgent):
+        device.publish(subscription.group)
+        called.get(timeout=10)
+    assert rests.empty()
 
 
 @pytest.mark.parametrize("what", ["subscription", "link"])
