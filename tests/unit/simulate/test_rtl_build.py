@@ -11,7 +11,13 @@ from unitylink import connect
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import ToolError, UrlError, ValueRangeError
 from unitylink.simulate.rtl import RtlDesign, build_model, design_of
-from unitylink.simulate.rtl.verilog import Port, model_of, stream_ports_of, with_named_assertions
+from unitylink.simulate.rtl.verilog import (
+    Port,
+    model_of,
+    stream_ports_of,
+    with_named_assertions,
+    with_plain_choices,
+)
 from unitylink.spec import load
 
 HEAD = """module part
@@ -38,6 +44,14 @@ ASSERTION = """  /* /some/where/fifo.vhd:73:5  */
     if (!n1760_q)
       $fatal(1, "assertion failure n1744");
 """
+CHOICES = """  assign n3_o = {n2_o, n1_o};
+  always @*
+    case (n3_o)
+      2'b10: n4_o <= a;
+      2'b01: n4_o <= b;
+      default: n4_o <= 1'b0;
+    endcase
+"""
 
 
 def test_ports() -> None:
@@ -60,6 +74,24 @@ def test_a_failed_assertion_tells_its_place() -> None:
     assert '$c("unitylink_failed(\\"fifo.vhd:73\\");");' in with_named_assertions(ASSERTION)
     with pytest.raises(ToolError, match="in a form that is not known"):
         with_named_assertions('$fatal(2, "else");')
+
+
+def test_choices_that_exclude_each_other_are_asked_one_after_the_other() -> None:
+    plain = with_plain_choices(CHOICES)
+    assert "case" not in plain
+    assert "    if (n2_o) n4_o <= a;\n    else if (n1_o) n4_o <= b;\n    else n4_o <= 1'b0;\n" in plain
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        CHOICES.replace("2'b01", "2'b11"),  # a number, and no choice
+        CHOICES.replace("assign n3_o = {n2_o, n1_o};", "assign n3_o = word;"),
+        "endmodule\n".join(CHOICES.split("\n", 1)),  # the bits are those of another module
+    ],
+)
+def test_other_cases_stay_as_they_are(other: str) -> None:
+    assert with_plain_choices(other) == other
 
 
 def test_design_without_streams() -> None:

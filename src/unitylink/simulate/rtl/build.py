@@ -31,6 +31,7 @@ _VERILATOR = (
     "--language",
     "1364-2005",
     "-O3",
+    "-fno-case",
     "--x-assign",
     "fast",
     "--x-initial",

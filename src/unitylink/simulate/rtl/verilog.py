@@ -12,6 +12,12 @@ _ASSERTION = re.compile(
     r"/\* (?P<file>\S+):(?P<line>\d+):\d+  \*/\n(?P<before>\s*always @\*\n\s*if \(!\w+\)\n\s*)"
     r'\$fatal\(1, "[^"]*"\);'
 )
+_JOINED = re.compile(r"assign (\w+) = \{([\w, ]+)\};")
+_CASE = re.compile(
+    r"case \((?P<selector>\w+)\)\n(?P<arms>(?:\s*\d+'b[01]+: [^;]+;\n)+)"
+    r"\s*default: (?P<otherwise>[^;]+;)\n\s*endcase"
+)
+_ARM = re.compile(r"'b([01]+): ([^;]+;)")
 # Words and the clock go straight in: a board has many words, and copying them would cost every clock.
 _STRAIGHT = ("clock", "read_words")
 _STREAMS = {
@@ -61,7 +67,7 @@ def model_of(netlist: str, top: str) -> str:
             f"  {top.lower()} design_(",
             ",\n".join(f"    .{port.name}({port.name})" for port in ports) + ");",
             "endmodule",
-            with_named_assertions(netlist),
+            with_plain_choices(with_named_assertions(netlist)),
         ]
     )
 
@@ -79,3 +85,27 @@ def with_named_assertions(netlist: str) -> str:
             "the netlist has an assertion in a form that is not known; is this GHDL newer than 2.0?"
         )
     return named
+
+
+def with_plain_choices(netlist: str) -> str:
+    """Turn cases over joined bits, one of which is set, into one question after the other.
+
+    GHDL makes them of every case and selected assignment of the VHDL, whose choices exclude each other.
+    Verilator would join the bits and compare them with every arm, at every clock, which is half of its work.
+    """
+    end = "endmodule"
+    return end.join(_with_plain_choices(module) for module in netlist.split(end))
+
+
+def _with_plain_choices(module: str) -> str:
+    bits_of = {name: bits.split(", ") for name, bits in _JOINED.findall(module)}
+
+    def questions(found: re.Match[str]) -> str:
+        bits = bits_of.get(found["selector"])
+        arms = _ARM.findall(found["arms"])
+        if bits is None or any(len(choice) != len(bits) or choice.count("1") != 1 for choice, _ in arms):
+            return found[0]
+        asked = [f"if ({bits[choice.index('1')]}) {action}" for choice, action in arms]
+        return "\n    else ".join([*asked, found["otherwise"]])
+
+    return _CASE.sub(questions, module)
