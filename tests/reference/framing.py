@@ -42,14 +42,15 @@ def cobs_encode(payload: bytes) -> bytes:
     '02110222'
     """
     encoded = bytearray()
-    for piece in payload.split(b"\0"):
+    pieces = payload.split(b"\0")
+    for number, piece in enumerate(pieces, 1):
         whole, left = divmod(len(piece), 254)
         for index in range(whole):
             encoded += b"\xff" + piece[254 * index :][:254]
-        encoded += bytes([left + 1]) + piece[254 * whole :]
-    # Behind a last block of 254 bytes nothing stands, not even an empty block.
-    full = payload[-254:]
-    return bytes(encoded[:-1] if len(full) == 254 and 0 not in full and encoded[-1] == 1 else encoded)
+        # Behind a last block of 254 bytes nothing stands, not even an empty block.
+        if left or not whole or number < len(pieces):
+            encoded += bytes([left + 1]) + piece[254 * whole :]
+    return bytes(encoded)
 
 
 def cobs_decode(encoded: bytes) -> bytes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 4 of the paper: how often messages of some size can be published; only what can be computed."""
+"""Fig. 4 of the paper: how often messages of some size can be published, as far as it can be computed."""
 
 from __future__ import annotations
 
@@ -18,6 +18,17 @@ def message_bytes(words: int) -> int:
     18
     """
     return 10 + 8 * words
+
+
+def frame_bytes(words: int) -> int:
+    """Return the bytes of a framed publish (docs/protocol.md, section 8).
+
+    >>> frame_bytes(1), frame_bytes(255)
+    (17, 1039)
+    """
+    payload = 7 + 4 * words
+    whole = 1 + payload + 1 + payload // 254
+    return whole + (3 if whole <= 256 else 5) + 1
 
 
 def gateware_2012_hz(words: int) -> float:
@@ -39,18 +50,33 @@ def link_hz(words: int) -> float:
     return 1 / (message_bytes(words) * FT245_ASYNC.byte_s)
 
 
+def framed_link_hz(words: int) -> float:
+    """The same for frames."""
+    return 1 / (frame_bytes(words) * FT245_ASYNC.byte_s)
+
+
 def chip_hz(words: int) -> float:
     """What the model of the FT232H sustains: full packets, as many a microframe as its driver takes."""
+    return min(link_hz(words), _payload_hz() / message_bytes(words))
+
+
+def framed_chip_hz(words: int) -> float:
+    """The same for frames."""
+    return min(framed_link_hz(words), _payload_hz() / frame_bytes(words))
+
+
+def _payload_hz() -> float:
     p = FT245_ASYNC
-    payload_hz = p.packets_per_microframe * p.payload_bytes / p.microframe_s
-    return min(link_hz(words), payload_hz / message_bytes(words))
+    return p.packets_per_microframe * p.payload_bytes / p.microframe_s
 
 
 LIMITS: dict[str, Callable[[int], float]] = {
     "2012 gateware": gateware_2012_hz,
-    "our core": core_hz,
-    "ideal link, 67.1e6 bit/s": link_hz,
-    "FT232H, sustained (model)": chip_hz,
+    "our core, classic": core_hz,
+    "ideal link, classic": link_hz,
+    "ideal link, framed": framed_link_hz,
+    "FT232H, classic": chip_hz,
+    "FT232H, framed": framed_chip_hz,
 }
 
 

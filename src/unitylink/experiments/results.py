@@ -30,6 +30,7 @@ from .publish_limits import WORDS, limits
 from .scaling import scaling
 from .simplicity import PAPER, simplicity
 from .software_cost import SoftwareCost
+from .sustained import LINK_HZ, sustained
 from .table_one import CELLS, TEXT, Cell
 
 FORMAT = 2
@@ -45,6 +46,12 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
     figures = model_figures(cost)
     say("level 2: other links")
     links = [row for link in LINKS for row in _link_rows(link, quick=quick)]
+    say("publishing: what the full stack takes")
+    taken = [
+        asdict(sustained(protocol, words, window_s=0.3 if quick else 2.0))
+        for protocol in LINK_HZ
+        for words in WORDS
+    ]
     say("scaling")
     grown = scaling(rounds=5 if quick else 51)
     return {
@@ -63,7 +70,7 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
         "bursts": _read_bursts(),
         "write_bursts": _write_bursts(),
         "scaling": grown,
-        "publish": {"words": list(WORDS), "limits_hz": limits()},
+        "publish": {"words": list(WORDS), "limits_hz": limits(), "sustained": taken},
         "simplicity": {"paper": PAPER, "ours": simplicity()},
     }
 

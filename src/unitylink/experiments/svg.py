@@ -7,9 +7,10 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2")
+COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2", "#9c755f", "#222222")
 WIDTH, HEIGHT = 900, 400
 LEFT, RIGHT, TOP, BOTTOM = 80, 20, 20, 90
+_NAMES = 4  # in a row of the legend
 _NUMBER = 24  # wide; over a narrower bar it stands upright
 
 
@@ -42,9 +43,11 @@ def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]]
     return _whole(parts, list(series))
 
 
-def log_lines(xs: Sequence[float], series: Mapping[str, Sequence[float]], x_label: str, label: str) -> str:
-    """Draw a line for each series over the positive `xs`."""
-    low, high = _decades([value for row in series.values() for value in row])
+def log_lines(
+    xs: Sequence[float], series: Mapping[str, Sequence[float | None]], x_label: str, label: str
+) -> str:
+    """Draw a line for each series over the positive `xs`; None leaves a point out."""
+    low, high = _decades([value for row in series.values() for value in row if value is not None])
     parts = _frame(label, low, high)
     span = math.log10(xs[-1] / xs[0])
 
@@ -52,7 +55,11 @@ def log_lines(xs: Sequence[float], series: Mapping[str, Sequence[float]], x_labe
         return LEFT + (WIDTH - LEFT - RIGHT) * math.log10(x / xs[0]) / span
 
     for colour, row in zip(_cycle(len(series)), series.values(), strict=True):
-        points = [(across(x), _height(value, low, high)) for x, value in zip(xs, row, strict=True)]
+        points = [
+            (across(x), _height(value, low, high))
+            for x, value in zip(xs, row, strict=True)
+            if value is not None
+        ]
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
@@ -97,10 +104,11 @@ def _frame(label: str, low: int, high: int) -> list[str]:
 
 
 def _whole(parts: list[str], names: list[str]) -> str:
-    slot = (WIDTH - LEFT) / len(names)
+    slot = (WIDTH - LEFT) / min(_NAMES, len(names))
     for index, (colour, name) in enumerate(zip(_cycle(len(names)), names, strict=True)):
-        x = LEFT + index * slot
-        parts.append(f'<rect x="{x:.1f}" y="{HEIGHT - 32}" width="12" height="12" fill="{colour}"/>')
-        parts.append(_text(x + 17, HEIGHT - 22, name, anchor="start", size=11))
+        row, column = divmod(index, _NAMES)
+        x, y = LEFT + column * slot, HEIGHT - 36 + 18 * row
+        parts.append(f'<rect x="{x:.1f}" y="{y}" width="12" height="12" fill="{colour}"/>')
+        parts.append(_text(x + 17, y + 10, name, anchor="start", size=11))
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">'
     return "\n".join([head, *parts, "</svg>"]) + "\n"

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .link import Link
 
 PublishCallback = Callable[[float, tuple[int, ...]], None]
+ArraysCallback = Callable[[Times, Words], bool]
 
 _log = logging.getLogger("unitylink.link")
 
@@ -54,6 +55,7 @@ class Subscription:
         self._open = True
         self._callback: PublishCallback | None = None
         self.gather_s = 0.0
+        self._arrays: ArraysCallback | None = None
 
     @property
     def lost(self) -> int:
@@ -82,17 +84,25 @@ class Subscription:
         """
         return self._native.wait(self._identity, timeout_s)
 
-    def on_publish(self, callback: PublishCallback, *, gather_s: float = 0.0) -> None:
+    def on_publish(
+        self,
+        callback: PublishCallback,
+        *,
+        gather_s: float = 0.0,
+        arrays: ArraysCallback | None = None,
+    ) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
         With `gather_s` the thread may rest so long between two looks, so that a fast stream does not wake it
         for each publish; it does while all callbacks of the link allow it, and then for the shortest.
+        With `arrays` all that has come is offered first, as from `drain`: where `arrays(times, words)` is
+        True, it has taken all of it.
         What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
         A port that is gone ends the calls; that is logged too.
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
-        self._callback = callback
+        self._callback, self._arrays = callback, arrays
         self.gather_s = gather_s
         self._callbacks.add(self)
 
@@ -133,7 +143,7 @@ class Subscription:
         """Stop the group's publishes and free the group; what came before can still be drained."""
         if self._open:
             self._open = False
-            self._callback = None
+            self._callback = self._arrays = None
             self._callbacks.remove(self)
             if not self._native.closed:
                 self._native.unsubscribe(self._identity)
@@ -154,7 +164,15 @@ class Subscription:
         callback = self._callback
         if callback is None:
             return
+        arrays = self._arrays
         times, values = self.drain()
+        if arrays is not None and len(times):
+            try:
+                if arrays(times, values):
+                    return
+            except BaseException:
+                _log.exception("arrays callback of %r failed; the publishes go on", self)
+                return
         rows = zip(times.tolist(), map(tuple, values.tolist()), strict=True)
         while True:
             try:

@@ -28,6 +28,11 @@ class Listeners(Generic[T]):
         self._change: tuple[Callable[[T], object], ...] = ()
         self._previous: object = None  # nothing was published yet
 
+    @property
+    def heard(self) -> bool:
+        """Whether somebody wants to hear of each publish."""
+        return bool(self._publish or self._change)
+
     def on_publish(self, callback: Callable[[float, T], object]) -> Callable[[], None]:
         with self._lock:
             self._publish += (callback,)

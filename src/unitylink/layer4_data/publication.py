@@ -15,6 +15,7 @@ from .listeners import logger
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
+    from unitylink.layer2_message.engine import Times, Words
 
     from .group import ValueGroup
     from .read_value import ReadValue
@@ -86,6 +87,10 @@ class PublishReport:
 
 # time_s, the values, what they are in engineering units, their raw numbers
 Taker = Callable[[float, Sequence["ReadValue[Any]"], Sequence[Any], Sequence[int]], None]
+# many publishes at once: (n,) times in s, the k values, (n, k) raw numbers
+ArraysTaker = Callable[["Times", Sequence["ReadValue[Any]"], "Words"], None]
+# without the second, a taker wants each publish by itself
+Takers = Sequence[tuple[Taker, ArraysTaker | None]]
 
 
 class Source(Protocol):
@@ -114,7 +119,7 @@ class Publication:
     snapshot.
     """
 
-    def __init__(self, plan: PublishPlan, takers: Callable[[], Sequence[Taker]]) -> None:
+    def __init__(self, plan: PublishPlan, takers: Callable[[], Takers]) -> None:
         self.plan = plan
         self.received = 0
         self.source: Source | None = None
@@ -153,8 +158,28 @@ class Publication:
                 groups.update(dict.fromkeys(value.groups))
         for group in groups:
             group.take(time_s, values, numbers)
-        for take in self._takers():
+        for take, _ in self._takers():
             take(time_s, values, numbers, raws)
+
+    def deliver_arrays(self, times: Times, words: Words) -> bool:
+        """Take many publishes at once; False, and nothing done, where somebody wants each by itself.
+
+        Of a fast stream that is only recorded, or of which only the latest counts, arrays cost a small part.
+        """
+        values, takers = self.plan.values, self._takers()
+        if not self._simple or any(arrays is None for _, arrays in takers):
+            return False
+        if any(value.groups or value.listeners.heard for value in values):
+            return False
+        newest, time_s = words[-1].tolist(), float(times[-1])
+        for value, word, (mask, sign) in zip(values, newest, self._signs, strict=True):
+            value.raw, value.latest = word, ((word & mask) ^ sign) - sign
+            value.listeners.tell(time_s, value.latest)
+        self.received += len(times)
+        for _, arrays in takers:
+            if arrays is not None:
+                arrays(times, values, words)
+        return True
 
     def close(self) -> None:
         if self.source is not None:

@@ -12,7 +12,17 @@ from unitylink.errors import DeviceMismatch, ValueRangeError
 from unitylink.spec.model import Publish
 
 from .polling import Poller
-from .publication import HARDWARE, SOFTWARE, Publication, PublishPlan, PublishReport, Taker, base_hz
+from .publication import (
+    HARDWARE,
+    SOFTWARE,
+    ArraysTaker,
+    Publication,
+    PublishPlan,
+    PublishReport,
+    Taker,
+    Takers,
+    base_hz,
+)
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -116,6 +126,9 @@ class _Allocation:
             )
 
 
+RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is held up
+
+
 class Publisher:
     """Run the publishes of one tree of values.
 
@@ -131,7 +144,7 @@ class Publisher:
         self._lock = threading.RLock()
         self._items: dict[ReadValue[Any], Publish] = {}
         self._running: list[Publication] = []
-        self._takers: tuple[Taker, ...] = ()
+        self._takers: tuple[tuple[Taker, ArraysTaker | None], ...] = ()
         self._fallback = False
 
     @property
@@ -200,6 +213,7 @@ class Publisher:
                     divisor=item.divisor,
                     on_event=not item.divisor,
                     verify=item.repeatable,
+                    ring=min(max(RING, round(item.rate_hz * RING_S)), RING_MOST),
                     group=item.number,
                 )
             except DeviceMismatch:  # another user of the link holds the groups
@@ -208,7 +222,9 @@ class Publisher:
                 item = item.polled()
             else:
                 publication.source = subscription
-                subscription.on_publish(publication.deliver, gather_s=self._gather_s)
+                subscription.on_publish(
+                    publication.deliver, gather_s=self._gather_s, arrays=publication.deliver_arrays
+                )
                 return publication
         publication = Publication(item, self._current_takers)
         publication.source = Poller(item, publication.deliver)
@@ -235,14 +251,17 @@ class Publisher:
         with self._lock:
             return [publication.report() for publication in self._running]
 
-    def take_with(self, taker: Taker) -> None:
-        """Hand every publish to `taker(time_s, values, numbers, raws)` from now on."""
+    def take_with(self, taker: Taker, arrays: ArraysTaker | None = None) -> None:
+        """Hand every publish to `taker(time_s, values, numbers, raws)` from now on.
+
+        With `arrays` it may instead get many at once: `arrays(times, values, raws)`.
+        """
         with self._lock:
-            self._takers += (taker,)
+            self._takers += ((taker, arrays),)
 
     def take_no_more(self, taker: Taker) -> None:
         with self._lock:
-            self._takers = tuple(t for t in self._takers if t != taker)
+            self._takers = tuple(pair for pair in self._takers if pair[0] != taker)
 
-    def _current_takers(self) -> tuple[Taker, ...]:
+    def _current_takers(self) -> Takers:
         return self._takers

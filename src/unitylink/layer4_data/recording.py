@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
@@ -12,8 +12,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from typing_extensions import Self
 
+    from unitylink.layer2_message.engine import Times, Words
+
     from .publishing import Publisher
     from .read_value import ReadValue
+
+    Rows = Union[Sequence[Sequence[int]], Words]
 
 
 class Recording:
@@ -26,15 +30,19 @@ class Recording:
 
     def __init__(self, publisher: Publisher) -> None:
         self._publisher = publisher
-        self._parts: dict[tuple[ReadValue[Any], ...], list[tuple[float, Sequence[int]]]] = {}
+        # of the values of a publish: times, and the raw numbers of each time
+        self._parts: dict[tuple[ReadValue[Any], ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
 
     def _take(
         self, time_s: float, values: Sequence[ReadValue[Any]], _: Sequence[Any], raws: Sequence[int]
     ) -> None:
-        self._parts.setdefault(tuple(values), []).append((time_s, raws))
+        self._parts.setdefault(tuple(values), []).append(([time_s], [raws]))
+
+    def _take_arrays(self, times: Times, values: Sequence[ReadValue[Any]], raws: Words) -> None:
+        self._parts.setdefault(tuple(values), []).append((times, raws))
 
     def __enter__(self) -> Self:
-        self._publisher.take_with(self._take)
+        self._publisher.take_with(self._take, self._take_arrays)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -49,9 +57,19 @@ class Recording:
         for values, samples in self._parts.items():
             for column, value in enumerate(values):
                 if value.path == path:
-                    rows = list(samples)  # the publishing may still be going on
+                    parts = list(samples)  # the publishing may still be going on
                     return (
-                        np.array([time_s for time_s, _ in rows], np.float64),
-                        value.codec.decode_array(np.array([raws[column] for _, raws in rows], np.uint64)),
+                        np.concatenate([np.asarray(times, np.float64) for times, _ in parts]),
+                        value.codec.decode_array(
+                            np.concatenate([_column(rows, column) for _, rows in parts])
+                        ),
                     )
         raise KeyError(f"nothing was published for {path!r}")
+
+
+def _column(rows: Rows, column: int) -> NDArray[np.uint64]:
+    if isinstance(rows, np.ndarray):
+        return rows[:, column].astype(np.uint64)
+    return np.array(
+        [row[column] for row in rows], np.uint64
+    )  # numbers of several words do not fit the others

@@ -154,9 +154,13 @@ class FakeSubscription:
         self.callback: Callable[[float, tuple[int, ...]], None] = lambda time_s, words: None
 
     def on_publish(
-        self, callback: Callable[[float, tuple[int, ...]], None], *, gather_s: float = 0.0
+        self,
+        callback: Callable[[float, tuple[int, ...]], None],
+        *,
+        gather_s: float = 0.0,
+        arrays: Callable[[Any, Any], bool] | None = None,
     ) -> None:
-        self.callback = callback
+        self.callback, self.arrays = callback, arrays
 
     def close(self) -> None:
         self.link.subscriptions.remove(self)

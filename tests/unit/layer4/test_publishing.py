@@ -8,6 +8,7 @@ import threading
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -195,6 +196,28 @@ def test_recording(fake: ModuleType) -> None:
     assert times_s.tolist() == [0, 1, 2] and numbers.tolist() == [100, 101, 102]
     with pytest.raises(KeyError, match="nothing was published"):
         recording.series("v7")
+
+
+def test_publishes_come_as_arrays_where_nobody_wants_each(fake: ModuleType) -> None:
+    link = fake.FakeLink()
+    publisher = Publisher()
+    first, second = values(MemoryProxy(link), publisher, [(1, 10), (1, 10)])
+    times = np.array([1.0, 2.0])
+    words = np.array([[3, 4], [5, 0xFFFF_FFFF]], np.uint32)
+    with publisher.running(), Recording(publisher) as recording:
+        (subscription,) = link.subscriptions
+        assert subscription.arrays(times, words)
+        assert (first.latest, second.latest) == (5, second.codec.decode(0xFFFF_FFFF))
+        subscription.callback(3.0, (7, 8))
+        told: list[int] = []
+        remove = first.on_publish(lambda _, number: told.append(number))
+        assert not subscription.arrays(times, words) and told == []
+        remove()
+        publisher.take_with(lambda *_: None)
+        assert not subscription.arrays(times, words)
+        assert publisher.reports()[0].received == 3
+    times_s, numbers = recording.series("v0")
+    assert times_s.tolist() == [1, 2, 3] and numbers.tolist() == [3, 5, 7]
 
 
 def test_a_rate_too_slow_for_the_gateware_is_named_or_polled(fake: ModuleType) -> None:

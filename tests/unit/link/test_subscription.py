@@ -86,6 +86,28 @@ def test_the_callback_thread_rests_while_all_may_wait(
     assert rests.empty()
 
 
+def test_what_has_come_is_offered_as_arrays_first(link: Link, device: Any) -> None:
+    got: queue.SimpleQueue[object] = queue.SimpleQueue()
+    taken = [False, True]
+
+    def arrays(times: Any, words: Any) -> bool:
+        got.put(words.tolist())
+        return taken.pop()
+
+    subscription = link.subscribe([1, 2], divisor=10)
+    subscription.on_publish(lambda time_s, words: got.put(words), arrays=arrays)
+    row = (device.memory[1], device.memory[2])
+    for _ in range(2):
+        device.publish(subscription.group)
+        assert got.get(timeout=10) == [list(row)]
+    assert got.get(timeout=10) == row  # the second was refused
+    device.publish(subscription.group)  # the third raises, which stops nothing
+    assert got.get(timeout=10) == [list(row)]
+    subscription.on_publish(lambda time_s, words: got.put(words))
+    device.publish(subscription.group)
+    assert got.get(timeout=10) == row
+
+
 @pytest.mark.parametrize("what", ["subscription", "link"])
 def test_a_callback_that_closes_is_not_called_again(link: Link, device: Any, what: str) -> None:
     got: list[tuple[int, ...]] = []
