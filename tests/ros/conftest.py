@@ -134,7 +134,7 @@ class Ros:
 
     def start(self, *command: str) -> subprocess.Popen[str]:
         """Start a program; it is interrupted with the test."""
-        with (self.folder / f"{command[0]}.log").open("w") as log:
+        with (self.folder / f"{Path(command[0]).name}.log").open("w") as log:
             # A shell's background job ignores interrupts, and so would what it starts.
             heeding = ("env", "--default-signal=INT", *command)
             process = subprocess.Popen(

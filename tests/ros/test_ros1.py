@@ -109,6 +109,26 @@ def test_node_waits_for_the_device_and_survives_its_loss(ros: Ros, board: MakeBo
     assert third.registers[0x12] == 250, "safe before the first publish"
 
 
+@pytest.mark.parametrize("node", NODES)
+def test_a_killed_node_leaves_the_outputs_safe(ros: Ros, board: MakeBoard, node: str) -> None:
+    """The gateware does it by itself; the next node arms it again."""
+    device = board("rig", "still")
+    program = str(Path(ros.environment["CMAKE_PREFIX_PATH"].split(":")[0]) / "lib" / "rig_unitylink" / node)
+    command = (program, "__ns:=/rig", f"_link:={device.url}?timeout=2&deadman=0.5")
+    process = ros.start(*command)
+    echo(ros, "/rig/joint_states")
+    ros.publish("/rig/j_0/pos_sp", "std_msgs/Float64", "0.5")
+    ros.until(lambda: device.registers[0x12] == 500)
+    process.kill()
+    ros.until(lambda: device.registers[0x12] == 250)
+    ros.start(*command)
+    echo(ros, "/rig/joint_states")
+    ros.publish("/rig/j_0/pos_sp", "std_msgs/Float64", "0.5")
+    ros.until(lambda: device.registers[0x12] == 500)
+    told = echo(ros, "/diagnostics", 2)
+    assert "trips after 0.5 s" in told and re.search(r'device deadman trips"\s+value: "1"', told), told
+
+
 def test_wrong_commands_are_refused_by_the_node_in_cpp(ros: Ros, board: MakeBoard) -> None:
     device = board("rig", "still")
     launch(ros, "rig", device.url, "node")

@@ -7,7 +7,8 @@
 //
 // Header-only on the C ABI (unitylink.h), C++17. Threads: one that keeps the link and writes, one per published group.
 // read_newest() and write_newest() are for one real-time thread: they neither allocate, lock, wait nor throw.
-// Loss: publishes stop, what is set is refused; when the device is back its safe values are written before anything else.
+// Loss: publishes stop, what is set is refused, the gateware's dead-man makes the outputs safe where it has one; when the device is back its
+// safe values are written before anything else.
 #pragma once
 
 #include <unitylink.h>
@@ -23,6 +24,7 @@
 #include <thread>
 #include <vector>
 
+#include "unitylink/robot_device.hpp"
 #include "unitylink/robot_outputs.hpp"
 #include "unitylink/robot_table.hpp"
 #include "unitylink/triple_buffer.hpp"
@@ -33,6 +35,7 @@ struct RobotOptions {
   std::string url;
   double retry_s = 1.0;
   double command_timeout_s = 0.0;  // without a set-point for so long the safe values are written; 0: never
+  double deadman_s = 1.0;          // without a sign of life for so long the gateware makes its outputs safe; 0: never
   bool safe_at_exit = true;
   bool armed = true;
 };
@@ -105,13 +108,19 @@ class Robot {
     const std::lock_guard<std::mutex> lock(link_mutex_);
     if (link_ == nullptr) return said = state(), false;
     forget();
+    if (device_.tripped()) return said = "the outputs are safe already: the dead-man has tripped", true;
     return outputs_.write_safe(said);
   }
 
   // Take set-points from now on; without `on` take none, and write the safe values.
   bool arm(bool on, std::string& said) {
-    armed = on;
-    if (on) return said = "armed: commands are taken", true;
+    if (on) {
+      const std::lock_guard<std::mutex> lock(link_mutex_);
+      if (link_ != nullptr && !device_.arm()) return said = failure(), false;
+      armed = true;
+      return said = "armed: commands are taken", true;
+    }
+    armed = false;
     const bool done = make_safe(said);
     said = "disarmed: no commands are taken; " + said;
     return done;
@@ -135,6 +144,18 @@ class Robot {
     return set(&index, &wanted, 1, why);
   }
 
+  // 0 all is well, 1 something was refused or failed, 2 there is no link; and what the diagnostics tell beside it.
+  int health(Facts& facts) {
+    const std::pair<const char*, std::uint64_t> counted[] = {
+        {"commands accepted", accepted}, {"commands refused", refused}, {"writes", writes}, {"writes failed", failed},
+        {"publishes taken", publishes},  {"links lost", losses},        {"armed", armed ? 1 : 0}};
+    for (const auto& [name, count] : counted) facts.emplace_back(name, std::to_string(count));
+    if (!up) return 2;
+    const std::lock_guard<std::mutex> lock(link_mutex_);
+    if (link_ == nullptr) return 2;
+    device_.tell(facts);
+    return !armed || device_.tripped() || refused > 0 || failed > 0 ? 1 : 0;
+  }
   std::string state() const {
     const std::lock_guard<std::mutex> lock(state_mutex_);
     return state_;
@@ -208,11 +229,11 @@ class Robot {
         again = true;
         become(0, "connected to " + options_.url);
         up = true;
-        serve();
+        const std::string lost = serve();
         up = false;
         if (!stop_) {
           ++losses;
-          become(2, "the link is lost: " + failure());
+          become(2, "the link is lost: " + lost);
         } else if (options_.safe_at_exit && accepted > 0) {
           std::string said;
           make_safe(said);
@@ -245,7 +266,21 @@ class Robot {
     base_hz_ = configuration.base_hz != 0 ? static_cast<double>(configuration.base_hz) : 1000.0;
     outputs_.open(link_);
     forget();
-    if (again) {
+    bool writable = false, safe = false;
+    for (std::size_t i = 0; i < table_.value_count; ++i) {
+      writable = writable || table_.values[i].writable;
+      safe = safe || (table_.values[i].writable && !std::isnan(table_.values[i].safe));
+    }
+    if (!device_.open(link_, options_.deadman_s, safe)) return failure();
+    if (device_.tripped() && armed) {
+      if (!device_.arm()) return failure();
+      say_(1, "the dead-man had tripped and made the outputs safe; they are armed again");
+    }
+    if (device_.tripped()) {
+      say_(1, "the dead-man has tripped: the outputs are safe until the service arm is called");
+    } else if (!again && writable && !device_.lacking().empty()) {
+      say_(0, device_.lacking() + ": outputs stay when the link is lost; back again, they are made safe first");
+    } else if (again) {
       std::string said;
       if (!outputs_.write_safe(said)) return said;
       say_(1, "the device is back; " + said + "; commands of before are forgotten");
@@ -314,8 +349,9 @@ class Robot {
     }
   }
 
-  // The keeper's thread while the link is up: write what is wanted, look whether the device is there.
-  void serve() {
+  // The keeper's thread while the link is up: write what is wanted, look whether the device is there. Returns why it is lost.
+  std::string serve() {
+    double checked_s = now_s();
     double asked_s = now_s(), silent_s = 0.0;
     while (!stop_) {
       timespec until{};
@@ -342,9 +378,14 @@ class Robot {
       if (now - last_s_ > 0.5 && now - asked_s > 0.5) {
         asked_s = now;
         std::uint32_t word = 0;
-        if (table_.value_count > 0 && ul_read(link_, probe(), &word, nullptr) != UL_OK) return;
+        if (table_.value_count > 0 && ul_read(link_, probe(), &word, nullptr) != UL_OK) return failure();
+      }
+      if (now - checked_s > 0.1) {
+        checked_s = now;
+        if (std::string changed = device_.check(); !changed.empty()) return changed;
       }
     }
+    return "";
   }
   std::uint32_t probe() const noexcept { return table_.group_count > 0 ? table_.values[table_.groups[0].values[0]].address : table_.values[0].address; }
 
@@ -377,6 +418,7 @@ class Robot {
   std::vector<std::uint64_t> newest_copy_ = std::vector<std::uint64_t>(table_.value_count);
   std::vector<std::uint64_t> written_;
   Outputs outputs_;
+  Device device_;
   std::mutex setting_, link_mutex_, newest_mutex_;
   mutable std::mutex state_mutex_;
   std::string state_ = "waiting for the device";

@@ -24,25 +24,29 @@ class DeadManGuard:
     """
 
     def __init__(self, link: Link, silence_s: float, *, safe: bool) -> None:
-        self._link = link
+        self._link, self._wanted_s, self._safe = link, silence_s, safe
+        self.silence_s = 0.0
         has_one = link.description is not None and link.description.features & CONTROL_VALUE_FEATURE_DEADMAN
+        self.lacking = "" if has_one else NONE
         state = link.dead_man() if has_one else None
         self.tripped = state is not None and state.tripped
-        self.silence_s = state.silence_s if state is not None and state.running else silence_s
-        self.lacking = NONE if state is None else OFF if not self.silence_s else "" if safe else NO_SAFE
-        if not self.lacking and state is not None and not state.running:
-            try:
-                link.set_dead_man(self.silence_s)
-            except DeadManTripped:  # arm() starts it
-                self.tripped = True
-        self._sessions = link.statistics().sessions
+        self._start()
+
+    def _start(self) -> None:
+        state = self._link.dead_man() if self.lacking != NONE and not self.tripped else None
+        if state is not None:
+            self.silence_s = state.silence_s if state.running else self._wanted_s
+            self.lacking = OFF if not self.silence_s else "" if self._safe else NO_SAFE
+            if not self.lacking and not state.running:
+                self._link.set_dead_man(self.silence_s)
+        self._sessions = self._link.statistics().sessions
 
     def arm(self) -> None:
         """Let outputs be written again after a trip."""
         if self.tripped:
             self._link.arm()
             self.tripped = False
-            self._sessions = self._link.statistics().sessions
+            self._start()
 
     def check(self) -> None:
         """Raise LinkError where the outputs are no longer what was written: after a trip, or a reset."""

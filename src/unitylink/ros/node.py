@@ -71,6 +71,8 @@ class RobotNode:
         self.senders: Sequence[tuple[Topic, Send]] = [
             (topic, sender(interface, topic, plane)) for topic in interface.published
         ]
+        # before the first subscription, whose messages ask it how it stands
+        self.keeper = LinkKeeper(connect, self._begin, plane.say, retry_s=self.options.retry_s)
         for topic in interface.commanded:
             plane.subscribe(topic, self._taker(receiver(interface, topic)))
         plane.serve("set_safe", TRIGGER, self.set_safe)
@@ -78,7 +80,6 @@ class RobotNode:
         if services:  # their types are those of a generated package
             plane.serve("read", READ, self.read)
             plane.serve("write", WRITE, self.write)
-        self.keeper = LinkKeeper(connect, self._begin, plane.say, retry_s=self.options.retry_s)
 
     # What the link brings
 
