@@ -162,6 +162,12 @@ package protocol_pkg is
   constant frame_cache_bytes_default_c : natural := 16;
   constant frame_posts_max_c : natural := 32767;
 
+  -- rs485
+  constant rs485_nodes_max_c : natural := 63;
+  constant rs485_poll_bit_c : natural := 64;
+  constant rs485_check_bit_c : natural := 128;
+  constant rs485_check_polynomial_c : natural := 69;
+
   -- request_kind
   constant request_kind_hello_c : natural := 128;
   constant request_kind_open_c : natural := 129;

@@ -1,9 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What every physical layer tells the layer above, what two UARTs agree on, and when a chip with a USB side sends at once.
+-- What every physical layer tells the layer above, what two UARTs agree on, when a chip with a USB side sends at
+-- once, and the tokens of an RS-485 pair.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.protocol_pkg.all;
 
 package physical_pkg is
 
@@ -26,6 +29,9 @@ package physical_pkg is
 
   function sends_at_once (mode : send_immediate_t; last : std_ulogic; publish : std_ulogic) return std_ulogic;
 
+  -- The second byte of the token whose first byte is `token`.
+  function token_check (token : std_ulogic_vector(7 downto 0)) return std_ulogic_vector;
+
 end package;
 
 package body physical_pkg is
@@ -38,6 +44,18 @@ package body physical_pkg is
       when replies   => return last and not publish;
       when both      => return last;
     end case;
+  end function;
+
+  function token_check (token : std_ulogic_vector(7 downto 0)) return std_ulogic_vector is
+    constant polynomial : std_ulogic_vector(6 downto 0) := std_ulogic_vector(to_unsigned(rs485_check_polynomial_c, 7));
+    variable rest       : std_ulogic_vector(6 downto 0) := (others => '0');
+    variable feedback   : std_ulogic;
+  begin
+    for index in 6 downto 0 loop
+      feedback := rest(6) xor token(index);
+      rest     := (rest(5 downto 0) & '0') xor (polynomial and (6 downto 0 => feedback));
+    end loop;
+    return '1' & rest;
   end function;
 
 end package body;

@@ -13,6 +13,7 @@ from unitylink.protocol import (
     CLOCK_HZ_DEFAULT,
     FRAME_CACHE_BYTES_DEFAULT,
     FRAME_WINDOW_DEFAULT,
+    RS485_NODES_MAX,
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,
     TOSNET_MEMORY_WORDS,
@@ -23,7 +24,8 @@ from unitylink.safe_words import safe_words
 from unitylink.spec.model import Instance, Spec
 from unitylink.wire_hash import wire_hash
 
-PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi")  # gateware/physical
+PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi", "rs485")  # gateware/physical
+LINES = ("uart", "rs485")  # those that have a baud rate
 SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg
 
 
@@ -130,7 +132,8 @@ class BoardConfiguration:
     edge_event_groups: tuple[
         int, ...
     ] = ()  # groups whose event input is edge-triggered; the others' level counts
-    physical: str = "uart"  # "ft245_async", "ft245_sync", "spi": no baud_hz
+    physical: str = "uart"  # "ft245_async", "ft245_sync", "spi": no baud_hz; "rs485": frames only
+    node: int = 1  # on an RS-485 pair
     send_immediate: str = "both"  # of such a chip: "never", "publishes", "replies" or "both"
     fifo: int = 0
     baud_hz: int = 0
@@ -165,7 +168,17 @@ class BoardConfiguration:
                 raise ValueRangeError(
                     f"board configuration: {name} is {getattr(self, name)!r}; choose {', '.join(choices)}"
                 )
-        if self.baud_hz and self.physical != "uart":
+        if self.physical == "rs485":  # its tokens are no classic text
+            if self.protocol == "classic":
+                raise ValueRangeError(
+                    "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
+                )
+            object.__setattr__(self, "protocol", "framed")
+            if not 1 <= self.node <= RS485_NODES_MAX:
+                raise ValueRangeError(
+                    f"board configuration: node is {self.node}; choose 1 to {RS485_NODES_MAX}"
+                )
+        if self.baud_hz and self.physical not in LINES:
             raise ValueRangeError(
                 f"board configuration: {self.physical} has no baud rate; leave out baud_hz={self.baud_hz}"
             )

@@ -19,6 +19,7 @@ def connect(url: str) -> Link:
         connect("tcp://192.168.1.10:5555?crc=1&fifo=1024")
         connect("ftdi:FT1234?channel=B&baud=3000000")          # an FTDI chip, past the kernel's driver
         connect("spi:/dev/spidev0.0?speed_hz=10000000")        # an SPI port of the kernel's
+        connect("rs485:/dev/ttyUSB0?node=3&baud=3000000")      # one of many nodes on a pair
         connect("mmap:/dev/uio0?size=4096")                    # registers that are memory here
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled

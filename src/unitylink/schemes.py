@@ -48,6 +48,7 @@ SCHEMES = {
     for scheme in (
         Scheme("serial", "serial:/dev/ttyUSB0?baud=3000000", "a serial port"),
         Scheme("ftdi", "ftdi:SERIAL?channel=A", "an FTDI chip, also as a FIFO, without the kernel's driver"),
+        Scheme("rs485", "rs485:/dev/ttyUSB0?node=3&baud=3000000", "one of many nodes on an RS-485 pair"),
         Scheme("spi", "spi:/dev/spidev0.0?speed_hz=10000000", "an SPI port of the kernel's, the master"),
         Scheme("tcp", "tcp://HOST:PORT", "a board on the network, or `unitylink simulate`"),
         Scheme("udp", "udp://HOST:PORT", "the same over UDP"),

@@ -68,6 +68,7 @@ DESIGNS = {
         {"data_bits": 12, "publish_mode": 0},
     ),
     "ft245_async": (ROOT / "examples" / "servo" / "servo.ul", {"physical": "ft245_async"}),
+    "rs485": (ROOT / "examples" / "servo" / "servo.ul", {"physical": "rs485", "node": 5}),
     "spi": (ROOT / "examples" / "servo" / "servo.ul", {"physical": "spi"}),
     "ft245_sync": (
         ROOT / "examples" / "servo" / "servo.ul",

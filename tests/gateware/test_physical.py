@@ -53,6 +53,17 @@ def test_spi_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
     ghdl.run_netlist("spi_slave", tmp_path, bytes=300)
 
 
+@pytest.mark.parametrize(
+    ("clock_hz", "baud_hz", "rounds"), [(50_000_000, 3_000_000, 10), (1_000_000, 125_000, 20)]
+)
+def test_rs485(ghdl: Any, clock_hz: int, baud_hz: int, rounds: int) -> None:
+    ghdl.run("rs485_tb", clock_hz=clock_hz, baud_hz=baud_hz, rounds=rounds, seed=rounds)
+
+
+def test_rs485_netlist(ghdl: Any, tmp_path: Path) -> None:
+    ghdl.run_netlist("rs485", tmp_path, clock_hz=50_000_000, baud_hz=3_000_000, rounds=2)
+
+
 def test_rates(ghdl: Any) -> None:
     ghdl.run("rate_pkg_tb")
 

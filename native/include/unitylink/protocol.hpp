@@ -173,6 +173,13 @@ inline constexpr std::uint32_t cache_bytes_default = 16;
 inline constexpr std::uint32_t posts_max = 32767;
 }  // namespace frame
 
+namespace rs485 {
+inline constexpr std::uint32_t nodes_max = 63;
+inline constexpr std::uint32_t poll_bit = 64;
+inline constexpr std::uint32_t check_bit = 128;
+inline constexpr std::uint32_t check_polynomial = 69;
+}  // namespace rs485
+
 namespace request_kind {
 inline constexpr std::uint32_t hello = 128;
 inline constexpr std::uint32_t open = 129;

@@ -6,6 +6,7 @@
 #include "layer0_driver/capturing_driver.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 #include "layer0_driver/ftdi_driver.hpp"
+#include "layer0_driver/rs485_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
 #include "layer0_driver/socket_driver.hpp"
 #include "layer0_driver/spi_driver.hpp"
@@ -33,6 +34,9 @@ Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driv
   }
   if (url.scheme == "ftdi") {
     return open_ftdi(url, driver);
+  }
+  if (url.scheme == "rs485") {
+    return open_rs485(url, driver);
   }
   if (url.scheme == "spi") {
     return open_spi(url, driver);

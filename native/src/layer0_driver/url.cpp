@@ -7,7 +7,7 @@ namespace unitylink {
 namespace {
 
 constexpr std::string_view expected =
-    "expected serial:/dev/NAME, spi:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
+    "expected serial:/dev/NAME, spi:/dev/NAME, rs485:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
 
 Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
@@ -130,7 +130,7 @@ Outcome parse_url(std::string_view text, Url& url) {
   if (url.scheme == "tcp" || url.scheme == "udp") {
     return split_host(text, place, url);
   }
-  if (url.scheme == "serial" || url.scheme == "spi") {
+  if (url.scheme == "serial" || url.scheme == "rs485" || url.scheme == "spi") {
     if (place.empty()) {
       return wrong(text, "the device file is missing, as in " + url.scheme + (url.scheme == "spi" ? ":/dev/spidev0.0" : ":/dev/ttyUSB0"));
     }

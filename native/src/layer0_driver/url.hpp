@@ -14,8 +14,8 @@ namespace unitylink {
 
 struct Url {
   std::string text;    // as given
-  std::string scheme;  // serial | spi | tcp | udp | ftdi | fd
-  std::string path;    // serial, spi: the device file; ftdi: the serial number; fd: the number
+  std::string scheme;  // serial | rs485 | spi | tcp | udp | ftdi | fd
+  std::string path;    // serial, rs485, spi: the device file; ftdi: the serial number; fd: the number
   std::string host;    // tcp, udp
   std::string port;    // tcp, udp
   std::vector<std::pair<std::string, std::string>> options;  // in the order given, each name once

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "layer0_driver/ftdi_driver.hpp"
+#include "layer0_driver/rs485_driver.hpp"
 #include "layer0_driver/spi_driver.hpp"
 
 namespace unitylink {
@@ -31,7 +32,7 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), speed_hz and poll (spi), "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), speed_hz and poll (spi), node, baud, poll and silence (rs485), "
     "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 
@@ -128,7 +129,7 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     }
   }
   if (name == "trace" || (name == "baud" && url.scheme == "serial") || (url.scheme == "ftdi" && is_ftdi_option(name)) ||
-      (url.scheme == "spi" && is_spi_option(name))) {
+      (url.scheme == "spi" && is_spi_option(name)) || (url.scheme == "rs485" && is_rs485_option(name))) {
     return {};  // the driver's
   }
   return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};
@@ -137,10 +138,16 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
 }  // namespace
 
 Outcome parse_options(const Url& url, LinkOptions& options) {
+  if (url.scheme == "rs485") {
+    options.protocol = Protocol::framed;
+  }
   for (const auto& [name, value] : url.options) {
     if (Outcome outcome = parse_option(url, name, value, options); !outcome.ok()) {
       return outcome;
     }
+  }
+  if (url.scheme == "rs485" && options.protocol != Protocol::framed) {
+    return {Status::bad_url, "link URL '" + url.text + "': many nodes on a pair speak the framed protocol only; leave protocol= out"};
   }
   return {};
 }

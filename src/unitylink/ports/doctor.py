@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 from urllib.parse import parse_qsl
 
 from unitylink import protocol
-from unitylink.errors import BusError, LinkError, UrlError
+from unitylink.errors import BusError, LinkError, LinkTimeout, UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
 
@@ -131,7 +131,9 @@ class _Doctor:
     say: Callable[[str], None]
 
     def examine(self) -> list[Finding]:
-        found = {"serial": self.port, "ftdi": self.chip, "spi": self.spi}.get(self.place.scheme, list)()
+        found = {"serial": self.port, "ftdi": self.chip, "spi": self.spi, "rs485": self.port}.get(
+            self.place.scheme, list
+        )()
         if not _stopped(found):
             found += self.device()
         return sorted(found, key=lambda f: ("error", "warning", "note").index(f.severity))
@@ -195,6 +197,8 @@ class _Doctor:
 
     def device(self) -> list[Finding]:
         place = self.place
+        if place.scheme == "rs485":
+            return self.node()
         try:
             driver = self.open_driver(place.url)
         except LinkError as error:
@@ -216,6 +220,15 @@ class _Doctor:
         if self.spec is not None and not _stopped(found):
             found += self.against_spec(self.spec)
         return found
+
+    def node(self) -> list[Finding]:
+        """Ask a node on a pair, which knows frames only: what can be told is whether it answers."""
+        self.say("asking for its configuration")
+        try:
+            self.open_link(self.place.url).close()
+        except LinkTimeout:
+            return [finding("silence", place=self.place.name, waited_s=self.wait_s, baud_rates_tried="")]
+        return self.against_spec(self.spec) if self.spec is not None else []
 
     def unreachable(self, error: LinkError) -> Finding:
         host, port = self.place.host_and_port

@@ -17,7 +17,7 @@ from .failure import Failure
 @click.option(
     "--physical",
     metavar="LAYER",
-    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync, spi.",
+    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync, spi, rs485.",
 )
 @click.option(
     "--send-immediate",
@@ -72,7 +72,8 @@ def command(
     if chosen and "vhdl" not in artefacts:
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     spec = load(spec_file)
-    configuration = BoardConfiguration.for_spec(spec, **{"protocol": "classic", **chosen}) if chosen else None
+    speaks = "framed" if physical == "rs485" else "classic"
+    configuration = BoardConfiguration.for_spec(spec, **{"protocol": speaks, **chosen}) if chosen else None
     if check:
         problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]
         if problems:

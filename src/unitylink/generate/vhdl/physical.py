@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from unitylink.board_configuration import BoardConfiguration
+from unitylink.protocol import RS485_NODES_MAX
 
 _BUS_FIFO_BYTES = 256  # a chip gives and takes bursts
 _LINE_FIFO_BYTES = 16
@@ -47,6 +48,8 @@ def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalL
     """Return the layer that `configuration` names; `baud_hz` is that of a line."""
     if configuration.physical == "uart":
         return _uart(configuration.fifo or _LINE_FIFO_BYTES, baud_hz)
+    if configuration.physical == "rs485":
+        return _rs485(configuration, baud_hz)
     if configuration.physical == "spi":
         return _spi(configuration.fifo or _BUS_FIFO_BYTES)
     return _ft245(configuration, synchronous=configuration.physical == "ft245_sync")
@@ -77,6 +80,35 @@ def _uart(fifo_bytes: int, baud_hz: int) -> PhysicalLayer:
         ports_manual="rx_line, tx_line: asynchronous, idle high.",
         example="rx_line => usb_rx, tx_line => usb_tx",
         example_generics=", baud_hz => 3_000_000",
+    )
+
+
+def _rs485(configuration: BoardConfiguration, baud_hz: int) -> PhysicalLayer:
+    fifo_bytes = configuration.fifo or _BUS_FIFO_BYTES
+    return PhysicalLayer(
+        entity="rs485",
+        what="an RS-485 transceiver, as one of many nodes",
+        generics=(
+            Item("baud_hz", f"positive := {baud_hz}"),
+            Item("rs485_node", f"positive range 1 to {RS485_NODES_MAX} := {configuration.node}"),
+            _fifo(fifo_bytes),
+        ),
+        generic_map=f"clock_hz => clock_hz, baud_hz => baud_hz, {_DEPTHS}",
+        ports=(
+            Item("rs485_rx", "in  std_ulogic", "rx_line"),
+            Item("rs485_tx", "out std_ulogic", "tx_line"),
+            Item("rs485_drive", "out std_ulogic", "drive"),
+        ),
+        more=(
+            "node => std_ulogic_vector(ieee.numeric_std.to_unsigned(rs485_node, 6))",
+            "rx_error => rx_error",
+            "tx_last => tx_last",
+        ),
+        generics_manual="baud_hz: of the pair. rs485_node: this one's number on it. "
+        + _fifo_manual(fifo_bytes),
+        ports_manual="rs485_rx, rs485_tx: RO and DI of the transceiver; rs485_drive: its DE and RE#.",
+        example="rs485_rx => ro, rs485_tx => di, rs485_drive => de",
+        example_generics=f", baud_hz => 3_000_000, rs485_node => {configuration.node}",
     )
 
 

@@ -33,6 +33,7 @@ _PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo
 _PORTS += ["send_immediate", "ft245_clkout", "ft245_rxf_n", "ft245_txe_n", "ft245_oe_n", "ft245_rd_n"]
 _PORTS += ["ft245_wr_n", "ft245_siwu_n", "ft245_data_in", "ft245_data_out", "ft245_data_drive"]
 _PORTS += ["spi_sck", "spi_cs_n", "spi_mosi", "spi_miso", "spi_miso_drive", "spi_waiting"]
+_PORTS += ["rs485_rx", "rs485_tx", "rs485_drive", "rs485_node"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc"]

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "layer0_driver/pair_master.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <linux/serial.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "layer0_driver/pair_token.hpp"
+#include "layer0_driver/serial_driver.hpp"
+
+namespace unitylink::pair_bus {
+namespace {
+
+constexpr std::size_t turn_bytes = 1024;              // of ours to one node; a longer frame goes whole
+constexpr std::chrono::milliseconds linger{1};        // how long a node that has spoken is polled without a pause
+constexpr std::chrono::milliseconds absent_poll{250};  // a node that is not there costs its silence each time
+constexpr unsigned misses_most = 3;
+
+std::mutex masters_mutex;
+std::map<std::string, std::weak_ptr<Master>>& masters() {
+  static std::map<std::string, std::weak_ptr<Master>> all;
+  return all;
+}
+
+// Ports of the kernel that switch the transceiver by RTS. Adapters that do it themselves refuse, and need not be asked.
+void ask_direction(int descriptor) noexcept {
+  serial_rs485 settings{};
+  settings.flags = SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
+  static_cast<void>(::ioctl(descriptor, TIOCSRS485, &settings));
+}
+
+bool poll_until(std::span<pollfd> waiting, std::chrono::steady_clock::time_point until) noexcept {
+  const auto left = std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(until - std::chrono::steady_clock::now()));
+  const timespec time{static_cast<std::time_t>(left.count() / 1'000'000'000), static_cast<long>(left.count() % 1'000'000'000)};
+  return ::ppoll(waiting.data(), waiting.size(), &time, nullptr) > 0;
+}
+
+bool wait(const Driver& port, short events, std::chrono::steady_clock::time_point until) noexcept {
+  pollfd waiting{port.descriptor(), events, 0};
+  return poll_until(std::span(&waiting, 1), until);
+}
+
+}  // namespace
+
+struct Master::Node {
+  Node(const Settings& told, int far) : settings(told), descriptor(far) {}
+  ~Node() { ::close(descriptor); }
+
+  // What the link has to say is `out`, what it has not fetched yet `in`.
+  void collect() {
+    std::uint8_t bytes[4096];
+    while (out.size() < 4 * turn_bytes) {
+      const ssize_t count = ::recv(descriptor, bytes, sizeof bytes, MSG_DONTWAIT);
+      if (count <= 0) {
+        return;
+      }
+      out.insert(out.end(), bytes, bytes + count);
+    }
+  }
+  [[nodiscard]] bool hand_on() {
+    const ssize_t count = in.empty() ? 0 : ::send(descriptor, in.data(), in.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    in.erase(in.begin(), in.begin() + std::max<ssize_t>(count, 0));
+    return in.empty();
+  }
+  // Bytes of `out` in whole frames, as many as a turn holds.
+  [[nodiscard]] std::size_t whole() const {
+    const auto end = out.size() <= turn_bytes ? out.end() : out.begin() + turn_bytes;
+    const auto last = std::find(std::make_reverse_iterator(end), out.rend(), border);
+    if (last != out.rend()) {
+      return static_cast<std::size_t>(last.base() - out.begin());
+    }
+    const auto first = std::find(end, out.end(), border);
+    return first == out.end() ? 0 : static_cast<std::size_t>(first - out.begin()) + 1;
+  }
+
+  const Settings settings;
+  const int descriptor;
+  std::vector<std::uint8_t> out, in;
+  Clock::time_point next = Clock::now();  // when it is polled though there is nothing to say
+  Clock::time_point busy_until{};
+  unsigned misses = 0;
+};
+
+Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Master>& master) {
+  char* const real = ::realpath(url.path.c_str(), nullptr);
+  const std::string path = real != nullptr ? real : url.path;
+  std::free(real);
+  const std::scoped_lock lock(masters_mutex);
+  if ((master = masters()[path].lock()) != nullptr) {
+    return master->baud_ == settings.baud
+               ? Outcome{}
+               : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " + master->baud_ +
+                                               " baud, and " + settings.baud + " are asked; all on a pair have the same rate"};
+  }
+  std::unique_ptr<Driver> port;
+  if (Outcome outcome = open_serial(url, port); !outcome.ok()) {
+    return outcome;
+  }
+  ask_direction(port->descriptor());
+  master = std::make_shared<Master>(std::move(port), settings.baud);
+  masters()[path] = master;
+  return {};
+}
+
+void Master::disown(std::shared_ptr<Master> master) {
+  new (&masters_mutex) std::mutex;  // its old state names threads that do not exist here
+  masters().clear();
+  static_cast<void>(new std::shared_ptr<Master>(std::move(master)));  // its destructor would wait for the thread
+}
+
+Master::Master(std::unique_ptr<Driver> port, std::string baud)
+    : port_(std::move(port)), baud_(std::move(baud)), wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  thread_ = std::thread([this] { serve(); });
+}
+
+Master::~Master() {
+  stop_ = true;
+  const std::uint64_t one = 1;
+  static_cast<void>(!::write(wake_descriptor_, &one, sizeof one));
+  thread_.join();
+  ::close(wake_descriptor_);
+}
+
+Outcome Master::join(const Settings& settings, int descriptor) {
+  auto node = std::make_shared<Node>(settings, descriptor);
+  const std::scoped_lock lock(mutex_);
+  if (!why_.empty()) {
+    return {Status::closed, why_};
+  }
+  if (!nodes_.emplace(settings.node, std::move(node)).second) {
+    return {Status::busy, "node " + std::to_string(settings.node) + " on this pair has a link in this program already"};
+  }
+  const std::uint64_t one = 1;
+  static_cast<void>(!::write(wake_descriptor_, &one, sizeof one));
+  return {};
+}
+
+void Master::leave(unsigned node) {
+  const std::scoped_lock lock(mutex_);
+  nodes_.erase(node);
+}
+
+std::string Master::reason() const {
+  const std::scoped_lock lock(mutex_);
+  return why_;
+}
+
+void Master::fail(const std::string& why) {
+  const std::scoped_lock lock(mutex_);
+  why_ = why;
+  for (const auto& [number, node] : nodes_) {
+    ::shutdown(node->descriptor, SHUT_RDWR);
+  }
+}
+
+void Master::serve() noexcept {
+  while (!stop_) {
+    std::vector<std::shared_ptr<Node>> nodes;
+    {
+      const std::scoped_lock lock(mutex_);
+      for (const auto& [number, node] : nodes_) {
+        nodes.push_back(node);
+      }
+    }
+    Clock::time_point next = Clock::now() + absent_poll;
+    for (const auto& node : nodes) {
+      node->collect();
+      const bool free = node->hand_on();  // else its link does not fetch: the node has to wait, and so has its gateware
+      if (free && (node->whole() > 0 || Clock::now() >= node->next)) {
+        if (!give_turn(*node)) {
+          fail(port_->reason());
+          return;
+        }
+        static_cast<void>(node->hand_on());
+      }
+      next = std::min(next, free ? node->next : Clock::now() + linger);
+    }
+    pause(next);
+  }
+}
+
+// Until then, or until there is something to say or a node has come.
+void Master::pause(Clock::time_point until) {
+  std::vector<pollfd> waiting{{wake_descriptor_, POLLIN, 0}};
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [number, node] : nodes_) {
+      waiting.push_back({node->descriptor, static_cast<short>(node->out.size() < 4 * turn_bytes ? POLLIN : 0), 0});
+    }
+  }
+  if (poll_until(waiting, until) && waiting[0].revents != 0) {
+    std::uint64_t count = 0;
+    static_cast<void>(!::read(wake_descriptor_, &count, sizeof count));
+  }
+}
+
+bool Master::give_turn(Node& node) {
+  const auto add = [](std::vector<std::uint8_t>& bytes, const auto& more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+  const auto count = static_cast<std::ptrdiff_t>(node.whole());
+  std::vector<std::uint8_t> bytes{border};
+  if (count > 0) {
+    add(bytes, token(node.settings.node, false));
+    bytes.insert(bytes.end(), node.out.begin(), node.out.begin() + count);
+    node.out.erase(node.out.begin(), node.out.begin() + count);
+  }
+  add(bytes, token(node.settings.node, true));
+  if (!say(bytes)) {
+    return false;
+  }
+  const std::chrono::nanoseconds silence(node.settings.silence_ns);
+  Clock::time_point patience = Clock::now() + silence + std::chrono::nanoseconds(bytes.size() * byte_time_ns());
+  Answer answer(node.settings.node);
+  std::uint8_t room[4096];
+  bool ended = false;
+  while (!ended && !stop_ && wait(*port_, POLLIN, patience)) {
+    const Transfer transfer = port_->receive(room);
+    if (transfer.status != Status::ok) {
+      return false;
+    }
+    ended = answer.take(std::span(room, transfer.count));
+    patience = std::max(patience, Clock::now() + silence);
+  }
+  node.in.insert(node.in.end(), answer.frames().begin(), answer.frames().end());
+  const Clock::time_point now = Clock::now();
+  node.misses = answer.spoke() ? 0 : node.misses + 1;
+  if (count > 0 || !answer.frames().empty()) {
+    node.busy_until = now + linger;
+  }
+  node.next = node.misses > misses_most  ? now + absent_poll
+              : now < node.busy_until ? now
+                                      : now + std::chrono::nanoseconds(node.settings.poll_ns);
+  return true;
+}
+
+bool Master::say(const std::vector<std::uint8_t>& bytes) {
+  std::span<const std::uint8_t> left(bytes);
+  while (!left.empty() && !stop_) {
+    const Transfer transfer = port_->send(left);
+    if (transfer.status != Status::ok) {
+      return false;
+    }
+    left = left.subspan(transfer.count);
+    if (transfer.count == 0) {
+      static_cast<void>(wait(*port_, POLLOUT, Clock::now() + absent_poll));
+    }
+  }
+  return true;
+}
+
+}  // namespace unitylink::pair_bus

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tokens that stand between the frames on an RS-485 pair (docs/protocol.md, section 10), and what a master hears.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "unitylink/protocol.hpp"
+
+namespace unitylink::pair_bus {
+
+inline constexpr std::uint8_t border = 0;
+inline constexpr unsigned master = 0;
+
+// The second byte of the token whose first byte is `first`.
+[[nodiscard]] constexpr std::uint8_t token_check(std::uint8_t first) noexcept {
+  unsigned rest = 0;
+  for (int bit = 6; bit >= 0; --bit) {
+    const bool feedback = ((rest >> 6) & 1u) != (static_cast<unsigned>(first >> bit) & 1u);
+    rest = (rest << 1 & 0x7Fu) ^ (feedback ? protocol::rs485::check_polynomial : 0);
+  }
+  return static_cast<std::uint8_t>(protocol::rs485::check_bit | rest);
+}
+
+[[nodiscard]] constexpr std::array<std::uint8_t, 3> token(unsigned node, bool poll) noexcept {
+  const auto first = static_cast<std::uint8_t>(node | (poll ? protocol::rs485::poll_bit : 0));
+  return {first, token_check(first), border};
+}
+
+// What comes between a poll and the end of the polled node's turn. What an adapter hears of the master itself is left out.
+class Answer {
+ public:
+  explicit Answer(unsigned node) noexcept : node_(node) {}
+
+  // True when the turn has ended; what comes behind is nobody's.
+  [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] const std::vector<std::uint8_t>& frames() const noexcept { return frames_; }  // whole, with their borders
+  [[nodiscard]] bool spoke() const noexcept { return spoke_; }                                // the node has said who it is
+
+ private:
+  [[nodiscard]] bool end_message();
+
+  unsigned node_;
+  std::vector<std::uint8_t> message_;
+  std::vector<std::uint8_t> frames_;
+  bool selected_ = false;
+  bool spoke_ = false;
+};
+
+}  // namespace unitylink::pair_bus

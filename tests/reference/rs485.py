@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An RS-485 pair on a pseudo-terminal: nodes as in docs/protocol.md, section 10, each before a device on TCP.
+
+Every byte that anybody says is heard by all others, and by the master too where its adapter hears itself.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import threading
+import time
+import tty
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Protocol
+
+BORDER = 0
+POLL = 0x40
+_PATIENCE_S = 0.02  # of a node that was polled: its device may still be at work
+
+
+def token(node: int, *, poll: bool) -> bytes:
+    """Return the three bytes that say whose frames follow, or who speaks now.
+
+    >>> token(3, poll=False).hex(), token(0, poll=True).hex()
+    ('03ca00', '40c900')
+    """
+    first = node | (POLL if poll else 0)
+    rest = 0
+    for bit in range(6, -1, -1):
+        feedback = (rest >> 6 ^ first >> bit) & 1
+        rest = rest << 1 & 0x7F ^ (0x45 if feedback else 0)
+    return bytes((first, 0x80 | rest, BORDER))
+
+
+class PairNode(Protocol):
+    """Whatever listens to a pair, and speaks when it is its turn."""
+
+    def hear(self, data: bytes) -> None: ...
+    def say(self) -> bytes: ...
+    def close(self) -> None: ...
+
+
+class ModelNode:
+    """A node whose device takes and gives frames on TCP."""
+
+    def __init__(self, number: int, address: tuple[str, int]) -> None:
+        self.number = number
+        self._asked = False  # frames of ours have come since we spoke
+        self._device = socket.create_connection(address)
+        self._device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._message = b""
+        self._coming = b""
+        self._selected = self._polled = False
+
+    def hear(self, data: bytes) -> None:
+        for byte in data:
+            if byte != BORDER:
+                self._message += bytes((byte,))
+                continue
+            message, self._message = self._message, b""
+            if message[:1] >= b"\x80":
+                if self._selected:
+                    self._asked = True
+                    self._device.sendall(b"\0" + message + b"\0")
+            elif message:
+                self._selected = message + b"\0" == token(self.number, poll=False)
+                self._polled = message + b"\0" == token(self.number, poll=True)
+
+    def say(self) -> bytes:
+        if not self._polled:
+            return b""
+        self._polled = False
+        until = time.monotonic() + (_PATIENCE_S if self._asked else 0)
+        while True:
+            ready, _, _ = select.select([self._device], [], [], 0.001 if self._asked else 0)
+            if ready:
+                self._coming += self._device.recv(65536)
+            end = self._coming.rfind(b"\0") + 1
+            if end or time.monotonic() > until:
+                break
+        self._asked = False
+        frames, self._coming = self._coming[:end], self._coming[end:]
+        return b"\0" + token(self.number, poll=False) + frames + token(0, poll=True)
+
+    def close(self) -> None:
+        self._device.close()
+
+
+class Pair:
+    """Nodes on a pseudo-terminal, whose name is `path`; `collisions` counts answers of several at once."""
+
+    def __init__(self, nodes: Mapping[int, PairNode], path: Path, *, echo: bool) -> None:
+        self.path = path
+        self.collisions = 0
+        self.dead: set[int] = set()  # nodes that hear and say nothing
+        self.flip = 0  # of so many bytes of the master's one has a bit flipped; 0: none
+        self._nodes = nodes
+        self._echo = echo
+        self._count = 0
+        self._ours, self._theirs = os.openpty()
+        tty.setraw(self._theirs)
+        path.symlink_to(os.ttyname(self._theirs))
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._carry)
+        self._thread.start()
+
+    def _carry(self) -> None:
+        while not self._stop.is_set():
+            ready, _, _ = select.select([self._ours], [], [], 0.05)
+            if not ready:
+                continue
+            data = self._damaged(os.read(self._ours, 65536))
+            if self._echo:
+                os.write(self._ours, data)
+            alive = [node for number, node in self._nodes.items() if number not in self.dead]
+            for node in alive:
+                node.hear(data)
+            answers = [answer for node in alive if (answer := node.say())]
+            self.collisions += len(answers) > 1
+            for answer in answers:
+                for node in alive:
+                    node.hear(answer)
+                os.write(self._ours, answer)
+
+    def _damaged(self, data: bytes) -> bytes:
+        damaged = bytearray(data)
+        for place in range(len(damaged)):
+            self._count += 1
+            if self.flip and self._count % self.flip == 0:
+                damaged[place] ^= 1 << self._count % 8
+        return bytes(damaged)
+
+    def unplug(self) -> None:
+        """End it as an adapter does that is pulled out."""
+        self.close()
+
+    def close(self) -> None:
+        if not self._stop.is_set():
+            self._stop.set()
+            self._thread.join()
+            os.close(self._ours)
+            os.close(self._theirs)
+            for node in self._nodes.values():
+                node.close()
