@@ -6,14 +6,29 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from operator import itemgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from unitylink.layer4_data import Node, ReadValue
 
 from .interface import Topic
 from .senders import Send
 
+if TYPE_CHECKING:
+    from unitylink.layer2_message.engine import Times, Words
+
 Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw numbers or not, what sends them
+
+
+class _Routes:
+    """Where the values of one publish go; `masks` and `signs` make numbers of their words."""
+
+    def __init__(self, values: Sequence[ReadValue[Any]], routes: list[Route]) -> None:
+        self.values = values  # kept alive: they are known by their identity
+        self.routes = routes
+        self.masks = np.array([value.codec.mask for value in values], np.int64)
+        self.signs = np.array([value.codec.sign for value in values], np.int64)
 
 
 class Outbox:
@@ -25,21 +40,34 @@ class Outbox:
         self._publisher = tree.publisher
         self._topics = topics
         self._joins: dict[int, _Join] = {}
-        # By identity of the tuple a publish comes with, which the route keeps alive.
-        self._routes: dict[int, tuple[Sequence[ReadValue[Any]], list[Route]]] = {}
-        self._publisher.take_with(self._take)
+        self._routes: dict[int, _Routes] = {}  # by identity of the tuple a publish comes with
+        self._publisher.take_with(self._take, self._take_many)
 
     def _take(
         self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], raws: Sequence[int]
     ) -> None:
         self.received += 1
         self.last_s = time.monotonic()
-        found = self._routes.get(id(values))
-        if found is None:
-            found = self._routes[id(values)] = (values, self._plan(values))
-        for pick, raw, send in found[1]:
+        for pick, raw, send in self._routes_of(values).routes:
             chosen = raws if raw else numbers
             send(time_s, chosen if pick is None else pick(chosen))
+
+    def _take_many(self, times: Times, values: Sequence[ReadValue[Any]], words: Words) -> None:
+        """The same for all that has come meanwhile: of a fast stream, a third of the time."""
+        self.received += len(times)
+        self.last_s = time.monotonic()
+        found = self._routes_of(values)
+        numbers = ((words & found.masks) ^ found.signs) - found.signs
+        for time_s, row, raws in zip(times.tolist(), numbers.tolist(), words.tolist(), strict=True):
+            for pick, raw, send in found.routes:
+                chosen = raws if raw else row
+                send(time_s, chosen if pick is None else pick(chosen))
+
+    def _routes_of(self, values: Sequence[ReadValue[Any]]) -> _Routes:
+        found = self._routes.get(id(values))
+        if found is None:
+            found = self._routes[id(values)] = _Routes(values, self._plan(values))
+        return found
 
     def _plan(self, values: Sequence[ReadValue[Any]]) -> list[Route]:
         where = {value.path: index for index, value in enumerate(values)}

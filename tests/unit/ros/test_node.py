@@ -242,6 +242,8 @@ class Cable:
             ready, _, _ = select(ends, [], [], 0.01)
             for end in ready:
                 if end is self._listening:
+                    if host is not None:  # whose end has not been read yet
+                        host.close()
                     host, _ = self._listening.accept()
                     continue
                 with suppress(OSError):  # of a board that is being replaced

@@ -25,7 +25,7 @@ from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
-BASE_HZ = {"ros1": 40_000, "dds": 100_000}  # more than the plane takes, on a busy machine too
+BASE_HZ = {"ros1": 40_000, "dds": 200_000}  # more than the plane takes, on a busy machine too
 OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # nothing that was sent is given up
 IN = Topic("in", "std_msgs/Int32", "scalar", ("in",))
 WORDS = """public bench() {
