@@ -7,6 +7,7 @@
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner)
+#   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
@@ -27,9 +28,9 @@ NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/d
 SECONDS ?= 60
 MESSAGES ?= 1000000000
 
-.PHONY: experiments wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
+.PHONY: experiments experiments-json wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
 help:
-	@sed -n '2,21s/^# //p' Makefile
+	@sed -n '2,22s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -71,9 +72,14 @@ check: $(VENV)/.built
 bench: $(VENV)/.built $(NATIVE)/.built
 	$(BIN)/unitylink bench
 
-experiments: $(VENV)/.built
+experiments: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh rtl
+	@tools/setup.sh group ros2
+	-@tools/setup.sh ros
 	$(BIN)/unitylink experiments $(if $(QUICK),--quick) --out build/experiments
+experiments-json:
+	@$(MAKE) --no-print-directory experiments QUICK=1
+	$(BIN)/python tools/docs/experiments.py --from build/experiments/results.json
 
 coverage: $(VENV)/.built
 	@tools/setup.sh group test

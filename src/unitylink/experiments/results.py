@@ -8,10 +8,13 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import unitylink
+from unitylink.errors import UnityLinkError
 from unitylink.protocol import FRAME_WINDOW_DEFAULT
+from unitylink.tools.bench.figure import Run
+from unitylink.tools.bench.programs import find_checkout
 from unitylink.tools.bench.report import machine
 
-from . import level_one, software_cost
+from . import level_one, peers, ros_rates, software_cost
 from .exchange import (
     Exchange,
     framed_post,
@@ -36,8 +39,11 @@ from .table_one import CELLS, TEXT, Cell
 FORMAT = 2
 
 
-def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
-    """Run everything; `quick` repeats the measured part less often. The modelled part is the same in both."""
+def run_all(*, quick: bool, soak_s: float, say: Callable[[str], None]) -> dict[str, Any]:
+    """Run everything; `quick` repeats the measured part less often. The modelled part is the same in both.
+
+    Memory is watched for `soak_s`.
+    """
     say("level 1: the gateware")
     gateware = [asdict(figures) for figures in level_one.all_figures()]
     say("level 3: what this host's software costs")
@@ -52,8 +58,14 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
         for protocol in LINK_HZ
         for words in WORDS
     ]
+    say("peers: LiteX and a script on the same kind of wire")
+    others = _measured(
+        lambda: peers.compare(Run(quick, find_checkout(), say), rounds=5 if quick else 41, count=100)
+    )
     say("scaling")
-    grown = scaling(rounds=5 if quick else 51)
+    grown = scaling(rounds=5 if quick else 51, window_s=0.5 if quick else 5.0, memory_s=soak_s)
+    say("ROS")
+    topics = ros_rates.rates(quick=quick, say=say)
     return {
         "format": FORMAT,
         "quick": quick,
@@ -69,7 +81,9 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
         "ours": _ours(cost),
         "bursts": _read_bursts(),
         "write_bursts": _write_bursts(),
+        "peers": others,
         "scaling": grown,
+        "ros": topics,
         "publish": {"words": list(WORDS), "limits_hz": limits(), "sustained": taken},
         "simplicity": {"paper": PAPER, "ours": simplicity()},
     }
@@ -78,6 +92,14 @@ def run_all(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
 def _compared(cell: Cell, figures: dict[str, float]) -> dict[str, Any]:
     value = figures[cell.model]
     return {**asdict(cell), "model": value, "difference": value / cell.paper - 1}
+
+
+def _measured(measure: Callable[[], list[dict[str, Any]]]) -> dict[str, Any]:
+    """Return the rows, or why there are none: what is missing here keeps nobody from the rest."""
+    try:
+        return {"rows": measure(), "failure": ""}
+    except UnityLinkError as error:
+        return {"rows": [], "failure": str(error)}
 
 
 def _ours(cost: SoftwareCost) -> list[dict[str, Any]]:

@@ -140,18 +140,139 @@ def write_bursts(rows: list[dict[str, Any]]) -> Table:
     )
 
 
-def scaling(rows: dict[str, list[dict[str, Any]]]) -> list[Block]:
-    captions = {
+_OPERATIONS = {
+    "read": "read",
+    "write": "write, acknowledged",
+    "block": "255 words read",
+    "cycle": "18 written, 18 read",
+}
+
+
+def peers(measured: dict[str, Any]) -> list[Block]:
+    """Return times, bytes and faults, each a table; or why there are none."""
+    rows = measured["rows"]
+    if not rows:
+        return [Paragraph(f"Not measured: {measured['failure']}")]
+    return [
+        Table(
+            "Times of a call, p50 / p99 in us, and in brackets over ours on frames, within a round. Each "
+            "has a device of its "
+            "own that "
+            "answers at once, in another process behind a pty; all take turns.",
+            ["client", *_OPERATIONS.values()],
+            [
+                [
+                    row["name"],
+                    *(
+                        f"{row[name]['p50_s'] * 1e6:.0f} / {row[name]['p99_s'] * 1e6:.0f} "
+                        f"({row[name]['ratio']:.3g} x)"
+                        for name in _OPERATIONS
+                    ),
+                ]
+                for row in rows
+            ],
+        ),
+        Table(
+            "Bytes on the wire, to the device + back.",
+            ["client", *_OPERATIONS.values()],
+            [
+                [row["name"], *("{:.0f} + {:.0f}".format(*row["bytes"][name]) for name in _OPERATIONS)]
+                for row in rows
+            ],
+        ),
+        Table(
+            "What a read gives when one bit of the answer is flipped, what the next read gives, and what a "
+            "read "
+            "does when the device answers no more.",
+            ["client", "a flipped bit", "the read after it", "a frozen device"],
+            [
+                [row["name"], *(_outcome(row[name]) for name in ("flipped", "after", "frozen"))]
+                for row in rows
+            ],
+        ),
+    ]
+
+
+def _outcome(told: dict[str, Any]) -> str:
+    if told["outcome"] == "right":
+        return "the right value"
+    what = f"{told['outcome']}: {told['detail']}".replace("|", "/")
+    return what if told["outcome"] != "error" else f"{what} ({told['time_s']:.2g} s)"
+
+
+def ros(measured: dict[str, Any]) -> list[Block]:
+    """Return the rates, and what could not be measured."""
+    table = Table(
+        "A single integer on a topic, sent as fast as it goes: messages a second of our node with the twin "
+        "behind it, and of a bare publisher or subscriber in the same run.",
+        ["topic", "paper", "our node", "bare", "share"],
+        [
+            [
+                row["title"].partition(",")[0],
+                "-" if row["paper_hz"] is None else f"{row['paper_hz']:.0f}",
+                f"{row['node_hz']:.0f}",
+                f"{row['bare_hz']:.0f}",
+                f"{row['ratio']:.2f}",
+            ]
+            for row in measured["rows"]
+        ],
+    )
+    missing = [Paragraph(f"Not measured: {name}: {why}") for name, why in measured["failures"].items()]
+    return [*([table] if measured["rows"] else []), *missing]
+
+
+def scaling(measured: dict[str, Any]) -> list[Block]:
+    """Return the cost of a read and of a publish as things grow, and memory over time."""
+    across = {
         "registers": "Processor time of a layer-4 read on this host against the registers in the spec.",
         "links": "The same, in turns over so many links in one process, each to a virtual board of its own.",
     }
-    return [
+    blocks: list[Block] = [
         Table(
             caption,
-            [name, *(str(row["count"]) for row in rows[name])],
-            [["a read", *(value(row["read_s"], "s") for row in rows[name])]],
+            [name, *(str(row["count"]) for row in measured[name])],
+            [["a read", *(value(row["read_s"], "s") for row in measured[name])]],
         )
-        for name, caption in captions.items()
+        for name, caption in across.items()
+    ]
+    cores = sorted({row["cores"] for row in measured["cores"]})
+    links = sorted({row["links"] for row in measured["cores"]})
+    by_place = {(row["cores"], row["links"]): row["read_s"] for row in measured["cores"]}
+    publishing = [(str(row["count"]), row) for row in measured["groups"]]
+    publishing += [("1", row) for row in measured["rates"]]
+    memory = measured["memory"]
+    return [
+        *blocks,
+        Table(
+            "Wall time of that read with the process, boards and all, on one core and on two.",
+            ["links", *map(str, links)],
+            [
+                [f"{number} core{'s' if number > 1 else ''}"]
+                + [value(by_place[number, count], "s") for count in links]
+                for number in cores
+            ],
+        ),
+        Table(
+            "Processor time of the program that layer 4 takes publishes in, the twin being another process.",
+            ["groups", "rate of each", "received", "of a core", "a publish"],
+            [
+                [
+                    name,
+                    f"{row['hz']} Hz",
+                    f"{row['received_hz']:.0f}/s",
+                    f"{100 * row['core']:.2g} %",
+                    value(row["publish_s"], "s"),
+                ]
+                for name, row in publishing
+            ],
+        ),
+        Paragraph(
+            f"Memory: over {0.8 * memory['duration_s']:.0f} s and {memory['publishes']:.0f} publishes the "
+            f"process "
+            f"grew by {memory['grown_bytes'] / 1024:.0f} KiB, from {memory['resident_bytes'] / 2**20:.0f} "
+            f"MiB. "
+            "`unitylink experiments --soak 3600` watches an hour."
+        ),
     ]
 
 

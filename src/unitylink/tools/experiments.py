@@ -19,8 +19,14 @@ from .failure import Failure
     type=click.Path(file_okay=False, path_type=Path),
     help="Where the report goes.",
 )
-@click.option("--quick", is_flag=True, help="Repeat less often.")
-def command(out: Path, quick: bool) -> int:
+@click.option("--quick", is_flag=True, help="Repeat less often; under three minutes.")
+@click.option(
+    "--soak",
+    metavar="SECONDS",
+    type=click.FloatRange(min=1),
+    help="How long memory is watched while publishes come.  [default: 60, with --quick 3]",
+)
+def command(out: Path, quick: bool, soak: float | None) -> int:
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
     Writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own, so
@@ -34,7 +40,8 @@ def command(out: Path, quick: bool) -> int:
     """
     from unitylink.experiments import run_all, write
 
-    results = run_all(quick=quick, say=lambda text: click.echo(text, err=True))
+    soak_s = soak if soak is not None else 3.0 if quick else 60.0
+    results = run_all(quick=quick, soak_s=soak_s, say=lambda text: click.echo(text, err=True))
     try:
         write(out, results)
     except OSError as error:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,9 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
-from unitylink.experiments import pictures, scaling, software_cost, write
+from unitylink.experiments import pictures, report, scaling, software_cost, write
+from unitylink.experiments.claims import CLAIMS
+from unitylink.experiments.document import Heading
 from unitylink.experiments.model_figures import model_figures
 from unitylink.experiments.software_cost import SoftwareCost
 from unitylink.experiments.table_one import CELLS, TEXT
@@ -70,6 +73,15 @@ def test_a_read_by_name_costs_the_same_in_a_large_spec() -> None:
     )
     assert 0 < scaling.registers_s(300, rounds=1, count=5) < 0.1
     assert 0 < scaling.links_s(3, rounds=1, count=6) < 0.1
+    assert scaling.links_wall_s(2, sorted(os.sched_getaffinity(0))[:1], 1, 4) > 0
+
+
+def test_publishes_in_groups_arrive_and_leave_nothing_behind() -> None:
+    told = scaling.publishes(3, 100, 0.3)
+    assert told["received_hz"] > 100 and told["publish_s"] > 0
+    memory = scaling.memory(1.0)
+    assert memory["publishes"] > 1000
+    assert memory["grown_bytes"] < 8 << 20
 
 
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,3 +90,38 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: py
     result = CliRunner().invoke(command, ["--out", str(tmp_path / "file" / "below")])
     assert result.exit_code == 1
     assert "Not a directory" in result.output
+
+
+def test_what_the_readme_claims_has_its_row() -> None:
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    headings = {block.text for block in report(RESULTS) if isinstance(block, Heading)}
+    for claim in CLAIMS:
+        assert " ".join(claim.words.split()) in readme, f"the README does not say {claim.words!r} any more"
+        assert claim.section in headings or (ROOT / claim.section).is_file(), claim.section
+        assert claim.figure(RESULTS)
+
+
+def test_every_bullet_of_the_readme_that_claims_something_is_covered() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    section = readme.partition("## Now with your board")[2].partition("\n## ")[0]
+    bullets = [" ".join(part.split()) for part in section.split("\n- ")[1:]]
+    covered = [" ".join(claim.words.split()) for claim in CLAIMS]
+    told_how = ("The device tells its widths", "`unitylink generate SPEC --only vhdl`")  # no claim of quality
+    missing = [
+        bullet
+        for bullet in bullets
+        if not bullet.startswith(told_how) and not any(words in bullet for words in covered)
+    ]
+    assert missing == [], "give each a row in experiments/claims.py"
+
+
+def test_what_was_not_measured_is_said(tmp_path: Path) -> None:
+    absent = "ROS 1 is not here: tools/setup.sh ros installs it on Debian"
+    results = {
+        **RESULTS,
+        "peers": {"rows": [], "failure": "no index"},
+        "ros": {"rows": [], "failures": {"ros1-out": absent}},
+    }
+    write(tmp_path, results)
+    page = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "Not measured: no index" in page and f"Not measured: ros1-out: {absent}" in page

@@ -33,6 +33,10 @@ def native(checkout: Path, name: str) -> Path:
     return path
 
 
+class Silence(BenchError):
+    """A process gave no answer in time."""
+
+
 class Process:
     """A process that answers lines with lines; it ends when its standard input does.
 
@@ -55,18 +59,18 @@ class Process:
         except OSError as error:
             raise BenchError(f"{self.name} did not start: {error}") from error
 
-    def line(self) -> str:
-        """Return the next line the process prints."""
+    def line(self, patience_s: float = PATIENCE_S) -> str:
+        """Return the next line the process prints; Silence after `patience_s`."""
         assert self._process.stdout is not None
-        ready, _, _ = select.select([self._process.stdout], [], [], PATIENCE_S)
+        ready, _, _ = select.select([self._process.stdout], [], [], patience_s)
         if not ready:
-            raise BenchError(f"{self.name} said nothing for {PATIENCE_S:.0f} s")
+            raise Silence(f"{self.name} said nothing for {patience_s:.0f} s")
         text = self._process.stdout.readline()
         if not text:
             raise BenchError(f"{self.name} ended early: {self._last_words()}")
         return text.strip()
 
-    def ask(self, text: str) -> str:
+    def ask(self, text: str, patience_s: float = PATIENCE_S) -> str:
         """Send a line, return the answer."""
         assert self._process.stdin is not None
         try:
@@ -74,7 +78,7 @@ class Process:
             self._process.stdin.flush()
         except BrokenPipeError:
             raise BenchError(f"{self.name} ended early: {self._last_words()}") from None
-        return self.line()
+        return self.line(patience_s)
 
     def series(self, text: str) -> list[int]:
         """Send a line, return the answer's whole numbers."""

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Others on the same kind of wire, in the same run: LiteX's clients and a plain pyserial script, beside ours.
+
+Each has an instant device of its own in another process, behind a pty: ours and the script the twin, LiteX
+its protocol's far end (`bench/native/bench_uartbone.cpp`). For the bytes and the faults `wire.py` stands
+between. LiteX is its released package in an environment of its own.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from statistics import median, quantiles
+from typing import Any, Protocol
+
+from unitylink.errors import LinkError
+from unitylink.tools.bench import litex
+from unitylink.tools.bench.board import ADDRESS, FIRST_VALUE
+from unitylink.tools.bench.figure import BenchError, Run
+from unitylink.tools.bench.programs import Process, Silence, native, twin
+from unitylink.tools.bench.timing import times
+
+OPERATIONS = ("read", "write", "block", "cycle")
+BLOCK = litex.BLOCK_WORDS
+READS = [0x300 + 7 * n for n in range(18)]
+WRITES = [0x200 + 5 * n for n in range(18)]
+EXPECTED = FIRST_VALUE + ADDRESS
+OURS = {
+    "Unity-Link, framed": "protocol=framed",
+    "Unity-Link, classic": "protocol=classic",
+    "Unity-Link, classic, CRC": "protocol=classic&crc=1",
+}
+THEIRS = {
+    "pyserial script, classic": "script",
+    "LiteX CommUART": "uart",
+    "LiteX RemoteClient, litex_server": "server",
+}
+PATIENCE_S = 3.0  # for a read of a device that is frozen
+_SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
+
+
+class Peer(Protocol):
+    """One way to reach a device."""
+
+    def series(self, operation: str, count: int) -> Sequence[int]: ...  # ns of each call
+    def attempt(self) -> str: ...  # reads once: the number, or the error; Silence if it never ends
+
+
+class Ours:
+    """A link of ours."""
+
+    def __init__(self, link: Any) -> None:
+        self._link = link
+        self._group = link.exchange_group(writes=WRITES, reads=READS)
+        self._number = 0
+
+    def series(self, operation: str, count: int) -> Sequence[int]:
+        return times(getattr(self, operation), count)
+
+    def attempt(self) -> str:
+        try:
+            return str(self.read())
+        except LinkError as error:
+            return f"{type(error).__name__}: {error}"
+
+    def read(self) -> int:
+        value: int = self._link.read(ADDRESS)
+        return value
+
+    def write(self) -> None:
+        self._number += 1
+        self._link.write(WRITES[0], self._number)
+
+    def block(self) -> list[int]:
+        words: list[int] = self._link.read_many(range(ADDRESS, ADDRESS + BLOCK)).tolist()
+        return words
+
+    def cycle(self) -> list[int]:
+        self._number += 1
+        words: list[int] = list(self._group.exchange([self._number] * len(WRITES)))
+        return words
+
+    def check(self) -> None:
+        """Raise BenchError unless every operation does what it should."""
+        self.write()
+        if (
+            self._link.read(WRITES[0]) != self._number
+            or self.block() != [FIRST_VALUE + n for n in range(ADDRESS, ADDRESS + BLOCK)]
+            or self.cycle() != [FIRST_VALUE + n for n in READS]
+            or self._link.read(WRITES[-1]) != self._number
+        ):
+            raise BenchError("the twin does not hold what was put there")
+
+
+class Theirs:
+    """Another's client, in a process."""
+
+    def __init__(self, process: Process) -> None:
+        self._process = process
+        process.line()  # it is ready
+
+    def series(self, operation: str, count: int) -> Sequence[int]:
+        return self._process.series(f"times {operation} {count}")
+
+    def attempt(self) -> str:
+        return self._process.ask("try", PATIENCE_S)
+
+
+@contextmanager
+def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, Process | None]]:
+    """Start a device and what reads it; with `spoiled` a wire stands between, which is given too."""
+    from unitylink import connect
+
+    with ExitStack() as stack:
+        if name in OURS or THEIRS[name] == "script":
+            board = twin("pty", read_many=BLOCK, clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES)
+            path = stack.enter_context(board).line().partition(":")[2].partition("?")[0]
+        else:
+            path = stack.enter_context(Process([native(run.checkout, "bench_uartbone")])).line()
+        wire = None
+        if spoiled:
+            wire = stack.enter_context(Process([sys.executable, "-m", "unitylink.experiments.wire", path]))
+            path = wire.line()
+        if name in OURS:
+            link = connect(f"serial:{path}?fifo={litex.FIFO_BYTES}&{OURS[name]}")
+            ours = Ours(stack.enter_context(link))
+            ours.check()
+            yield ours, wire
+        else:
+            script = run.checkout / "bench" / "litex" / "peer.py"
+            command: list[str | Path] = [litex.environment(run), script, THEIRS[name], path]
+            yield Theirs(stack.enter_context(Process(command))), wire
+
+
+def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
+    """Return a row for each peer: times, bytes, and what it makes of a frozen device and a flipped bit."""
+    names = (*OURS, *THEIRS)
+    taken: dict[str, dict[str, list[Sequence[int]]]] = {
+        name: {operation: [] for operation in OPERATIONS} for name in names
+    }
+    with ExitStack() as stack:
+        peers = {name: stack.enter_context(peer(run, name))[0] for name in names}
+        for number in range(-1, rounds):
+            for name, one in peers.items():
+                for operation in OPERATIONS:
+                    series = one.series(operation, max(2, round(count * _SPAN[operation])))
+                    if number >= 0:  # the first makes it warm
+                        taken[name][operation].append(series)
+    rows = []
+    for name in names:
+        run.say(f"peers: {name}, bytes and faults")
+        figures = {each: _figures(taken[name][each], taken[names[0]][each]) for each in OPERATIONS}
+        rows.append({"name": name, **figures, **spoiled(run, name)})
+    return rows
+
+
+def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) -> dict[str, float]:
+    """Return the times of all rounds, and their ratio to those of the first peer, taken within each round."""
+    every = [time_ns for series in rounds for time_ns in series]
+    return {
+        "p50_s": median(every) * 1e-9,
+        "p99_s": quantiles(every, n=100)[-1] * 1e-9,
+        "ratio": median(median(a) / median(b) for a, b in zip(rounds, first, strict=True)),
+    }
+
+
+def spoiled(run: Run, name: str) -> dict[str, Any]:
+    """Return the bytes of each operation, and what a read gives on a flipped bit and on a frozen device."""
+    with peer(run, name, spoiled=True) as (one, wire):
+        assert wire is not None
+        one.series("read", 2)
+        wire.ask("bytes")
+        counted = {}
+        for operation in OPERATIONS:
+            calls = 2
+            one.series(operation, calls)
+            counted[operation] = [int(part) / calls for part in wire.ask("bytes").split()]
+        wire.ask("flip")
+        flipped = _attempt(one)
+        after = _attempt(one)
+        wire.ask("freeze")
+        frozen = _attempt(one)
+        return {"bytes": counted, "flipped": flipped, "after": after, "frozen": frozen}
+
+
+def _attempt(one: Peer) -> dict[str, Any]:
+    """Read once: what came of it, and how long that took."""
+    start = time.perf_counter()
+    try:
+        said = one.attempt()
+    except Silence:
+        return {"outcome": "hangs", "detail": f"no answer after {PATIENCE_S:g} s", "time_s": PATIENCE_S}
+    taken_s = time.perf_counter() - start
+    if said == str(EXPECTED):
+        return {"outcome": "right", "detail": "", "time_s": taken_s}
+    if said.isdecimal():
+        return {"outcome": "wrong, unnoticed", "detail": f"{int(said):#x}", "time_s": taken_s}
+    return {"outcome": "error", "detail": said, "time_s": taken_s}

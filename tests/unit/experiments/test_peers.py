@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The wire before a device counts and spoils. Ours is tried on it here; LiteX by `make experiments`."""
+
+from __future__ import annotations
+
+import os
+import pty
+import tty
+from pathlib import Path
+
+import pytest
+
+from unitylink.experiments import peers
+from unitylink.experiments.wire import Wire
+from unitylink.tools.bench.figure import Run
+
+HERE = Run(True, Path(), lambda text: None)
+
+
+def test_a_wire_carries_counts_flips_and_freezes() -> None:
+    (host, program), (device, board) = pty.openpty(), pty.openpty()
+    for end in (program, board):
+        tty.setraw(end)
+    wire = Wire(host, device)
+    os.write(program, b"#R:12\n")
+    wire.from_host()
+    assert os.read(board, 99) == b"#R:12\n"
+    for command, came in (("thaw", b"abc"), ("flip", b"acc"), ("thaw", b"abc")):
+        assert wire.obey(command) == "ok"
+        os.write(board, b"abc")
+        wire.from_device()
+        assert os.read(program, 99) == came
+    assert wire.obey("bytes") == "6 9" and wire.obey("bytes") == "0 0"
+    wire.obey("freeze")
+    os.write(board, b"abc")
+    wire.from_device()
+    assert wire.obey("bytes") == "0 0"
+    assert wire.obey("melt") == "no command 'melt'"
+    for end in (host, program, device, board):
+        os.close(end)
+
+
+@pytest.mark.parametrize(
+    ("name", "flipped"), [("Unity-Link, framed", "right"), ("Unity-Link, classic", "wrong, unnoticed")]
+)
+def test_a_checksum_makes_the_difference(name: str, flipped: str) -> None:
+    row = peers.spoiled(HERE, name)
+    assert row["flipped"]["outcome"] == flipped
+    assert row["after"]["outcome"] == "right"
+    assert row["frozen"]["outcome"] == "error" and "LinkTimeout" in row["frozen"]["detail"]
+    assert row["bytes"]["read"] == ([10, 14] if "framed" in name else [8, 14])
+
+
+def test_what_is_not_here_is_told(tmp_path: Path) -> None:
+    from unitylink.experiments.results import _measured
+    from unitylink.experiments.tables import peers as table
+    from unitylink.tools.bench.programs import native
+
+    told = _measured(lambda: [{"path": str(native(tmp_path, "bench_uartbone"))}])
+    assert told["rows"] == [] and "make bench" in told["failure"]
+    assert "Not measured: " in str(table(told)[0])
