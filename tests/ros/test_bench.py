@@ -8,9 +8,9 @@ import pytest
 from unitylink.tools.bench import run
 
 
-@pytest.mark.parametrize("name", ["ros1-out", "dds-in"])
-def test_figure_yields_a_number(name: str) -> None:
+@pytest.mark.parametrize(("name", "of"), [("ros1-out", "messages/s"), ("dds-delay", "us")])
+def test_figure_yields_a_number(name: str, of: str) -> None:
     report = run(only=[name], quick=True, say=lambda message: None)
     assert not report.failures
     (figure,) = report.figures
-    assert figure.measured > 0 and figure.details["bare messages/s"] > 0
+    assert figure.details[f"node {of}"] > 0 and figure.details[f"bare {of}"] > 0

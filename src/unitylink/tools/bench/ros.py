@@ -129,6 +129,40 @@ def measure_dds_in(run: Run) -> Figure:
     )
 
 
+def delay_us(run: Run, command: list[str], giver: str) -> float:
+    """Return the median time in which what a giver publishes arrives."""
+    with Process([*command, "pong"]) as taking, Process([*command, giver]) as giving:
+        taking.line()
+        giving.line()
+        for _ in range(100):  # until they have found each other
+            count, *_ = taking.ask("0.1").split()
+            if int(count) > 20:
+                return float(taking.ask("0.3" if run.quick else "1.5").split()[3])
+    raise BenchError(f"nothing came from {giver}")
+
+
+def _added(run: Run, name: str, title: str, which: str) -> Figure:
+    with plane(run, which) as command:
+        pairs = [
+            (delay_us(run, command, "bare-ping"), delay_us(run, command, "node-ping"))
+            for _ in range(run.rounds(3))
+        ]
+    added = sorted(ours - bare for bare, ours in pairs)
+    bare, ours = (median(column) for column in zip(*pairs, strict=True))
+    details = {"node us": ours, "bare us": bare, "lowest us": added[0], "highest us": added[-1]}
+    return Figure(name, title, 100, True, median(added), "us", details)
+
+
+def measure_ros1_delay(run: Run) -> Figure:
+    """Measure by how much later than from a bare publisher an event of the FPGA arrives."""
+    return _added(run, "ros1-delay", "FPGA -> rospy, later than from a bare publisher, median", "ros1")
+
+
+def measure_dds_delay(run: Run) -> Figure:
+    """Measure the same on DDS."""
+    return _added(run, "dds-delay", "FPGA -> DDS, later than from a bare writer, median", "dds")
+
+
 def measure_joints(run: Run) -> Figure:
     """Measure 18 joints at 1 kHz both ways on DDS: the node's share of a core, twin and all."""
     with plane(run, "dds") as command, Process([*command, "joints-sink"]) as sink:

@@ -4,7 +4,8 @@
 PLANE is ros1 or dds. A line on standard input asks for a window of so many seconds; the answer is what was
 counted in it: "COUNT SECONDS CPU_SECONDS". `bare-out` and `source` publish as fast as they can,
 `joints-source` 1000 a second, all the time; `node-out`, `node-in` and `joints` are nodes, the twin in their
-process.
+process. `bare-ping` publishes what time it is 500 times a second, `node-ping` has the gateware publish it;
+`pong` answers with the median delay in us, too.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from statistics import median
 from typing import Any
 
 from unitylink.layer2_message import Link
@@ -32,6 +34,8 @@ WORDS = """public bench() {
    @ros(queue=4096) @out = 0x0: i32 READ(PUBLISH(1,1));
    @in = 0x1: i32 WRITE();
 }"""
+PING = "public bench() { @out = 0x0: u32 READ(PUBLISH(on tick)); }"
+PING_S = 0.002
 JOINTS = """public bench() { j[18]: joint() @ (0x10+i*2, 0x11+i*2); }
 joint(): @ (p,s) { @p: i16 READ(UNIT="rad", SCALE=0.001, PUBLISH(1,1));
                    @s: i16 WRITE(UNIT="rad", SCALE=0.001); }"""
@@ -58,8 +62,8 @@ def plane_of(name: str, interface: Interface) -> Any:
     return DdsPlane(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
 
 
-def node(plane: Any, spec: Spec, base_hz: int) -> RobotNode:
-    """Return a node with the twin in this process, connected."""
+def node(plane: Any, spec: Spec, base_hz: int) -> tuple[RobotNode, Board]:
+    """Return a node, connected, and the twin in this process."""
     board = Board(spec, configuration=BoardConfiguration.for_spec(spec, base_hz=base_hz, baud_hz=50_000_000))
 
     def build(link: Link) -> Node:
@@ -69,7 +73,27 @@ def node(plane: Any, spec: Spec, base_hz: int) -> RobotNode:
         plan_interface(spec, standard=True), plane, lambda: Link(board.url), build, services=False
     )
     made.keeper.up.wait(30)
-    return made
+    return made, board
+
+
+def now_us() -> int:
+    """Return the time by a clock that all processes share, as what a word holds."""
+    return time.monotonic_ns() // 1000 & 0xFFFFFFFF
+
+
+def every(period_s: float, act: Callable[[], None]) -> None:
+    """Do something again and again, in a thread of its own."""
+
+    def run() -> None:
+        due = time.perf_counter()
+        while True:
+            due = max(
+                due + period_s, time.perf_counter() - 0.1
+            )  # what was missed for long is not made up for
+            time.sleep(max(0.0, due - time.perf_counter()))
+            act()
+
+    threading.Thread(target=run, daemon=True).start()
 
 
 def main() -> None:
@@ -78,7 +102,8 @@ def main() -> None:
     os.dup2(2, 1)  # rospy logs to stdout
     name, role = sys.argv[1:3]
     joints = role.startswith("joints")
-    spec = spec_of(JOINTS if joints else WORDS)
+    timed = role in ("bare-ping", "node-ping", "pong")
+    spec = spec_of(JOINTS if joints else PING if timed else WORDS)
     interface = plan_interface(spec, standard=True)
     plane = plane_of(name, interface)
     counted, advertise = [0], plane.advertise
@@ -98,7 +123,25 @@ def main() -> None:
         counted[0] += 1
 
     read: Callable[[], int] = lambda: counted[0]  # noqa: E731
-    if role in ("bare-out", "source", "joints-source"):
+    delays_us: list[int] = []
+    if role == "pong":
+        plane.subscribe(
+            interface.published[0], lambda m: delays_us.append(now_us() - m.data & 0xFFFFFFFF), depth=10
+        )
+        read = lambda: len(delays_us)  # noqa: E731
+    elif role == "bare-ping":
+        topic = interface.published[0]
+        port, make = advertise(topic), plane.maker(topic.type, ("data",))
+        every(PING_S, lambda: port.send(make(now_us())))
+    elif role == "node-ping":
+        _, board = node(plane, spec, 1000)
+
+        def ping() -> None:
+            board.registers[0x0] = now_us()
+            board.event("tick")
+
+        every(PING_S, ping)
+    elif role in ("bare-out", "source", "joints-source"):
         topic = {"bare-out": OUT, "source": IN, "joints-source": interface.commanded[-1]}[role]
         threading.Thread(target=_flood, args=(plane, topic, joints), daemon=True).start()
     elif role in ("sink", "bare-in"):
@@ -106,7 +149,7 @@ def main() -> None:
     elif role == "joints-sink":
         plane.subscribe(interface.published[-1], count, depth=4096)
     else:
-        made = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
+        made, _ = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
         if role != "node-out":  # of which is counted what it sends
             read = lambda: made.accepted  # noqa: E731
     if name == "dds":
@@ -116,7 +159,8 @@ def main() -> None:
         before, wall, cpu = read(), time.perf_counter(), time.process_time()
         time.sleep(float(line))
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        print(read() - before, wall, cpu, file=answers, flush=True)
+        told = (median(delays_us[before:] or [0]),) if role == "pong" else ()
+        print(read() - before, wall, cpu, *told, file=answers, flush=True)
     os._exit(0)
 
 
