@@ -21,12 +21,8 @@ from unitylink.protocol import (
     TOSNET_REGISTER_SHIFT,
 )
 from unitylink.safe_words import safe_words
-from unitylink.spec.model import Instance, Spec
+from unitylink.spec.model import LINES, PHYSICAL_LAYERS, SEND_IMMEDIATE, Instance, Link, Spec
 from unitylink.wire_hash import wire_hash
-
-PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi", "rs485")  # gateware/physical
-LINES = ("uart", "rs485")  # those that have a baud rate
-SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg
 
 
 @dataclass(frozen=True)
@@ -250,15 +246,24 @@ def _link_of(spec: Spec) -> dict[str, Any]:
     links = {device.link for device in spec.devices}
     if not links:
         return {}
-    told = {(link.data_bits, link.address_bits, link.base_hz) for link in links}
+    told = {_told(link) for link in links}
     if len(told) > 1:
         raise ValueRangeError(
             f"the spec has devices with different links ({', '.join(sorted(link.name for link in links))}); "
             "a board has one: put each into a spec of its own"
         )
-    data_bits, address_bits, base_hz = told.pop()
-    said = {"data_bits": data_bits, "base_hz": base_hz}
-    return said if address_bits is None else {**said, "address_bits": address_bits}
+    return {key: value for key, value in told.pop() if value is not None}
+
+
+def _told(link: Link) -> tuple[tuple[str, Any], ...]:
+    keys = ("data_bits", "address_bits", "base_hz", "physical", "send_immediate", "node")
+    return tuple((key, getattr(link, key)) for key in keys)
+
+
+def told_physical(spec: Spec) -> str | None:
+    """Return the physical layer that the links of the spec name, None where they name none or several."""
+    told = {device.link.physical for device in spec.devices}
+    return told.pop() if len(told) == 1 else None
 
 
 def _publishing_of(spec: Spec) -> dict[str, Any]:

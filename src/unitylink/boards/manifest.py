@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from unitylink.board_configuration import SEND_IMMEDIATE, BoardConfiguration
+from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
-from unitylink.spec.model import Spec
+from unitylink.spec.model import SEND_IMMEDIATE, Spec
 from unitylink.spec.suggest import nearest
 
 if sys.version_info >= (3, 11):
@@ -75,11 +75,20 @@ class Board:
         return ((self.clock_pin, True), *line)
 
     def configuration(self, spec: Spec) -> BoardConfiguration:
-        """Return the gateware that `spec` asks for, on this board's physical layer."""
+        """Return the gateware that `spec` asks for, on this board's link; raise BoardError for another."""
+        told = told_physical(spec)
+        if told is not None and told != self.physical:
+            raise BoardError(
+                f"{self.name}: its link is {self.physical}, and the spec says PHYSICAL={told}: take another "
+                "board, or remove PHYSICAL from the spec's link"
+            )
         if self.physical == "uart":
             return BoardConfiguration.for_spec(spec, protocol="classic")
         return BoardConfiguration.for_spec(
-            spec, protocol="classic", physical=self.physical, send_immediate=self.send_immediate
+            spec,
+            protocol="classic",
+            physical=self.physical,
+            send_immediate=next((link.send_immediate for link in spec.links), None) or self.send_immediate,
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from urllib.parse import parse_qsl, quote, urlencode
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.spec import load
 from unitylink.spec.model import Spec
@@ -58,15 +58,18 @@ def simulated_board(url: str) -> tuple[Board, str]:
                 generics[_BOARD_ONLY.get(option, option)] = int(text.split(",")[0], 0)
             except ValueError as error:
                 raise UrlError(f"{url!r}: {option}={text} is not a whole number") from error
-    if kind == "rtl" and generics.get("physical") == "spi":
-        raise UrlError(
-            f"{url!r}: an SPI slave speaks only when it is clocked, and an rtl: link does not clock it; "
-            "leave physical= out, or use RtlBoard and a spi: link (docs/spi.md)"
-        )
     try:
         spec = load(path)
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    physical = generics.get("physical", told_physical(spec))
+    if kind == "rtl" and physical == "spi":
+        raise UrlError(
+            f"{url!r}: an SPI slave speaks only when it is clocked, and an rtl: link does not clock it; "
+            "say physical=uart, or use RtlBoard and a spi: link (docs/spi.md)"
+        )
+    if physical == "rs485":  # no classic text goes over a pair
+        options.setdefault("protocol", "framed")
     options.setdefault("timeout", _TIMEOUT_S)
     root = options.pop("root", None)
     if root is not None:

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from ..protocol import ADDRESS_BITS_MAX, DATA_BITS_MAX, DATA_BITS_MIN
 from .diagnostics import Advice, Reporter
 from .evaluate import Evaluator, Value
 from .limits import check_limits, read_facts
+from .link_reader import LinkReader
 from .model import Link
 from .notes import annotations_of
 from .syntax import (
@@ -23,7 +23,6 @@ from .syntax import (
 )
 from .type_names import TypeNames, names_of
 from .types import EnumType, EnumValue, Field, ValueType
-from .units import UNITS
 
 _WHAT: dict[type[DeclarationNode], str] = {
     ConstantNode: "constant",
@@ -32,7 +31,6 @@ _WHAT: dict[type[DeclarationNode], str] = {
     LinkNode: "link",
 }
 _NOTHING: dict[str, Value] = {}
-_BAUD_MAX = 100_000_000
 
 
 class Declared:
@@ -43,7 +41,6 @@ class Declared:
         self.constants: dict[str, Value] = {}
         self.enums: dict[str, EnumType] = {}
         self.bits: dict[str, ValueType] = {}
-        self.links: dict[str, Link] = {}
         self.lost = set(program.lost)
         self.used: set[str] = set()  # names of types and constants that something uses
         self.evaluator = Evaluator(reporter, self.constants)
@@ -59,9 +56,10 @@ class Declared:
         for node in self.nodes:
             if isinstance(node, BitsNode):
                 self._bits(node)
-        for node in self.nodes:
-            if isinstance(node, LinkNode):
-                self._link(node)
+        reader = LinkReader(self.evaluator, self.known)
+        self.links: dict[str, Link] = {
+            node.name.text: reader.read(node) for node in self.nodes if isinstance(node, LinkNode)
+        }
 
     def _once(self, node: DeclarationNode) -> bool:
         what = _WHAT[type(node)]
@@ -235,40 +233,3 @@ class Declared:
             facts.minimum,
             facts.maximum,
         )
-
-    # --- links ----------------------------------------------------------------------------------------------
-
-    def _link(self, node: LinkNode) -> None:
-        given: dict[str, int] = {}
-        for one in node.properties:
-            assert one.argument is not None  # all of them have a value
-            if not self.known(one.argument):
-                continue
-            if one.key in ("BASE_RATE", "BAUD"):
-                value = self._frequency(one.argument, one.key)
-            else:
-                low, high = (DATA_BITS_MIN, DATA_BITS_MAX) if one.key == "DATA" else (1, ADDRESS_BITS_MAX)
-                value = self.integer(one.argument, f"{one.key} (in bits)", low, high)
-            if value is not None:
-                given[one.key] = value
-        default = Link(node.name.text)
-        self.links[node.name.text] = Link(
-            node.name.text,
-            given.get("DATA", default.data_bits),
-            given.get("ADDRESS", default.address_bits),
-            given.get("BASE_RATE", default.base_hz),
-            given.get("BAUD", default.baud_hz),
-            tuple(given),
-            node.notes.documentation,
-        )
-
-    def _frequency(self, node: Expression, what: str) -> int | None:
-        value = self.evaluator.quantity(node, _NOTHING, what, UNITS["Hz"])
-        if value is None:
-            return None
-        if isinstance(value, int) and 1 <= value <= _BAUD_MAX:
-            return value
-        message = f"{what} is {float(value):g} Hz"
-        hint = f"it is a whole number of Hz from 1 to {_BAUD_MAX:,}"
-        self.reporter.report("UL049", node.start, node.end, message, hint)
-        return None

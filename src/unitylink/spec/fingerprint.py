@@ -28,7 +28,8 @@ def fingerprint(roots: tuple[Instance, ...], links: tuple[Link, ...] = ()) -> st
 
 
 def _link(link: Link) -> str:
-    return f"{link.name} {link.data_bits} {link.address_bits} {link.base_hz} {link.baud_hz}"
+    more = f" {link.physical} {link.send_immediate} {link.node}" if link.physical else ""
+    return f"{link.name} {link.data_bits} {link.address_bits} {link.base_hz} {link.baud_hz}{more}"
 
 
 def _lines(instance: Instance) -> Iterator[str]:

@@ -203,10 +203,16 @@ class Instance:
 Member = Union[Instance, Element, Group]
 
 
+PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi", "rs485")  # gateware/physical
+LINES = ("uart", "rs485")  # those that have a baud rate
+SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg, of an FT245
+
+
 @dataclass(frozen=True)
 class Link:
-    """A link as declared: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000);`.
+    """A link as declared: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000, PHYSICAL=uart);`.
 
+    `physical` is one of PHYSICAL_LAYERS; `send_immediate` belongs to the FT245 ones, `node` to rs485.
     `stated` are the properties which the spec gives; the others are defaults, None where there is no default.
     """
 
@@ -217,6 +223,9 @@ class Link:
     baud_hz: int | None = None
     stated: tuple[str, ...] = ()
     documentation: str = ""
+    physical: str | None = None  # else whatever the board has, or a UART
+    send_immediate: str | None = None
+    node: int | None = None
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ LINK_KIND_PROPERTIES = {
 }
 FIELD_PROPERTIES = ("UNIT", "SCALE", "OFFSET", "MIN", "MAX")
 ELEMENT_PROPERTIES = ("ID", "CRC", "PUBLISH", *FIELD_PROPERTIES, "OVERFLOW", "INITIAL", "SAFE")
-LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD")
+LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD", "PHYSICAL", "SEND_IMMEDIATE", "NODE")
 
 _EXPECTED = {"ID": "a string or a parameter", "UNIT": 'a unit such as "rad"'}
 _NAMED = {
@@ -22,6 +22,8 @@ _NAMED = {
     "COMM": "a parameter of the constructor",
     "LINK": "the name of a link",
     "OVERFLOW": "error or saturate",
+    "PHYSICAL": "a physical layer such as uart",
+    "SEND_IMMEDIATE": "never, publishes, replies or both",
 }
 
 

@@ -57,7 +57,7 @@ def command(
       unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate arm.ul --out . --check
     """
-    from unitylink.board_configuration import BoardConfiguration
+    from unitylink.board_configuration import BoardConfiguration, told_physical
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
     from unitylink.spec import load
 
@@ -72,7 +72,7 @@ def command(
     if chosen and "vhdl" not in artefacts:
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     spec = load(spec_file)
-    speaks = "framed" if physical == "rs485" else "classic"
+    speaks = "framed" if (physical or told_physical(spec)) == "rs485" else "classic"
     configuration = BoardConfiguration.for_spec(spec, **{"protocol": speaks, **chosen}) if chosen else None
     if check:
         problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]

@@ -13,6 +13,7 @@ from unitylink.boards.flash import PACKAGES
 from unitylink.boards.manifest import ROLES
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
+from unitylink.spec import load
 
 GOOD = (resource_folder("boards") / "icebreaker" / "board.toml").read_text(encoding="utf-8")
 
@@ -80,3 +81,13 @@ def test_boards_that_are_not_there() -> None:
     for name in ("", ".", "..", "../gateware"):
         with pytest.raises(BoardError, match="no board is called"):
             load_board(name)
+
+
+def test_a_spec_whose_link_stands_on_something_else(tmp_path: Path) -> None:
+    spec = tmp_path / "lamp.ul"
+    text = "link lamp (PHYSICAL={}); public lamp() {{ @led = 0x10: WRITE(); }}"
+    spec.write_text(text.format("uart"))
+    assert load_board("icebreaker").configuration(load(spec)).physical == "uart"
+    spec.write_text(text.format("spi"))
+    with pytest.raises(BoardError, match="icebreaker: its link is uart, and the spec says PHYSICAL=spi"):
+        load_board("icebreaker").configuration(load(spec))

@@ -138,6 +138,7 @@ COMPLETIONS = {
     "field": ("bits s: u8 { a: u4 @ 3..0 (", {"UNIT", "SCALE"}),
     "link": ("link a (", {"DATA", "BAUD"}),
     "value": ("enum m: u1 { on = 1; }\npublic a() {\n@x = 0x1: m WRITE(INITIAL=", {"on"}),
+    "physical": ("link a (PHYSICAL=", {"rs485", "ft245_sync"}),
     "overflow": ("public a() {\n@x = 0x1: u8 WRITE(OVERFLOW=", {"saturate"}),
     "constant": ("const N = 3;\npublic a() {\n@x[", {"N"}),
     "argument by name": ("j(gear: int = 1) {}\npublic a() {\nx: j(", {"gear="}),

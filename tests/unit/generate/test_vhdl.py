@@ -248,6 +248,19 @@ def test_the_command_makes_a_top_level_on_each_physical_layer(physical: str, tmp
     assert found.exit_code == (1 if "ft245" in physical else 0)
 
 
+def test_the_spec_tells_the_physical_layer(tmp_path: Path) -> None:
+    file = tmp_path / "elbow.ul"
+    file.write_text("link elbow (PHYSICAL=rs485, NODE=7, BAUD=1 MHz); public elbow() { @x = 0x1: READ(); }")
+    made = [str(file), "--out", str(tmp_path), "--only", "vhdl"]
+    assert CliRunner().invoke(command, made).exit_code == 0
+    top = (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
+    assert "rs485_node : positive range 1 to 63 := 7;" in top and "baud_hz    : positive := 1000000;" in top
+    numbers = (tmp_path / "vhdl" / "elbow_config_pkg.vhd").read_text(encoding="utf-8")
+    assert '"framed"' in numbers  # no classic text goes over a pair
+    assert CliRunner().invoke(command, [*made, "--physical", "uart"]).exit_code == 0
+    assert "entity work.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
+
+
 def test_a_physical_layer_is_of_vhdl_only(tmp_path: Path) -> None:
     arguments = [str(SPECS[1]), "--out", str(tmp_path), "--physical"]
     found = CliRunner().invoke(command, [*arguments, "ft245_async"])

@@ -178,6 +178,9 @@ def _link(link: Link) -> dict[str, Any]:
         "address_bits": link.address_bits,
         "base_hz": link.base_hz,
         "baud_hz": link.baud_hz,
+        "physical": link.physical,
+        "send_immediate": link.send_immediate,
+        "node": link.node,
         "documentation": link.documentation,
     }
 

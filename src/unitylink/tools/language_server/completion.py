@@ -16,12 +16,12 @@ from .document import Document
 from .words import (
     ACCESS_WORDS,
     BUILT_IN_TYPES,
+    CHOICES,
     ELEMENT_PROPERTIES,
     FIELD_PROPERTIES,
     LINK_KIND_PROPERTIES,
     LINK_KINDS,
     LINK_PROPERTIES,
-    OVERFLOW,
     TOP,
 )
 
@@ -120,8 +120,8 @@ class _Place:
             properties = FIELD_PROPERTIES if self.in_type else LINK_PROPERTIES
         if properties and last in ("(", ","):
             return _keywords(properties)
-        if property_ == "OVERFLOW":
-            return _keywords(OVERFLOW)
+        if property_ in CHOICES:
+            return _keywords(CHOICES[property_])
         if property_ == "LINK":
             return _symbols(self.symbols.links.values())
         if last not in ("=", "+", "-", "*", "/", "(", "[", ","):

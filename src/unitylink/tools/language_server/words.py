@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from unitylink.spec.cursor import ACCESS_WORDS, LINK_KINDS
+from unitylink.spec.model import PHYSICAL_LAYERS, SEND_IMMEDIATE
 from unitylink.spec.properties import (
     ELEMENT_PROPERTIES,
     FIELD_PROPERTIES,
@@ -13,16 +14,17 @@ from unitylink.spec.properties import (
 from unitylink.spec.type_names import BUILT_IN_TYPES
 
 TOP = ("public", "link", "import", "const", "enum", "open enum", "bits")
-OVERFLOW = ("error", "saturate")
+# Property -> the words of which it is one.
+CHOICES = {"OVERFLOW": ("error", "saturate"), "PHYSICAL": PHYSICAL_LAYERS, "SEND_IMMEDIATE": SEND_IMMEDIATE}
 
 __all__ = [
     "ACCESS_WORDS",
     "BUILT_IN_TYPES",
+    "CHOICES",
     "ELEMENT_PROPERTIES",
     "FIELD_PROPERTIES",
     "LINK_KINDS",
     "LINK_KIND_PROPERTIES",
     "LINK_PROPERTIES",
-    "OVERFLOW",
     "TOP",
 ]
