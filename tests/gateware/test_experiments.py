@@ -25,6 +25,7 @@ from unitylink.experiments.gateware import CLASSIC, FRAMED, FramedGateware
 from unitylink.experiments.level_one import figures
 from unitylink.experiments.link_parameters import FT245_ASYNC, LINKS
 from unitylink.experiments.low_level import read_burst, synchronous_s, write_burst
+from unitylink.experiments.publish_delay import publish_delay
 from unitylink.experiments.virtual_link import VirtualLink
 
 PAGES = Path(__file__).resolve().parents[2] / "docs" / "gateware"
@@ -84,3 +85,10 @@ def test_a_read_takes_a_microframe_or_two_whatever_is_spoken() -> None:
     held = replace(FT245_ASYNC, send_immediate="all")
     assert synchronous_s(held, framed_read(), gateware=FRAMED, count=3) == pytest.approx(250e-6)
     assert read_burst(FT245_ASYNC, 32, gateware=FRAMED).stamped_hz > 0.5 * 8 / FT245_ASYNC.byte_s
+
+
+@pytest.mark.parametrize("gateware", [CLASSIC, FRAMED])
+def test_publishes_of_the_compiled_gateware_come_through_the_chip(gateware: str) -> None:
+    told = publish_delay(FT245_ASYNC, gateware, "publishes")
+    assert told.publishes > 20
+    assert told.most_s < 260e-6

@@ -16,12 +16,14 @@ from unitylink.errors import UnityLinkError
 from .exchange import EPOCH, SPEC, frame, plain_client
 
 CLOCK_HZ = 50_000_000
+BASE_HZ = 961  # of publishing: every publish at another place within a microframe
 FIFO_LATENCY = 2  # clocks through the FIFO of each way
 _LARGE = 1 << 16  # bytes: what fifo 0 means
 _IN_FLIGHT_CLOCKS = 16  # from the word a byte comes of
 _QUIET_CLOCKS = (
     2500  # longer than any answer of ours takes to begin, or pauses: a list of 60 words takes 1700
 )
+_LOOK_CLOCKS = 20  # how late the first byte of a publish may be seen
 _START_UP_CLOCKS = 1000  # tables are cleared behind a reset
 _OPENING_CLOCKS = 20_000
 
@@ -109,9 +111,15 @@ class Gateware2012(Gateware):
     ([57], 14)
     """
 
-    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
+    def __init__(self, *, fifo: int = 256, watch: int | None = None, publishing: bool = False) -> None:
         self._twin = _native.Device(
-            BoardConfiguration(fifo=fifo, fifo_latency=FIFO_LATENCY, clock_hz=CLOCK_HZ, protocol="classic")
+            BoardConfiguration(
+                fifo=fifo,
+                fifo_latency=FIFO_LATENCY,
+                clock_hz=CLOCK_HZ,
+                base_hz=BASE_HZ,
+                protocol="classic",
+            )
         )
         super().__init__(self._twin, fifo=fifo, watch=watch)
 
@@ -125,11 +133,12 @@ class Gateware2012(Gateware):
 class OurGateware(Gateware):
     """Our gateware: the VHDL that is generated for SPEC, compiled; needs GHDL and Verilator the first time.
 
-    ToolError where they are missing.
+    With `publishing` it does not stand still when nothing comes. ToolError where they are missing.
     """
 
-    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
+    def __init__(self, *, fifo: int = 256, watch: int | None = None, publishing: bool = False) -> None:
         configuration, model = _compiled(fifo)
+        self._publishing = publishing
         self._rtl = _native.RtlDevice(configuration, model)
         self._rtl.run_until(_START_UP_CLOCKS)
         self._quiet_at = 0
@@ -143,7 +152,9 @@ class OurGateware(Gateware):
         self.peak = 0
 
     def _due(self) -> int | None:
-        return self._rtl.clock + 1 if self._rtl.clock < self._quiet_at else None
+        if self._rtl.clock < self._quiet_at:
+            return self._rtl.clock + 1
+        return self._rtl.clock + _LOOK_CLOCKS if self._publishing else None
 
     def receive(self, byte: int) -> bool:
         self._quiet_at = self._rtl.clock + _QUIET_CLOCKS
@@ -165,8 +176,8 @@ class FramedGateware(OurGateware):
     terminator = 0x00
     publish_heads = bytes([p.DEVICE_KIND_PUBLISH])
 
-    def __init__(self, *, fifo: int = 256, watch: int | None = None) -> None:
-        super().__init__(fifo=fifo, watch=watch)
+    def __init__(self, *, fifo: int = 256, watch: int | None = None, publishing: bool = False) -> None:
+        super().__init__(fifo=fifo, watch=watch, publishing=publishing)
         told = self._ask(p.REQUEST_KIND_HELLO, bytes([1, 1]), p.DEVICE_KIND_HELLO)
         opening = told[1:3] + EPOCH.to_bytes(2, "big") + b"\0"
         self._ask(p.REQUEST_KIND_OPEN, opening, p.DEVICE_KIND_OPEN)
@@ -192,7 +203,7 @@ def _compiled(fifo: int) -> tuple[BoardConfiguration, Any]:
     spec = compile_text(SPEC.encode(), "experiment.ul").spec
     assert spec is not None
     configuration = BoardConfiguration.for_spec(
-        spec, clock_hz=CLOCK_HZ, protocol="both", fifo=fifo, fifo_latency=FIFO_LATENCY
+        spec, clock_hz=CLOCK_HZ, base_hz=BASE_HZ, protocol="both", fifo=fifo, fifo_latency=FIFO_LATENCY
     )
     return configuration, build_model(design_of(spec, configuration))
 

@@ -116,6 +116,7 @@ def report(results: dict[str, Any]) -> list[Block]:
             "up to twice the ideal link's rate; the paper's own points are a picture without numbers.",
             PUBLISHES,
         ),
+        tables.publish_delays(results["publish_delays"]),
         tables.sustained(results["publish"]["sustained"]),
         tables.publishes(results["publish"]),
         Heading(2, "Others on the same kind of wire"),

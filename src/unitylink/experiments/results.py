@@ -29,6 +29,7 @@ from .gateware import CLASSIC, CLOCK_HZ, FRAMED, GATEWARES
 from .link_parameters import FT245_ASYNC, FT245_SYNC, LINKS, LinkParameters, assumptions
 from .low_level import read_burst, synchronous_s, write_burst
 from .model_figures import LONG_BURST_REQUESTS, model_figures
+from .publish_delay import SEND_IMMEDIATE, publish_delay
 from .publish_limits import WORDS, limits
 from .scaling import scaling
 from .simplicity import PAPER, simplicity
@@ -81,6 +82,11 @@ def run_all(*, quick: bool, soak_s: float, say: Callable[[str], None]) -> dict[s
         "ours": _ours(cost),
         "bursts": _read_bursts(),
         "write_bursts": _write_bursts(),
+        "publish_delays": [
+            asdict(publish_delay(FT245_ASYNC, gateware, sends))
+            for gateware in GATEWARES
+            for sends in SEND_IMMEDIATE
+        ],
         "peers": others,
         "scaling": grown,
         "ros": topics,

@@ -276,6 +276,25 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
     ]
 
 
+def publish_delays(rows: list[dict[str, Any]]) -> Table:
+    return Table(
+        "What send-immediate does for publishes: four words at 961 Hz through the chip of the paper, from "
+        "the "
+        "last byte out of the gateware to the program, in us.",
+        ["gateware", "send-immediate behind", "publishes", "mean", "most"],
+        [
+            [
+                row["gateware"],
+                "nothing" if row["send_immediate"] == "never" else row["send_immediate"],
+                str(row["publishes"]),
+                f"{row['mean_s'] * 1e6:.0f}",
+                f"{row['most_s'] * 1e6:.0f}",
+            ]
+            for row in rows
+        ],
+    )
+
+
 def sustained(rows: list[dict[str, Any]]) -> Table:
     framed = [row for row in rows if row["protocol"] == "framed"]
     classic = [row for row in rows if row["protocol"] == "classic"]

@@ -15,6 +15,8 @@ from unitylink.experiments.exchange import (
     write,
 )
 from unitylink.experiments.level_one import figures
+from unitylink.experiments.link_parameters import FT245_ASYNC
+from unitylink.experiments.publish_delay import SEND_IMMEDIATE, publish_delay
 
 
 def test_the_2012_gateware_is_the_paper_s() -> None:
@@ -37,3 +39,11 @@ def test_no_two_framed_requests_are_a_repeat(exchange: Exchange) -> None:
     frames = exchange.burst(300)
     assert len(set(frames.split(b"\0"))) == 301  # an empty piece behind the last
     assert exchange.request_bytes == frames.index(b"\0") + 1
+
+
+def test_send_immediate_brings_a_publish_at_once() -> None:
+    delays = {sends: publish_delay(FT245_ASYNC, "2012", sends) for sends in SEND_IMMEDIATE}
+    assert all(told.publishes > 20 for told in delays.values())
+    assert delays["publishes"].most_s < 260e-6
+    assert delays["never"].mean_s > 500e-6
+    assert delays["all"].most_s == pytest.approx(delays["publishes"].most_s, rel=0.02)
