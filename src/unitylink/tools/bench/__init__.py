@@ -38,6 +38,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "ros1-in": ("ros", "measure_ros1_in"),
     "dds-out": ("ros", "measure_dds_out"),
     "dds-in": ("ros", "measure_dds_in"),
+    "roscpp-out": ("roscpp", "measure_out"),
     "ros1-delay": ("ros", "measure_ros1_delay"),
     "dds-delay": ("ros", "measure_dds_delay"),
     "ros-joints": ("ros", "measure_joints"),

@@ -31,7 +31,7 @@ BASE_HZ = {"ros1": 40_000, "dds": 200_000}  # more than the plane takes, on a bu
 OUT = Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096)  # nothing that was sent is given up
 IN = Topic("in", "std_msgs/Int32", "scalar", ("in",))
 WORDS = """public bench() {
-   @ros(queue=4096) @out = 0x0: i32 READ(PUBLISH(1,1));
+   @ros(type="Int32", queue=4096) @out = 0x0: i32 READ(PUBLISH(1,1));
    @in = 0x1: i32 WRITE();
 }"""
 PING = "public bench() { @out = 0x0: u32 READ(PUBLISH(on tick)); }"

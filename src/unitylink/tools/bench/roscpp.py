@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The generated node in C++, against a bare publisher of roscpp: what arrives at the same subscriber."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from statistics import median
+
+from unitylink.generate import write
+from unitylink.simulate import Board, BoardConfiguration
+from unitylink.spec.model import Spec
+
+from .figure import BenchError, Figure, Run
+from .programs import Process
+from .ros import plane
+from .ros_worker import WORDS, spec_of
+
+OFFERED_HZ = 200_000  # to both; more than roscpp takes
+TOPIC = "/bench/out"
+
+
+def _make(*command: str | Path) -> None:
+    cleared = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "CATKIN", "CMAKE_P"))}
+    settings = {
+        "CMAKE_POLICY_VERSION_MINIMUM": "3.5",  # catkin is older than CMake 4
+        "ROS_LANG_DISABLE": "geneus:genlisp:gennodejs",
+    }
+    done = subprocess.run(command, env=cleared | settings, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise BenchError(f"{command[0]} failed: {done.stdout[-1000:]}{done.stderr[-1000:]}")
+
+
+def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
+    """Return the generated node and the bare peer, compiled; what is there already is not made again."""
+    folder = run.checkout / "build" / "ros-bench" / "workspace"
+    prefix, peer = folder / "unitylink", folder / "ros_peer"
+    folder.mkdir(parents=True, exist_ok=True)
+    _make(
+        Path(sys.executable).with_name("cmake"),
+        "--install",
+        run.checkout / "build" / "native",
+        "--prefix",
+        prefix,
+    )
+    write(spec, folder / "src", "ros1")
+    _make(
+        "catkin_make",
+        "-C",
+        folder,
+        f"-DPYTHON_EXECUTABLE={python}",
+        f"-DCMAKE_PREFIX_PATH={prefix}",
+        "-DCMAKE_BUILD_TYPE=Release",
+    )
+    asked = ["pkg-config", "--cflags", "--libs", "roscpp", "std_msgs"]
+    flags = shlex.split(subprocess.run(asked, capture_output=True, text=True, check=True).stdout)
+    source = run.checkout / "bench" / "ros" / "ros_peer.cpp"
+    _make("c++", "-std=c++17", "-O2", source, "-o", peer, *flags)
+    return folder / "devel" / "lib" / "bench_unitylink" / "node", peer
+
+
+def _arriving(run: Run, peer: Path) -> float:
+    """Return the messages a second at a bare subscriber."""
+    with Process([peer, "sub", TOPIC]) as taking:
+        taking.line()
+        for _ in range(100):
+            if int(taking.ask("0.1").split()[0]) > 10:
+                windows = [taking.ask("1").split() for _ in range(run.rounds(3))]
+                return median(int(count) / float(wall) for count, wall, _ in windows)
+    raise BenchError(f"nothing comes on {TOPIC}")
+
+
+def measure_out(run: Run) -> Figure:
+    """Measure FPGA -> roscpp, a single integer."""
+    spec = spec_of(WORDS)
+    ceilings, reached = [], []
+    with ExitStack() as stack:
+        command = stack.enter_context(plane(run, "ros1"))
+        node, peer = _build(run, spec, command[0])
+        settings = BoardConfiguration.for_spec(spec, base_hz=OFFERED_HZ, baud_hz=50_000_000)
+        for _ in range(run.rounds(3)):
+            with Process([peer, "pub", TOPIC, str(OFFERED_HZ)]) as bare:
+                bare.line()
+                ceilings.append(_arriving(run, peer))
+            with Board(spec, configuration=settings, endpoint="tcp") as board:
+                ours = subprocess.Popen(
+                    [node, "__ns:=/bench", f"_link:={board.url}"], stdout=subprocess.DEVNULL
+                )
+                try:
+                    reached.append(_arriving(run, peer))
+                finally:
+                    ours.terminate()
+                    ours.wait()
+    ratios = sorted(one / other for one, other in zip(reached, ceilings, strict=True))
+    details = {
+        "node messages/s": median(reached),
+        "bare messages/s": median(ceilings),
+        "lowest": ratios[0],
+        "highest": ratios[-1],
+    }
+    title = "FPGA -> roscpp topic of an integer, over a bare publisher"
+    return Figure("roscpp-out", title, 0.7, False, median(ratios), "x", details)
