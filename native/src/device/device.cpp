@@ -73,15 +73,20 @@ Clock Device::framed_clock() const noexcept {
   return configuration_.framed.present ? framed_.next_clock(classic_idle()) : never;
 }
 
-void Device::take_byte() {
-  const Clock now = receiver_clock();
-  if (configuration_.framed.present && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
+// One byte; or, within frames, as many as come before `limit`: until a frame is whole they change nothing else.
+void Device::take_bytes(Clock limit) {
+  Clock now = receiver_clock();
+  while (configuration_.framed.present && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
     framed_.take(input_.front(), now);
     input_.pop();
     ++statistics_.bytes_received;
     last_activity_ = std::max(last_activity_, now);
     receiver_ready_ = now + 1;
-    return;
+    now = receiver_clock();
+    if (now >= limit) {
+      return;
+    }
+    clock_ = std::max(clock_, now);
   }
   if (!configuration_.classic) {
     input_.pop();
@@ -97,14 +102,19 @@ void Device::take_byte() {
   }
 }
 
-Clock Device::next_event() const noexcept {
-  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(),
-                   subscriptions_.next_clock(), bus_.next_clock(), receiver_clock(), framed_clock()});
+Clock Device::next_event() const noexcept { return std::min({next_beside_frames(), receiver_clock(), framed_clock()}); }
+
+Clock Device::next_beside_frames() const noexcept {
+  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(), subscriptions_.next_clock(),
+                   bus_.next_clock()});
 }
 
 void Device::run_until(Clock clock) {
   for (;;) {
-    const Clock next = next_event();
+    const Clock beside = next_beside_frames();
+    const Clock receiver = receiver_clock();
+    const Clock framed = framed_clock();
+    const Clock next = std::min({beside, receiver, framed});
     if (next > clock) {
       break;
     }
@@ -127,13 +137,14 @@ void Device::run_until(Clock clock) {
       subscriptions_.advance(clock_);
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
-    } else if (framed_clock() <= next) {
-      framed_.step(clock_, classic_idle());
+    } else if (framed <= next) {
+      const bool alone = configuration_.byte_clocks == 0;  // else each byte is a departure to come
+      framed_.step(clock_, classic_idle(), alone ? std::min({beside, receiver, clock}) : next);
       application_.yield(framed_.open());
     } else if (application_clock() <= next) {
       application_.step(clock_);
     } else {
-      take_byte();
+      take_bytes(std::min({beside, framed, clock}));
     }
   }
   clock_ = std::max(clock_, clock);

@@ -60,7 +60,8 @@ class Device final : public ServedDevice {
   [[nodiscard]] Clock transmitter_clock() const noexcept;
   [[nodiscard]] Clock framed_clock() const noexcept;
   [[nodiscard]] bool classic_idle() const noexcept { return application_.idle() && transmitter_.idle(); }
-  void take_byte();
+  [[nodiscard]] Clock next_beside_frames() const noexcept;
+  void take_bytes(Clock limit);
   void report(std::uint8_t code, Clock at);
 
   DeviceConfiguration configuration_;

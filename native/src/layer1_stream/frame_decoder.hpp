@@ -53,6 +53,10 @@ class FrameDecoder {
   // Takes bytes up to the next delimiter, which is the last of them; all of `chunk` when it has none. Returns how many.
   template <FrameSink Sink>
   std::size_t take(std::span<const std::uint8_t> chunk, Sink& sink) {
+    if (chunk.size() == 1 && chunk[0] != protocol::frame::delimiter && used_ < limit_) {  // a device takes one at a time
+      bytes_[used_++] = chunk[0];
+      return 1;
+    }
     const void* end = std::memchr(chunk.data(), protocol::frame::delimiter, chunk.size());
     const std::size_t size = end == nullptr ? chunk.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(end) - chunk.data());
     if (used_ + size <= limit_) {

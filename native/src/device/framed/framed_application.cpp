@@ -85,11 +85,13 @@ Clock FramedApplication::next_clock(bool port_free) const noexcept {
   return open() ? std::min(next, std::max(at_, subscriptions_.pending_at())) : next;
 }
 
-void FramedApplication::step(Clock now, bool port_free) {
+void FramedApplication::step(Clock now, bool port_free, Clock limit) {
   if (dead_man_.due() <= now) {
     trip(now);
   } else if (sending()) {
-    physical_.put(static_cast<char>(out_[sent_++]), at_++);
+    do {
+      physical_.put(static_cast<char>(out_[sent_++]), at_++);
+    } while (sending() && at_ < std::min(limit, dead_man_.due()) && physical_.room() > 0);
   } else if (port_free) {
     at_ = std::max(at_, now);
     if (open() && subscriptions_.pending_at() <= now) {  // publishes go before replies

@@ -34,7 +34,8 @@ class FramedApplication {
 
   // `port_free`: no classic message is leaving.
   [[nodiscard]] Clock next_clock(bool port_free) const noexcept;
-  void step(Clock now, bool port_free);
+  // Nothing else happens before `limit`: all bytes that leave until then are one step.
+  void step(Clock now, bool port_free, Clock limit);
 
   [[nodiscard]] bool open() const noexcept { return key_.epoch != protocol::frame::open_epoch; }
   void count(std::uint32_t counter) noexcept { registers_.count(counter); }
