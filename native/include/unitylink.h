@@ -143,7 +143,26 @@ UL_API const char* ul_protocol(ul_link* link);
  * device was reset meanwhile. `atomic` 1: with the bus held from the first word to the last, or UL_MISMATCH. */
 UL_API ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes,
                              const uint32_t* addresses, uint32_t* values, size_t reads, int32_t atomic, const ul_options* options);
-/* Writes without answers, in order, at the full rate of the line. On a classic link they are ordinary writes. */
+/* Any operations, in order. Each read gives the next of `values`, which has room for `room` words. Framed: in one message where the device's buffers allow, else in
+ * several that stay in order; `atomic` 1: in one, with the bus held, or UL_MISMATCH. On a classic link: reads and writes, one after the other. */
+enum {
+  UL_READ = 0x01,
+  UL_READ_FIFO = 0x03,    /* like UL_READ; the same address again and again is named once */
+  UL_WRITE = 0x11,
+  UL_WRITE_FIFO = 0x13,
+  UL_WRITE_MASKED = 0x14, /* word := old and not mask, or value and mask */
+  UL_ADD = 0x15           /* word := old + value */
+};
+typedef struct {
+  uint32_t operation;
+  uint32_t address;
+  uint32_t value;
+  uint32_t mask;
+} ul_list_word;
+UL_API ul_status ul_list(ul_link* link, const ul_list_word* words, size_t count, uint32_t* values, size_t room, int32_t atomic,
+                         const ul_options* options);
+/* Writes without answers, in order, at the full rate of the line. The words of one call go out together:
+ * where one fails, those behind it in its message are not executed. On a classic link they are ordinary writes. */
 UL_API ul_status ul_post(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options);
 /* Returns when all posts have been executed. UL_BUS_ERROR: some failed since the last call. UL_UNKNOWN: the device was reset before it had
  * confirmed them. */

@@ -70,6 +70,21 @@ void done(nb::handle timeout_s, const Call& call) {
   raise_unless_ok(outcome);
 }
 
+nb::object do_list(Link& link, nb::handle operations, nb::handle addresses, nb::handle values, nb::handle masks, std::size_t reads, bool atomic,
+                nb::handle timeout_s) {
+  const std::vector<std::uint32_t> what = words_of(operations, "operation");
+  const std::vector<std::uint32_t> where = words_of(addresses, "address");
+  const std::vector<std::uint32_t> words = words_of(values, "value");
+  const std::vector<std::uint32_t> bits = words_of(masks, "mask");
+  std::vector<ListWord> steps;
+  for (std::size_t index = 0; index < std::min({what.size(), where.size(), words.size(), bits.size()}); ++index) {
+    steps.push_back({what[index], where[index], words[index], bits[index]});
+  }
+  auto read = std::make_unique<std::uint32_t[]>(reads);
+  done(timeout_s, [&](const RequestOptions& how) { return link.list(steps, std::span(read.get(), reads), atomic, how); });
+  return array_of(std::move(read), {reads});
+}
+
 std::vector<ExchangeWord> layout_of(nb::handle addresses, nb::handle bytes) {
   const std::vector<std::uint32_t> where = words_of(addresses, "address");
   const std::vector<std::uint32_t> widths = words_of(bytes, "number of bytes");
@@ -136,6 +151,7 @@ nb::tuple clock_state(Link& link) {
 void bind_framed(nb::class_<Link>& link) {
   using namespace nb::literals;
   link.def("transfer", &transfer, "write_addresses"_a, "write_values"_a, "addresses"_a, "atomic"_a, "timeout_s"_a.none())
+      .def("do_list", &do_list, "operations"_a, "addresses"_a, "values"_a, "masks"_a, "reads"_a, "atomic"_a, "timeout_s"_a.none())
       .def("post", &post, "addresses"_a, "values"_a, "timeout_s"_a.none())
       .def("sync", &synchronise, "timeout_s"_a.none())
       .def("read_control", &read_control, "address"_a, "count"_a)

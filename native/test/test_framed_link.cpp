@@ -97,11 +97,24 @@ TEST_CASE("posts arrive in order, before what follows them, and sync tells those
   CHECK(value == 20'000);
   CHECK(link.sync({}).ok());
   CHECK(link.statistics().posts == 20'000);
-  REQUIRE(link.post(std::vector<std::uint32_t>{0x20, 0x77, 0x21}, std::vector<std::uint32_t>{1, 2, 3}, {}).ok());
+  for (const std::uint32_t address : {0x20u, 0x77u, 0x21u}) {
+    REQUIRE(link.post(std::vector<std::uint32_t>{address}, std::vector<std::uint32_t>{address}, {}).ok());
+  }
   const Outcome failed = link.sync({});
   CHECK(failed.status == Status::bus_error);
   CHECK(failed.address == 0x77);
   CHECK(link.sync({}).ok());
+  CHECK(link.read(0x21, value, {}).ok());
+  CHECK(value == 0x21);
+  const Desk other("", configuration);
+  REQUIRE(other.outcome.ok());
+  REQUIRE(other.link->post(std::vector<std::uint32_t>{0x20, 0x77, 0x21}, std::vector<std::uint32_t>{1, 2, 3}, {}).ok());  // one message
+  const Outcome list = other.link->sync({});
+  CHECK(list.status == Status::bus_error);
+  CAPTURE(list.text);
+  CHECK(list.text.find("one of 3 words from 0x") != std::string::npos);
+  CHECK(other.link->read(0x21, value, {}).ok());
+  CHECK(value == 0);
   CHECK(link.read(0x77, value, {}).status == Status::bus_error);
 }
 

@@ -55,6 +55,16 @@ class NativeLink:
         atomic: bool,
         timeout_s: float | None,
     ) -> npt.NDArray[np.uint32]: ...
+    def do_list(
+        self,
+        operations: _Integers,
+        addresses: _Integers,
+        values: _Integers,
+        masks: _Integers,
+        reads: int,
+        atomic: bool,
+        timeout_s: float | None,
+    ) -> npt.NDArray[np.uint32]: ...
     def post(self, addresses: _Integers, values: _Integers, timeout_s: float | None) -> None: ...
     def sync(self, timeout_s: float | None) -> None: ...
     def read_control(self, address: int, count: int) -> npt.NDArray[np.uint32]: ...

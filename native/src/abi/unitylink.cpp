@@ -18,6 +18,9 @@ struct ul_link {
 namespace {
 
 static_assert(UL_CANCELLED == static_cast<ul_status>(Status::cancelled), "the two enumerations are one");
+static_assert(UL_READ == protocol::list_operation::read && UL_READ_FIFO == protocol::list_operation::read_fifo &&
+              UL_WRITE == protocol::list_operation::write && UL_WRITE_FIFO == protocol::list_operation::write_fifo &&
+              UL_WRITE_MASKED == protocol::list_operation::write_masked && UL_ADD == protocol::list_operation::add);
 static_assert(UL_BUS_ERROR == static_cast<ul_status>(Status::bus_error));
 
 thread_local Outcome last_failure;
@@ -243,6 +246,22 @@ ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint
   }
   return guarded([&] {
     return told(link->link->transfer({write_addresses, writes}, {write_values, writes}, {addresses, reads}, {values, reads}, atomic != 0, how));
+  });
+}
+
+ul_status ul_list(ul_link* link, const ul_list_word* words, size_t count, uint32_t* values, size_t room, int32_t atomic,
+                  const ul_options* options) {
+  RequestOptions how;
+  const bool missing = (count > 0 && words == nullptr) || (room > 0 && values == nullptr);
+  if (link == nullptr || missing || !request_options(options, false, how)) {
+    return bad_argument(link == nullptr || missing ? null_pointer : unknown_size);
+  }
+  return guarded([&] {
+    std::vector<ListWord> steps;
+    for (const ul_list_word& word : std::span(words, count)) {
+      steps.push_back({word.operation, word.address, word.value, word.mask});
+    }
+    return told(link->link->list(steps, {values, room}, atomic != 0, how));
   });
 }
 

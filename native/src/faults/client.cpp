@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint32_t words_apart = 16;  // between the first words of two clients
 constexpr std::size_t posts_most = 20;
+constexpr std::size_t post_words_most = 4;  // in one of them
 
 Journal::Told told_of(Status status) noexcept {
   switch (status) {
@@ -68,13 +69,20 @@ void Client::add_write(bool chained) {
 void Client::post(std::uint64_t now_ns) {
   posts_ = 1 + random_() % posts_most;
   session_ = framed_->sessions();
-  for (std::size_t index = 0; index < posts_; ++index) {
-    const Post made{any_address(), next_value()};
-    if (!framed_->post(made, now_ns)) {
+  for (std::size_t index = 0; index < posts_;) {
+    std::array<Post, post_words_most> made;
+    const std::span<Post> list = std::span(made).first(std::min(1 + random_() % post_words_most, posts_ - index));
+    for (Post& word : list) {
+      word = {any_address(), next_value()};
+    }
+    if (!framed_->post(list, now_ns)) {
       posts_ = index;
       return;
     }
-    journal_.wish(made.address, made.value);
+    for (const Post& word : list) {
+      journal_.wish(word.address, word.value);
+    }
+    index += list.size();
   }
 }
 

@@ -2,11 +2,13 @@
 // One request and what became of it. The caller owns it, and the buffers it points to, until done().
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 #include "layer0_driver/status.hpp"
+#include "unitylink/protocol.hpp"
 
 namespace unitylink {
 
@@ -30,6 +32,7 @@ enum class Operation : std::uint8_t {
   read_event_mask,
   // the framed protocol
   transfer,       // words to write, then words to read, in one message
+  list,           // any operations of a list, in order, in one message
   define_group,
   define_exchange, // what an exchange group is
   exchange,       // writes all outputs of an exchange group and reads all its inputs
@@ -37,6 +40,16 @@ enum class Operation : std::uint8_t {
   write_control,
   synchronise,    // how far the posts have come
   close_session,
+};
+
+// One word of a list: what is done with it (protocol::list_operation: read, read_fifo, write, write_fifo, write_masked, add).
+struct ListWord {
+  std::uint32_t operation = protocol::list_operation::read;
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;
+  std::uint32_t mask = 0;
+
+  [[nodiscard]] constexpr bool writes() const noexcept { return operation >= protocol::list_operation::write; }
 };
 
 // A word of an exchange group, of which the low `bytes` bytes travel.
@@ -60,6 +73,7 @@ struct Exchange {
   std::span<const std::uint32_t> addresses;  // read_many, transfer; of a group
   std::span<const std::uint32_t> write_addresses;  // transfer
   std::span<const std::uint32_t> write_values;     // exchange: of the outputs, too
+  std::span<const ListWord> steps;           // list
   std::span<const ExchangeWord> outputs;     // define_exchange, exchange
   std::span<const ExchangeWord> inputs;
   bool atomic = false;                       // transfer, read_many: with the bus held from the first word to the last
@@ -90,7 +104,8 @@ struct Exchange {
   [[nodiscard]] Status cut_off() const noexcept { return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout; }
   // It changes something on the device's bus.
   [[nodiscard]] bool writes() const noexcept {
-    return operation == Operation::write || !write_addresses.empty() || (operation == Operation::exchange && !outputs.empty());
+    return operation == Operation::write || !write_addresses.empty() || (operation == Operation::exchange && !outputs.empty()) ||
+           std::any_of(steps.begin(), steps.end(), [](const ListWord& word) { return word.writes(); });
   }
 
  private:

@@ -52,6 +52,9 @@ bool address_of(const Exchange& exchange, std::uint32_t& address) noexcept {
   switch (exchange.operation) {
     case Operation::read:
     case Operation::write: address = exchange.address; return true;
+    case Operation::list:
+      address = exchange.steps[exchange.words < exchange.steps.size() ? exchange.words : 0].address;
+      return true;
     case Operation::read_many:
     case Operation::transfer: {
       const std::size_t writes = exchange.write_addresses.size();
@@ -76,6 +79,7 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
              (exchange.write_addresses.empty() || exchange.addresses.empty() ? "" : " and ") +
              (exchange.addresses.empty() ? "" : "read of " + std::to_string(exchange.addresses.size()) + " words") +
              (has_address ? " (at " + hex_address(address, address_bytes) + ")" : "");
+    case Operation::list: return "list of " + std::to_string(exchange.steps.size()) + " operations (at " + hex_address(address, address_bytes) + ")";
     case Operation::define_group: return "definition of group " + std::to_string(exchange.address);
     case Operation::define_exchange: return "definition of exchange group " + std::to_string(exchange.address);
     case Operation::exchange: return "exchange of group " + std::to_string(exchange.address);

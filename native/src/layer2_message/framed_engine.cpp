@@ -11,7 +11,7 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::size_t confirm_after = PostQueue::capacity / 4;  // posts, so that the queue is never full on a line that carries them
+constexpr std::size_t confirm_after = PostQueue::capacity / 4;  // words of posts, so that the queue is never full on a line that carries them
 constexpr std::uint64_t wait_part = 20;                         // of the timeout, before a repeat, however quick the line is
 constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
 constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose answer may still be on its way
@@ -58,12 +58,12 @@ void FramedEngine::queue(Exchange& exchange, bool first) noexcept {
   }
 }
 
-bool FramedEngine::post(const Post& post, std::uint64_t now_ns) noexcept {
+bool FramedEngine::post(std::span<const Post> words, std::uint64_t now_ns) noexcept {
   now_ns_ = now_ns;
-  if (ended_ || posts_.full()) {
+  if (ended_ || !posts_.fits(words.size())) {
     return false;
   }
-  posts_.make(post);
+  posts_.make(words);
   confirm_ns_ = std::min(confirm_ns_, now_ns + confirm_patience_ns);
   return true;
 }
@@ -206,17 +206,27 @@ bool FramedEngine::send_next() noexcept {
 }
 
 bool FramedEngine::send_post() noexcept {
-  const Post& post = posts_.next();
-  const std::size_t size = FrameEncoder(room(), request_kind::post, decoder_.key())
-                               .word(static_cast<std::uint32_t>(posts_.sent()), 2)
-                               .word(post.address, configuration_.address_bytes)
-                               .word(post.value, configuration_.data_bytes)
-                               .finish();
+  const std::uint64_t number = posts_.sent();
+  const std::size_t count = posts_.words(number);
+  std::array<std::uint32_t, post_words_max> addresses;
+  std::array<std::uint32_t, post_words_max> values;
+  for (std::size_t index = 0; index < count; ++index) {
+    addresses[index] = posts_.word(number, index).address;
+    values[index] = posts_.word(number, index).value;
+  }
+  FrameEncoder encoder(room(), count == 1 ? request_kind::post : request_kind::post_list, decoder_.key());
+  encoder.word(static_cast<std::uint32_t>(number), 2);
+  if (count == 1) {
+    encoder.word(addresses[0], configuration_.address_bytes).word(values[0], configuration_.data_bytes);
+  } else {
+    put_post(encoder, std::span(addresses).first(count), std::span(values).first(count), configuration_);
+  }
+  const std::size_t size = encoder.finish();
   if (size == 0) {
     return false;
   }
   pending_end_ += size;
-  statistics_.posts += posts_.repeats() ? 0 : 1;
+  statistics_.posts += posts_.repeats() ? 0 : count;
   statistics_.retries += posts_.repeats() ? 1 : 0;
   posts_.send();
   return true;
@@ -271,7 +281,7 @@ void FramedEngine::commit(Place& place, std::size_t size) noexcept {
 
 // The engine's own requests, where they are wanted: how far the posts have come, what time it is there, a sign of life.
 void FramedEngine::maintain() noexcept {
-  const std::uint64_t open_posts = posts_.made() - posts_.confirmed();
+  const std::uint64_t open_posts = posts_.open_words();
   if (open_posts == 0) {
     confirm_ns_ = no_deadline;
   } else if (idle(confirmation_) && (open_posts >= confirm_after || now_ns_ >= confirm_ns_)) {

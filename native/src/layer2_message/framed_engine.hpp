@@ -60,8 +60,9 @@ class FramedEngine final : public Engine {
   void forget_exchange(std::uint32_t group) noexcept { exchange_groups_[group] = {}; }
   // A new session is being set up as the last one was: what groups consist of is still read.
   [[nodiscard]] bool restoring() const noexcept { return !idle(restoration_); }
-  // A write without an answer. False: no room until the device has confirmed some; it is asked to.
-  [[nodiscard]] bool post(const Post& post, std::uint64_t now_ns) noexcept;
+  // Writes without an answer, 1 to post_words_max of them in one message. False: no room until the device has confirmed some; it is asked to.
+  static constexpr std::size_t post_words_max = 32;  // what is lost with one message
+  [[nodiscard]] bool post(std::span<const Post> words, std::uint64_t now_ns) noexcept;
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
   // Posts of sessions that were lost before the device had confirmed them; asking forgets them.
   [[nodiscard]] std::uint64_t take_unknown_posts() noexcept { return std::exchange(unknown_posts_, 0); }

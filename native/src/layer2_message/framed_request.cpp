@@ -57,15 +57,80 @@ void put_words(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, 
   }
 }
 
+// Calls put(operation, words of it, together) for each operation; `together`: their addresses are told by the first.
+template <class Put>
+void for_each_operation(std::span<const ListWord> steps, const Put& put) {
+  const auto run_from = [steps](std::size_t at, std::uint32_t step) {
+    std::size_t end = at + 1;
+    while (end < steps.size() && end - at < count_max && steps[end].operation == steps[at].operation &&
+           steps[end].address == steps[end - 1].address + step) {
+      ++end;
+    }
+    return end - at;
+  };
+  for (std::size_t at = 0; at < steps.size();) {
+    const std::uint32_t operation = steps[at].operation;
+    const bool fifo = operation == list_operation::read_fifo || operation == list_operation::write_fifo;
+    const bool plain = operation == list_operation::read || operation == list_operation::write;
+    const std::size_t rising = plain ? run_from(at, 1) : 1;
+    std::size_t count = fifo ? run_from(at, 0) : rising;
+    const bool up = rising >= run_min;
+    if (!fifo && !up) {  // up to where a run begins
+      count = 1;
+      while (at + count < steps.size() && count < count_max && steps[at + count].operation == operation &&
+             !(plain && run_from(at + count, 1) >= run_min)) {
+        ++count;
+      }
+    }
+    const std::uint32_t named = !up ? operation : operation == list_operation::read ? list_operation::read_up : list_operation::write_up;
+    put(named, steps.subspan(at, count), fifo || up);
+    at += count;
+  }
+}
+
+void put_steps(FrameEncoder& encoder, std::span<const ListWord> steps, const Configuration& configuration) noexcept {
+  for_each_operation(steps, [&](std::uint32_t operation, std::span<const ListWord> words, bool together) {
+    encoder.word(operation, 1).word(static_cast<std::uint32_t>(words.size()), 1);
+    for (std::size_t index = 0; index < words.size(); ++index) {
+      if (!together || index == 0) {
+        encoder.word(words[index].address, configuration.address_bytes);
+      }
+      if (operation == list_operation::write_masked) {
+        encoder.word(words[index].mask, configuration.data_bytes);
+      }
+      if (words[index].writes()) {
+        encoder.word(words[index].value, configuration.data_bytes);
+      }
+    }
+  });
+}
+
 constexpr std::array<std::string_view, 11> names{"",        "bus_error", "bus_timeout", "bad_address", "denied",  "busy",
                                                  "invalid", "too_long",  "order",       "behind",      "no_group"};
 static_assert(names.size() == reply_status::no_group + 1);
 
 std::size_t reply_words(const Exchange& exchange) noexcept {
-  return exchange.operation == Operation::read ? 1 : exchange.addresses.size();
+  return exchange.operation == Operation::read   ? 1
+         : exchange.operation == Operation::list ? exchange.values.size()
+                                                 : exchange.addresses.size();
 }
 
 }  // namespace
+
+std::size_t bytes_of(std::span<const ListWord> steps, const Configuration& configuration) noexcept {
+  std::size_t bytes = 0;
+  for_each_operation(steps, [&](std::uint32_t operation, std::span<const ListWord> words, bool together) {
+    const std::size_t data = words[0].writes() ? configuration.data_bytes : 0;
+    const std::size_t mask = operation == list_operation::write_masked ? configuration.data_bytes : 0;
+    bytes += 2 + (together ? 1 : words.size()) * configuration.address_bytes + words.size() * (data + mask);
+  });
+  return bytes;
+}
+
+void put_post(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
+              const Configuration& configuration) noexcept {
+  put_words(encoder, addresses, words, configuration);
+}
 
 std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
   std::size_t bytes = 0;
@@ -84,7 +149,8 @@ std::uint8_t framed_kind(const Exchange& exchange) noexcept {
     case Operation::read: return request_kind::read;
     case Operation::write: return request_kind::write;
     case Operation::read_many:
-    case Operation::transfer: return request_kind::list;
+    case Operation::transfer:
+    case Operation::list: return request_kind::list;
     case Operation::define_group: return request_kind::define_group;
     case Operation::define_exchange: return request_kind::define_exchange;
     case Operation::exchange: return request_kind::exchange;
@@ -106,6 +172,10 @@ void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configur
       encoder.word(exchange.atomic ? frame::atomic_flag : 0, 1);
       put_words(encoder, exchange.write_addresses, exchange.write_values, configuration);
       put_words(encoder, exchange.addresses, {}, configuration);
+      break;
+    case Operation::list:
+      encoder.word(exchange.atomic ? frame::atomic_flag : 0, 1);
+      put_steps(encoder, exchange.steps, configuration);
       break;
     case Operation::define_group:
       encoder.word(exchange.address, 1).word(exchange.value, 4).word(exchange.on_event ? frame::event_flag : 0, 1);
@@ -139,7 +209,8 @@ void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configur
 
 bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body, const Configuration& configuration) noexcept {
   const std::size_t width = configuration.data_bytes;
-  const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer;
+  const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
+                    exchange.operation == Operation::list;
   const std::size_t done_bytes = list ? 2 : 0;
   if (status != reply_status::ok) {
     const bool executed = status == reply_status::bus_error || status == reply_status::bus_timeout;
@@ -152,7 +223,8 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
   switch (exchange.operation) {
     case Operation::read:
     case Operation::read_many:
-    case Operation::transfer: {
+    case Operation::transfer:
+    case Operation::list: {
       const std::size_t words = reply_words(exchange);
       if (body.size() != done_bytes + words * width) {
         return false;
@@ -162,7 +234,7 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
         return true;
       }
       exchange.words = number_at(body.data(), 2);
-      if (exchange.words != exchange.write_addresses.size() + words) {
+      if (exchange.words != (exchange.steps.empty() ? exchange.write_addresses.size() + words : exchange.steps.size())) {
         return false;
       }
       for (std::size_t index = 0; index < words; ++index) {

@@ -21,6 +21,11 @@ namespace unitylink {
   return value;
 }
 
+// What the operations of a list take together, its flags left out.
+[[nodiscard]] std::size_t bytes_of(std::span<const ListWord> steps, const Configuration& configuration) noexcept;
+// Words to write as the operations of a POST_LIST.
+void put_post(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
+              const Configuration& configuration) noexcept;
 // What the words of an exchange group take together.
 [[nodiscard]] std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept;
 // The kind of an exchange's frame, without the chained and barrier bits.

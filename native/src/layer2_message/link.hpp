@@ -106,7 +106,11 @@ class Link {
   [[nodiscard]] Outcome transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
                                  std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
                                  const RequestOptions& how);
-  // Writes without answers, at the full rate of the line; sync() tells what became of them. On a classic link they are ordinary writes.
+  // Any operations, in order; `values` has room for the words that are read. Framed: in one message where the device's buffers allow, else in several that stay in
+  // order; `atomic`: in one, with the bus held, or mismatch. On a classic link they are reads and writes, one after the other.
+  [[nodiscard]] Outcome list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
+  // Writes without answers, at the full rate of the line; sync() tells what became of them. Words of one call go out together: where one fails, those behind it
+  // in its message are not executed. On a classic link they are ordinary writes.
   [[nodiscard]] Outcome post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how);
   // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown when a session was
   // lost before it had confirmed some.
@@ -206,7 +210,11 @@ class Link {
   [[nodiscard]] Outcome may_write();
   [[nodiscard]] std::size_t words_read(bool repeat) const noexcept;
   [[nodiscard]] std::size_t words_written() const noexcept;
+  [[nodiscard]] std::size_t words_posted() const noexcept;
   [[nodiscard]] Outcome run_one(Exchange& exchange);
+  [[nodiscard]] Outcome check_list(std::span<const ListWord> steps, std::size_t room) const;
+  [[nodiscard]] Outcome list_apart(std::span<const ListWord> steps, std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] std::size_t list_fits(std::span<const ListWord> steps) const noexcept;
   [[nodiscard]] Outcome check_exchange(const ExchangeLayout& layout) const;
   [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
 

@@ -40,6 +40,12 @@ std::size_t Link::words_written() const noexcept {
                                (description_.request_max - list_head_bytes) / (configuration_.address_bytes + configuration_.data_bytes));
 }
 
+// Words of one call of post() that go out in one message.
+std::size_t Link::words_posted() const noexcept {
+  const std::size_t list = words_written();
+  return list > 1 ? std::min(list, FramedEngine::post_words_max) : 1;
+}
+
 Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
                        std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how) {
   if (write_values.size() != write_addresses.size() || values.size() < addresses.size()) {
@@ -103,8 +109,14 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
   Outcome outcome;
   std::uint64_t since_ns = now_ns();
   std::uint64_t confirmed = framed_->posts().confirmed();
-  for (std::size_t index = 0; index < addresses.size() && outcome.ok(); ++index) {
-    while (!framed_->post({addresses[index], values[index]}, now_ns())) {
+  const std::size_t together = words_posted();
+  std::array<Post, FramedEngine::post_words_max> words;
+  for (std::size_t index = 0; index < addresses.size() && outcome.ok(); index += together) {
+    const std::size_t count = std::min(together, addresses.size() - index);
+    for (std::size_t word = 0; word < count; ++word) {
+      words[word] = {addresses[index + word], values[index + word]};
+    }
+    while (!framed_->post(std::span(words).first(count), now_ns())) {
       if (engine_->ended()) {
         outcome = {*engine_->ended(), "the link is closed (" + reason_ + ")"};
         break;
@@ -123,7 +135,7 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
       }
     }
     outcome.index = static_cast<std::uint32_t>(index);
-    if (index % posts_per_flush == posts_per_flush - 1) {
+    if (index / posts_per_flush != (index + count) / posts_per_flush) {
       flush(now_ns());
     }
   }
@@ -167,9 +179,12 @@ Outcome Link::sync(const RequestOptions& how) {
                               : "refused by the device's bus, or nothing answered there"));
   const PostQueue& posts = framed_->posts();
   const std::uint64_t first = posts.confirmed() - ((posts.confirmed() - exchange.value) & 0xFFFF);
-  if (known == 0 && posts.made() - first <= PostQueue::capacity) {
+  if (known == 0 && posts.known(first) && posts.words(first) > 1) {
+    outcome.text += "; the first was one of " + std::to_string(posts.words(first)) + " words from " +
+                    hex_address(posts.word(first, 0).address, configuration_.address_bytes) + " on, those behind it were not written";
+  } else if (known == 0 && posts.known(first)) {
     outcome.has_address = true;
-    outcome.address = posts.at(first).address;
+    outcome.address = posts.word(first, 0).address;
     outcome.text += "; the first was that of " + hex_address(outcome.address, configuration_.address_bytes);
   }
   return outcome;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Posts: writes without an answer. They are kept until the device has confirmed them, so that they can be sent again from where one was lost.
+// Posts: writes without an answer, one or several words each. They are kept until the device has confirmed them, so that they can be sent again
+// from where one was lost, as they were.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace unitylink {
 
@@ -13,20 +15,32 @@ struct Post {
   std::uint32_t value = 0;
 };
 
-// Counts are of the session: confirmed <= sent <= made, except that after a loss `sent` goes back. On the wire they have 16 bits.
+// Counts are of posts of the session: confirmed <= sent <= made, except that after a loss `sent` goes back. On the wire they have 16 bits.
 class PostQueue {
  public:
-  static constexpr std::size_t capacity = 8192;  // well below the 32767 that the protocol allows
+  static constexpr std::size_t capacity = 8192;  // words, and posts: well below the 32767 that the protocol allows
 
-  [[nodiscard]] bool full() const noexcept { return made_ - confirmed_ >= capacity; }
+  [[nodiscard]] bool fits(std::size_t words) const noexcept { return open_words() + words <= capacity; }
   [[nodiscard]] std::uint64_t made() const noexcept { return made_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
   [[nodiscard]] std::uint64_t confirmed() const noexcept { return confirmed_; }
-  [[nodiscard]] const Post& at(std::uint64_t number) const noexcept { return posts_[number % capacity]; }
+  [[nodiscard]] std::uint64_t open_words() const noexcept { return words_ - begin(confirmed_); }
+  // How many words a post has that is not confirmed, and which.
+  [[nodiscard]] std::size_t words(std::uint64_t number) const noexcept { return static_cast<std::size_t>(begin(number + 1) - begin(number)); }
+  [[nodiscard]] const Post& word(std::uint64_t number, std::size_t index) const noexcept { return ring_[(begin(number) + index) % capacity]; }
+  // A post is still known, be it confirmed or not.
+  [[nodiscard]] bool known(std::uint64_t number) const noexcept {
+    return number < made_ && made_ - number <= capacity && words_ - begin(number) <= capacity;
+  }
 
-  void make(const Post& post) noexcept { posts_[made_++ % capacity] = post; }
-  // The next one to send; there must be one.
-  [[nodiscard]] const Post& next() const noexcept { return at(sent_); }
+  // They must fit.
+  void make(std::span<const Post> words) noexcept {
+    begins_[made_++ % capacity] = words_;
+    for (const Post& word : words) {
+      ring_[words_++ % capacity] = word;
+    }
+  }
+  // The next one, of which there must be one, has been sent.
   void send() noexcept {
     ++sent_;
     if (sent_ > reached_) {
@@ -47,19 +61,24 @@ class PostQueue {
   }
   // Sends all that is not confirmed again.
   void go_back() noexcept { sent_ = confirmed_; }
-  // Another session: returns how many were not confirmed in this one.
+  // Another session: returns how many words were not confirmed in this one.
   std::uint64_t restart() noexcept {
-    const std::uint64_t lost = made_ - confirmed_;
-    made_ = sent_ = reached_ = confirmed_ = 0;
+    const std::uint64_t lost = open_words();
+    made_ = sent_ = reached_ = confirmed_ = words_ = 0;
     return lost;
   }
 
  private:
+  // The position of its first word; of the one to be made next: of the word to be made next.
+  [[nodiscard]] std::uint64_t begin(std::uint64_t number) const noexcept { return number < made_ ? begins_[number % capacity] : words_; }
+
   std::uint64_t made_ = 0;
   std::uint64_t sent_ = 0;
   std::uint64_t reached_ = 0;    // the most that `sent` has been
   std::uint64_t confirmed_ = 0;
-  std::array<Post, capacity> posts_;
+  std::uint64_t words_ = 0;      // of all posts made
+  std::array<Post, capacity> ring_;
+  std::array<std::uint64_t, capacity> begins_;
 };
 
 }  // namespace unitylink

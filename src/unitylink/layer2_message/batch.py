@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Batch: reads and writes that are collected and done together."""
+"""Batch: operations that are collected and done together."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import TracebackType
 from typing import TYPE_CHECKING
+
+from unitylink import protocol as p
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from .link import Link
+    from .engine import Engine
 
 
 class Pending:
@@ -34,28 +37,58 @@ class Pending:
 
 
 class Batch:
-    """Collects reads and writes; at the end of its with block it does all writes, then all reads.
+    """Collects operations, and does them in their order where its with block ends.
 
-    One message each way where the link is framed and the device's buffers allow. Nothing is sent when the
-    block raises.
+    On a framed link in one message each way where the device's buffers allow, else in several; each is
+    executed once, or OutcomeUnknown says that the device was reset. Nothing is sent when the block raises. On
+    a classic link they are reads and writes one after the other, so that others may come between.
     """
 
-    def __init__(self, link: Link, *, atomic: bool = False) -> None:
+    def __init__(self, engine: Engine, *, atomic: bool = False) -> None:
         """Made by Link.batch."""
-        self._link = link
+        self._engine = engine
         self._atomic = atomic
-        self._writes: list[tuple[int, int]] = []
+        self._steps: list[tuple[int, int, int, int]] = []  # operation, address, value, mask
         self._reads: list[Pending] = []
 
     def read(self, address: int) -> Pending:
-        """Read the word at `address`, after all writes of the batch."""
-        pending = Pending(address)
-        self._reads.append(pending)
-        return pending
+        """Read the word at `address`."""
+        return self._read(p.LIST_OPERATION_READ, address)
+
+    def read_many(self, addresses: Iterable[int]) -> list[Pending]:
+        """Read words; addresses in a row are named by their first."""
+        return [self.read(address) for address in addresses]
+
+    def read_fifo(self, address: int, count: int) -> list[Pending]:
+        """Read `address` so many times, as a FIFO is; no word is lost or taken twice."""
+        return [self._read(p.LIST_OPERATION_READ_FIFO, address) for _ in range(count)]
 
     def write(self, address: int, value: int) -> None:
-        """Write `value` to `address`; writes are done in order."""
-        self._writes.append((address, value))
+        """Write `value` to `address`."""
+        self._steps.append((p.LIST_OPERATION_WRITE, address, value, 0))
+
+    def write_many(self, addresses: Iterable[int], values: Iterable[int]) -> None:
+        """Write `values` to `addresses`; addresses in a row are named by their first."""
+        for address, value in zip(addresses, values, strict=True):
+            self.write(address, value)
+
+    def write_fifo(self, address: int, values: Iterable[int]) -> None:
+        """Write all `values` to one address, as into a FIFO."""
+        self._steps += [(p.LIST_OPERATION_WRITE_FIFO, address, value, 0) for value in values]
+
+    def write_masked(self, address: int, mask: int, value: int) -> None:
+        """Write the bits of `value` that are set in `mask`; the others stay as the device has them."""
+        self._steps.append((p.LIST_OPERATION_WRITE_MASKED, address, value, mask))
+
+    def add(self, address: int, value: int) -> None:
+        """Add `value` to the word at `address`, which wraps around."""
+        self._steps.append((p.LIST_OPERATION_ADD, address, value, 0))
+
+    def _read(self, operation: int, address: int) -> Pending:
+        pending = Pending(address)
+        self._reads.append(pending)
+        self._steps.append((operation, address, 0, 0))
+        return pending
 
     def __enter__(self) -> Self:
         return self
@@ -63,9 +96,11 @@ class Batch:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is not None or not (self._writes or self._reads):
+        if kind is not None or not self._steps:
             return
-        addresses = [pending.address for pending in self._reads]
-        words = self._link.exchange(addresses, self._writes, atomic=self._atomic)
+        operations, addresses, values, masks = zip(*self._steps, strict=True)
+        words = self._engine.do_list(
+            operations, addresses, values, masks, len(self._reads), self._atomic, None
+        )
         for pending, word in zip(self._reads, words.tolist(), strict=True):
             pending._set(word)

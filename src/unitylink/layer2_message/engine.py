@@ -66,6 +66,17 @@ class Engine(Protocol):
         timeout_s: float | None,
         /,
     ) -> Words: ...
+    def do_list(  # noqa: PLR0917
+        self,
+        operations: Integers,
+        addresses: Integers,
+        values: Integers,
+        masks: Integers,
+        reads: int,
+        atomic: bool,
+        timeout_s: float | None,
+        /,
+    ) -> Words: ...
     def post(self, addresses: Integers, values: Integers, timeout_s: float | None, /) -> None: ...
     def sync(self, timeout_s: float | None, /) -> None: ...
     def read_control(self, address: int, count: int, /) -> Words: ...

@@ -192,14 +192,18 @@ class Link:
         return ExchangeGroup(self._native, writes, reads, self.configuration.data_bytes)
 
     def batch(self, *, atomic: bool = False) -> Batch:
-        """Return a context manager that collects reads and writes, and does them together at its end.
+        """Return a context manager that collects operations, and does them together, in order, at its end.
 
-        with link.batch() as batch:
-            batch.write(0x20, 5)
-            position = batch.read(0x10)
-        print(position.value)
+        `atomic` holds the bus from the first to the last, in one message: DeviceMismatch where that is not
+        possible. Within one message no operation begins before all of it has been checked.
+
+            with link.batch() as batch:
+                batch.write(0x20, 5)
+                batch.write_masked(0x21, mask=0x0F, value=3)
+                position = batch.read(0x10)
+            print(position.value)
         """
-        return Batch(self, atomic=atomic)
+        return Batch(self._native, atomic=atomic)
 
     def post(self, address: int, value: int) -> None:
         """Write `value` to `address` without waiting for an answer; see post_many."""

@@ -10,7 +10,16 @@ import numpy as np
 
 from unitylink import _native
 from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
-from unitylink.protocol import GROUP_SIZE_MAX, GROUPS_MAX, RATE_BYTES_MAX, READ_MANY_MAX
+from unitylink.protocol import (
+    GROUP_SIZE_MAX,
+    GROUPS_MAX,
+    LIST_OPERATION_ADD,
+    LIST_OPERATION_READ,
+    LIST_OPERATION_READ_FIFO,
+    LIST_OPERATION_WRITE_MASKED,
+    RATE_BYTES_MAX,
+    READ_MANY_MAX,
+)
 
 from .configuration import Statistics
 from .engine import Integers, Times, Words
@@ -113,6 +122,32 @@ class MappedEngine:
     ) -> Words:
         self.write_many(write_addresses, write_values, None, False, timeout_s)
         return self.read_many(addresses, atomic, None, True, timeout_s)
+
+    def do_list(  # noqa: PLR0917
+        self,
+        operations: Integers,
+        addresses: Integers,
+        values: Integers,
+        masks: Integers,
+        reads: int,
+        atomic: bool,
+        timeout_s: float | None,
+    ) -> Words:
+        if atomic and len(operations) > 1:
+            raise DeviceMismatch("mapped memory does one operation after the other; do them without atomic")
+        read: list[int] = []
+        for operation, address, value, mask in zip(operations, addresses, values, masks, strict=True):
+            if operation in (LIST_OPERATION_READ, LIST_OPERATION_READ_FIFO):
+                read.append(self.read(address, None, True, timeout_s))
+            elif operation == LIST_OPERATION_WRITE_MASKED:
+                old = self.read(address, None, True, timeout_s)
+                self.write(address, (old & ~mask) | (value & mask), None, False, timeout_s)
+            elif operation == LIST_OPERATION_ADD:
+                old = self.read(address, None, True, timeout_s)
+                self.write(address, (old + value) & 0xFFFF_FFFF, None, False, timeout_s)
+            else:
+                self.write(address, value, None, False, timeout_s)
+        return np.array(read, dtype=np.uint32)
 
     def post(self, addresses: Integers, values: Integers, timeout_s: float | None) -> None:
         self.write_many(addresses, values, None, False, timeout_s)
