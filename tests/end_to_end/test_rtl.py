@@ -9,13 +9,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
+from tests.reference.rs485 import ModelNode, Pair, PairNode, WireNode
 from unitylink import connect
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
+from unitylink.simulate import Board
 from unitylink.simulate.plant import load_plant
 from unitylink.simulate.rtl import RtlBoard, rtl_configuration
 from unitylink.spec import load
@@ -93,6 +96,42 @@ def test_scara_moves_behind_the_spi_slave(spi_client: Callable[..., str]) -> Non
         """
         assert spi_client(code, port=board.url.rpartition(":")[2], exchange=1) == "True framed\n"
         assert board.error is None
+
+
+def test_the_vhdl_and_two_models_on_one_pair(tmp_path: Path) -> None:
+    """Nodes 1 and 3 are twins behind the reference, node 2 is the VHDL: physical layer, core and words."""
+    file = tmp_path / "elbow.ul"
+    file.write_text(
+        "link elbow (PHYSICAL=rs485, NODE=2); public elbow() { @set = 0x12: WRITE(); @is = 0x13: READ(); }"
+    )
+    spec = load(file)
+    with ExitStack() as stack:
+        vhdl = stack.enter_context(RtlBoard(spec, endpoint="tcp"))
+        twins = {number: stack.enter_context(Board(endpoint="tcp")) for number in (1, 3)}
+        nodes: dict[int, PairNode] = {n: ModelNode(n, address_of(twin.url)) for n, twin in twins.items()}
+        nodes[2] = WireNode(address_of(vhdl.url))
+        pair = Pair(nodes, tmp_path / "tty", echo=True)
+        stack.callback(pair.close)
+        url = f"rs485:{pair.path}?baud=125000&timeout=5&silence=2&node="
+        links = {number: stack.enter_context(connect(f"{url}{number}")) for number in (1, 2, 3)}
+        for value in range(5):
+            for number, link in links.items():
+                link.write(0x12, 10 * value + number)
+            assert [link.read(0x12) for link in links.values() if link is not links[2]] == [
+                10 * value + 1,
+                10 * value + 3,
+            ]
+        assert vhdl.registers[0x12] == 42
+        with links[2].subscribe([0x12, 0x13], divisor=10) as subscription:
+            assert subscription.wait(60)
+            assert subscription.drain()[1][0].tolist()[0] == 42
+        assert (pair.collisions, vhdl.error) == (0, None)
+        assert links[2].statistics().checksum_errors == 0
+
+
+def address_of(url: str) -> tuple[str, int]:
+    host, _, port = url.removeprefix("tcp://").rpartition(":")
+    return host, int(port)
 
 
 @pytest.mark.parametrize(

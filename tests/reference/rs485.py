@@ -6,7 +6,9 @@ Every byte that anybody says is heard by all others, and by the master too where
 
 from __future__ import annotations
 
+import itertools
 import os
+import re
 import select
 import socket
 import threading
@@ -40,6 +42,9 @@ class PairNode(Protocol):
 
     def hear(self, data: bytes) -> None: ...
     def say(self) -> bytes: ...
+    def fileno(
+        self,
+    ) -> int: ...  # readable when there is something to say; -1: asked behind a poll
     def close(self) -> None: ...
 
 
@@ -85,12 +90,38 @@ class ModelNode:
         frames, self._coming = self._coming[:end], self._coming[end:]
         return b"\0" + token(self.number, poll=False) + frames + token(0, poll=True)
 
+    def fileno(self) -> int:
+        return -1
+
+    def close(self) -> None:
+        self._device.close()
+
+
+class WireNode:
+    """A node that is whole, on TCP byte by byte: it hears all that is said, and says what it likes."""
+
+    def __init__(self, address: tuple[str, int]) -> None:
+        self._device = socket.create_connection(address)
+        self._device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def hear(self, data: bytes) -> None:
+        self._device.sendall(data)
+
+    def say(self) -> bytes:
+        try:
+            return self._device.recv(65536, socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return b""
+
+    def fileno(self) -> int:
+        return self._device.fileno()
+
     def close(self) -> None:
         self._device.close()
 
 
 class Pair:
-    """Nodes on a pseudo-terminal, whose name is `path`; `collisions` counts answers of several at once."""
+    """Nodes on a pseudo-terminal, whose name is `path`; `collisions` counts what nodes said unasked."""
 
     def __init__(self, nodes: Mapping[int, PairNode], path: Path, *, echo: bool) -> None:
         self.path = path
@@ -100,6 +131,7 @@ class Pair:
         self._nodes = nodes
         self._echo = echo
         self._count = 0
+        self._turn = 0  # the node that was polled last
         self._ours, self._theirs = os.openpty()
         tty.setraw(self._theirs)
         path.symlink_to(os.ttyname(self._theirs))
@@ -108,22 +140,37 @@ class Pair:
         self._thread.start()
 
     def _carry(self) -> None:
+        speaking = [node.fileno() for node in self._nodes.values() if node.fileno() >= 0]
         while not self._stop.is_set():
-            ready, _, _ = select.select([self._ours], [], [], 0.05)
-            if not ready:
-                continue
-            data = self._damaged(os.read(self._ours, 65536))
-            if self._echo:
+            ready, _, _ = select.select([self._ours, *speaking], [], [], 0.05)
+            alive = {number: node for number, node in self._nodes.items() if number not in self.dead}
+            data = self._damaged(os.read(self._ours, 65536)) if self._ours in ready else b""
+            if self._echo and data:
                 os.write(self._ours, data)
-            alive = [node for number, node in self._nodes.items() if number not in self.dead]
-            for node in alive:
-                node.hear(data)
-            answers = [answer for node in alive if (answer := node.say())]
-            self.collisions += len(answers) > 1
-            for answer in answers:
-                for node in alive:
+            for piece in self._turns(data):  # who is polled answers before more is heard
+                for node in alive.values():
+                    node.hear(piece)
+                self._turn = next((n for n in alive if piece.endswith(token(n, poll=True))), self._turn)
+                self._answer(alive)
+
+    def _answer(self, alive: Mapping[int, PairNode]) -> None:
+        answers = {number: answer for number, node in alive.items() if (answer := node.say())}
+        for number, answer in answers.items():
+            self.collisions += number != self._turn
+            for node in alive.values():
+                if node is not alive[number]:
                     node.hear(answer)
-                os.write(self._ours, answer)
+            os.write(self._ours, answer)
+
+    def _turns(self, data: bytes) -> list[bytes]:
+        """Cut what the master says behind each poll."""
+        ends = sorted(
+            match.end()
+            for number in self._nodes
+            for match in re.finditer(re.escape(token(number, poll=True)), data)
+        )
+        cuts = [0, *ends, len(data)]
+        return [data[begin:end] for begin, end in itertools.pairwise(cuts) if begin < end or not data]
 
     def _damaged(self, data: bytes) -> bytes:
         damaged = bytearray(data)

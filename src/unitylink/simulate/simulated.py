@@ -16,6 +16,7 @@ from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 _TIMEOUT_S = "1"  # a board in this process is silent only while the machine is too busy to run it
 _BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
 _TEXTS = ("physical", "send_immediate")  # of the board too
+_ASKED_FOR = ("spi", "rs485")  # physical layers that never speak by themselves
 _SHARED = (
     "fifo",
     "base_hz",
@@ -63,10 +64,10 @@ def simulated_board(url: str) -> tuple[Board, str]:
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
     physical = generics.get("physical", told_physical(spec))
-    if kind == "rtl" and physical == "spi":
+    if kind == "rtl" and physical in _ASKED_FOR:
         raise UrlError(
-            f"{url!r}: an SPI slave speaks only when it is clocked, and an rtl: link does not clock it; "
-            "say physical=uart, or use RtlBoard and a spi: link (docs/spi.md)"
+            f"{url!r}: {physical} speaks only when a master asks for it, which an rtl: link is not; say "
+            f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
         )
     if physical == "rs485":  # no classic text goes over a pair
         options.setdefault("protocol", "framed")

@@ -17,8 +17,8 @@ from unitylink.spec.model import Spec
 _HERE = Path(__file__).parent
 LATENCY_MS = 16  # what an FTDI chip waits for more bytes, as it comes
 # Physical layers that are simulated -> what is at the other end of their wires. Its streams are the board's;
-# the SPI master's are a byte in for each byte out.
-BEHIND = {"ft245_async": "ft245_chip.vhd", "spi": "spi_master.vhd"}
+# the SPI master's are a byte in for each byte out, and those of rs485 what a UART of ours hears on the pair.
+BEHIND = {"ft245_async": "ft245_chip.vhd", "spi": "spi_master.vhd", "rs485": None}
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,11 @@ def _behind(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str
         lstrip_blocks=True,
     )
     text = template.render(plan=plan(spec, configuration), top=top, latency_ms=LATENCY_MS)
+    made = {f"{top}.vhd": text}
     other_end = BEHIND[configuration.physical]
-    return {f"{top}.vhd": text, other_end: (_HERE / other_end).read_text(encoding="utf-8")}
+    if other_end is not None:
+        made[other_end] = (_HERE / other_end).read_text(encoding="utf-8")
+    return made
 
 
 @dataclass(frozen=True)
