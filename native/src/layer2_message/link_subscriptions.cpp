@@ -19,6 +19,8 @@ std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool ch
 
 // Every configuration command may be sent twice: it sets, it does not count.
 constexpr RequestOptions repeatable{.checked = std::nullopt, .repeat = true, .timeout_ns = 0};
+constexpr std::size_t definition_head_bytes = 9;  // id, group, divisor, flags, count
+constexpr std::size_t publish_head_bytes = 7;       // group, sequence, clock
 constexpr std::size_t ring_words_max = std::size_t{1} << 26;
 
 Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std::move(why)}; }
@@ -26,7 +28,14 @@ Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std:
 }  // namespace
 
 std::uint32_t Link::usable_group_size() const noexcept {
-  if (framed_ || gateware_ == Gateware::corrected) {
+  if (framed_) {  // the definition and the publish have to fit into the device's buffers, too
+    const auto words = [](std::uint32_t most, std::size_t head, std::uint32_t each) {
+      return most > head ? static_cast<std::uint32_t>((most - head) / each) : 0;
+    };
+    return std::min({configuration_.group_size, words(description_.request_max, definition_head_bytes, configuration_.address_bytes),
+                     words(description_.reply_max, publish_head_bytes, configuration_.data_bytes)});
+  }
+  if (gateware_ == Gateware::corrected) {
     return configuration_.group_size;
   }
   return configuration_.group_size > 0 ? configuration_.group_size - 1 : 0;
@@ -112,9 +121,10 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
   if (request.addresses.size() > usable_group_size()) {
     return cannot(std::to_string(request.addresses.size()) + " addresses, but a group of this gateware can hold " +
                   std::to_string(usable_group_size()) +
-                  (usable_group_size() < configuration_.group_size ? " (one less than it advertises: filled to the brim it never stops "
-                                                                     "publishing; gateware=corrected in the URL if it is corrected)"
-                                                                   : ""));
+                  (usable_group_size() == configuration_.group_size ? ""
+                   : framed_ ? " (of " + std::to_string(configuration_.group_size) + ": its frames hold no more; make it several groups)"
+                             : " (one less than it advertises: filled to the brim it never stops publishing; "
+                               "gateware=corrected in the URL if it is corrected)"));
   }
   if (request.divisor == 0 && !request.on_event) {
     return {Status::range, "subscribe: with divisor 0 and no event nothing would ever be published"};

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from reference.line import Line
 
+from unitylink.board_configuration import FramedConfiguration
 from unitylink.errors import BusError, DeviceMismatch, OutcomeUnknown, ProtocolError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration
@@ -129,3 +131,17 @@ def test_a_bus_error_is_told_with_its_address_and_stops_a_list() -> None:
         with pytest.raises(BusError, match="0x0030"):
             link.sync()
         link.sync()
+
+
+def test_a_group_is_no_larger_than_the_frames_of_the_device() -> None:
+    configuration = BoardConfiguration(groups=3, group_size=255, base_hz=1000)
+    with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=2") as link:
+        assert (link.configuration.group_size, link.configuration.usable_group_size) == (255, 60)
+        with pytest.raises(DeviceMismatch, match=r"can hold 60 \(of 255: its frames hold no more"):
+            link.subscribe(range(61), divisor=1)
+        with link.subscribe(range(60), divisor=1) as subscription:
+            assert subscription.wait(10)
+            assert subscription.drain()[1].shape[1] == 60
+    large = FramedConfiguration(request_max=1200, reply_max=1200)
+    with Board(configuration=replace(configuration, framed=large)) as board, Link(board.url) as link:
+        assert link.configuration.usable_group_size == 255
