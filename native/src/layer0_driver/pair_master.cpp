@@ -88,15 +88,15 @@ struct Master::Node {
   unsigned misses = 0;
 };
 
-Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Master>& master) {
+Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Master>& shared) {
   char* const real = ::realpath(url.path.c_str(), nullptr);
   const std::string path = real != nullptr ? real : url.path;
   std::free(real);
   const std::scoped_lock lock(masters_mutex);
-  if ((master = masters()[path].lock()) != nullptr) {
-    return master->baud_ == settings.baud
+  if ((shared = masters()[path].lock()) != nullptr) {
+    return shared->baud_ == settings.baud
                ? Outcome{}
-               : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " + master->baud_ +
+               : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " + shared->baud_ +
                                                " baud, and " + settings.baud + " are asked; all on a pair have the same rate"};
   }
   std::unique_ptr<Driver> port;
@@ -104,15 +104,15 @@ Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Mas
     return outcome;
   }
   ask_direction(port->descriptor());
-  master = std::make_shared<Master>(std::move(port), settings.baud);
-  masters()[path] = master;
+  shared = std::make_shared<Master>(std::move(port), settings.baud);
+  masters()[path] = shared;
   return {};
 }
 
-void Master::disown(std::shared_ptr<Master> master) {
+void Master::disown(std::shared_ptr<Master> shared) {
   new (&masters_mutex) std::mutex;  // its old state names threads that do not exist here
   masters().clear();
-  static_cast<void>(new std::shared_ptr<Master>(std::move(master)));  // its destructor would wait for the thread
+  static_cast<void>(new std::shared_ptr<Master>(std::move(shared)));  // its destructor would wait for the thread
 }
 
 Master::Master(std::unique_ptr<Driver> port, std::string baud)

@@ -25,9 +25,9 @@ struct Settings {
 class Master {
  public:
   // The master of the port that the URL names, which other links may have already.
-  [[nodiscard]] static Outcome of(const Url& url, const Settings& settings, std::shared_ptr<Master>& master);
+  [[nodiscard]] static Outcome of(const Url& url, const Settings& settings, std::shared_ptr<Master>& shared);
   // In a forked child: neither thread nor port are its own.
-  static void disown(std::shared_ptr<Master> master);
+  static void disown(std::shared_ptr<Master> shared);
   Master(std::unique_ptr<Driver> port, std::string baud);
   Master(const Master&) = delete;
   Master& operator=(const Master&) = delete;
