@@ -31,21 +31,51 @@ def test_a_trace_says_what_went_over_the_link(run: Run, tmp_path: Path) -> None:
     assert wrong.returncode == 2 and "no kind 'answers'" in wrong.stderr
 
 
+def test_a_trace_of_frames_says_it_too(run: Run, tmp_path: Path) -> None:
+    trace = tmp_path / "scara.pcapng"
+    assert run("write", f"sim:{SCARA}?trace={trace}", "j1.pos_sp=-5").returncode == 0
+    plain = run("decode", trace, "--spec", SCARA, "--not", "damaged")
+    assert plain.returncode == 0, plain.stderr
+    assert "j1.pos_sp = -5" in plain.stdout and "2 address bytes" in plain.stdout
+    assert "OPEN" in plain.stdout and "the session is open" in plain.stdout
+    damaged = run("decode", trace, "--spec", SCARA, "--only", "damaged,error")
+    assert "no message to show" in damaged.stderr and not damaged.stdout
+
+
+def dissected(trace: Path, *fields: str) -> list[list[str]]:
+    tshark = shutil.which("tshark")
+    assert tshark, "tshark is missing: install the Debian package tshark"
+    done = subprocess.run(
+        [tshark, "-X", f"lua_script:{DISSECTOR}", "-r", trace, "-T", "fields", *(f"-e{f}" for f in fields)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "Lua Error" not in done.stdout + done.stderr
+    return [line.split("\t") for line in done.stdout.splitlines()]
+
+
+def test_wireshark_opens_frames_with_our_dissector(run: Run, tmp_path: Path) -> None:
+    trace, whole = tmp_path / "scara.pcapng", tmp_path / "messages.pcapng"
+    assert run("read", f"sim:{SCARA}?trace={trace}", "j1.cpos", "j2.cpos").returncode == 0
+    done = run("decode", trace, "--spec", SCARA, "--pcapng", whole)
+    assert done.returncode == 0, done.stderr
+    names = ["frame.p2p_dir", "unitylink.kind", "unitylink.id", "unitylink.status", "frame.comment"]
+    shown = dissected(whole, *names)
+    assert ["0", "LIST", "1", "", "with the bus held: read j1.cpos, j2.cpos"] in shown, shown
+    (answer,) = [line for line in shown if line[:4] == ["1", "REPLY", "1", "ok"]]
+    assert answer[4].startswith("j1.cpos = ") and "j2.cpos = " in answer[4]
+    assert any(line[1] == "LIST" for line in dissected(trace, *names[:4])), "the trace itself opens, too"
+
+
 def test_wireshark_opens_it_with_our_dissector(run: Run, tmp_path: Path) -> None:
     trace, whole = tmp_path / "scara.pcapng", tmp_path / "messages.pcapng"
     assert run("read", f"sim:{SCARA}?protocol=classic&trace={trace}", "j1.cpos").returncode == 0
     done = run("decode", trace, "--spec", SCARA, "--pcapng", whole)
     assert done.returncode == 0, done.stderr
-    tshark = shutil.which("tshark")
-    assert tshark, "tshark is missing: install the Debian package tshark"
     fields = ["frame.p2p_dir", "unitylink.letters", "unitylink.data", "frame.comment"]
-    shown = subprocess.run(
-        [tshark, "-X", f"lua_script:{DISSECTOR}", "-r", whole, "-T", "fields", *(f"-e{f}" for f in fields)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    ).stdout.splitlines()
+    shown = ["\t".join(line) for line in dissected(whole, *fields)]
     assert any(line.split("\t") == ["0", "RM", "010088", "read j1.cpos"] for line in shown), shown
     assert any(line.startswith("1\tS_RM\t") and "j1.cpos = " in line for line in shown), shown
 

@@ -98,11 +98,13 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         "## 7. See the wire",
         [
             Command(
-                "unitylink read 'serial:./arm.tty?trace=arm.pcapng&protocol=classic' "
-                "--spec arm.ul x.position y.position",
+                "unitylink read 'serial:./arm.tty?trace=arm.pcapng' --spec arm.ul x.position y.position",
                 "100",
             ),
-            Command("unitylink decode arm.pcapng --spec arm.ul", "read x.position, y.position"),
+            Command(
+                "unitylink decode arm.pcapng --spec arm.ul --match position",
+                "read x.position, y.position",
+            ),
         ],
     ),
     (

@@ -9,7 +9,15 @@ for message in messages(read_packets("scara.pcapng"), MessageReader({0x88: "j1.c
 
 from __future__ import annotations
 
-from .messages import CaptureMessage, MessageReader, messages
+from .messages import CaptureMessage, MessageReader, Pieces, messages
 from .pcapng import Packet, PcapngWriter, read_packets
 
-__all__ = ["CaptureMessage", "MessageReader", "Packet", "PcapngWriter", "messages", "read_packets"]
+__all__ = [
+    "CaptureMessage",
+    "MessageReader",
+    "Packet",
+    "PcapngWriter",
+    "Pieces",
+    "messages",
+    "read_packets",
+]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Packets to messages of the classic protocol, each with its meaning.
+"""Packets to messages, each with its meaning: lines of the classic protocol, and frames.
 
-The host's side is read as text, the device's by the decoder of layer 1. What a reply answers is told by the
-order of requests, what a publish holds by the last WSA of its group: the protocol itself says neither.
+Of lines, the host's side is read as text, the device's by the decoder of layer 1. What a reply answers is
+told by the order of requests, what a publish holds by the last WSA of its group: the protocol says neither.
 """
 
 from __future__ import annotations
@@ -26,11 +26,15 @@ from unitylink.layer1_stream import (
     Reply,
 )
 
+from .frames import FrameReader
 from .pcapng import RECEIVED, SENT, Packet
 
 _REQUEST = re.compile(rb"(!?)([#$])([A-Za-z]*)(?::([0-9A-Fa-f]*))?(?:\*([0-9A-Fa-f]{2}))?$")
 _IGNORED = bytes.maketrans(b"", b""), b"\t ,.\r"
+# Directly behind a border or a line feed the next byte decides (docs/protocol.md, section 1).
+_PIECE = re.compile(rb"\x00*(?:[\x80-\xff][^\x00]*\x00|[^\x00\x80-\xff][^\n\x00]*[\n\x00]|\n)", re.DOTALL)
 _OUT_OF_ORDER_MOST = 16
+_KINDS_FIRST = 0x80  # of frames
 Show = Callable[[int, int], str]  # address, raw word -> text
 
 
@@ -46,10 +50,13 @@ class CaptureMessage:
     data: bytes
     kind: str
     meaning: str
+    label: str = ""
 
     @property
     def text(self) -> str:
-        """The bytes, printable: `$R:12*58`."""
+        """The bytes, printable: `$R:12*58`; of a frame its kind and id: `READ 7`, `OK 7`."""
+        if self.label:
+            return self.label
         return self.data.rstrip(b"\r\n").decode("ascii", "backslashreplace").replace("\x1b", "\\x1b")
 
 
@@ -67,16 +74,38 @@ def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> 
     them, else addresses stay unread.
     """
     reader = reader or MessageReader()
-    rest = {SENT: b"", RECEIVED: b""}
+    sides = {SENT: Pieces(), RECEIVED: Pieces()}
     time_s = 0.0
     for packet in _in_order(packets):
         time_s = packet.time_s
-        *lines, rest[packet.direction] = (rest[packet.direction] + packet.data).split(b"\n")
-        for line in lines:
-            yield reader.read(time_s, packet.direction, line + b"\n")
-    for direction, left in rest.items():
-        if left:
-            yield CaptureMessage(time_s, direction, left, "damaged", "the capture ends within this message")
+        for piece in sides[packet.direction].feed(packet.data):
+            yield reader.read(time_s, packet.direction, piece)
+    for direction, side in sides.items():
+        if side.rest:
+            why = "the capture ends within this message"
+            yield CaptureMessage(time_s, direction, side.rest, "damaged", why)
+
+
+class Pieces:
+    """Cuts one direction of a link into lines, with their line feed, and frames, with the border behind them.
+
+    Borders before a piece belong to it, so that no byte is left out.
+
+    >>> Pieces().feed(b"#R:12\n\0\x80\3\1\1\xfa\x92\x83\0")
+    [b'#R:12\n', b'\x00\x80\x03\x01\x01\xfa\x92\x83\x00']
+    """
+
+    def __init__(self) -> None:
+        self.rest = b""
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """Return what `data`, behind all that came before, completes."""
+        self.rest += data
+        pieces = []
+        while match := _PIECE.match(self.rest):
+            pieces.append(match[0])
+            self.rest = self.rest[match.end() :]
+        return pieces
 
 
 def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
@@ -116,16 +145,21 @@ class MessageReader:
         self.polynomial = polynomial
         self.waiting: deque[_Request] = deque()
         self.groups: dict[int, tuple[int, ...]] = {}
+        self.frames = FrameReader(self)
 
     def read(self, time_s: float, direction: str, line: bytes) -> CaptureMessage:
-        """Return the message that `line`, with its line feed, is."""
+        """Return the message that `line`, with its line feed, is, or a frame with its border."""
+        bare = line.strip(b"\0")
+        if bare and bare[0] >= _KINDS_FIRST:
+            kind, label, meaning = self.frames.read(bare)
+            return CaptureMessage(time_s, direction, line, kind, meaning, label)
         kind, meaning = self._request(line) if direction == SENT else self._answer(line)
         return CaptureMessage(time_s, direction, line, kind, meaning)
 
     # ---- what the PC says
 
     def _request(self, line: bytes) -> tuple[str, str]:
-        match = _REQUEST.match(line[:-1].translate(*_IGNORED))
+        match = _REQUEST.match(line.lstrip(b"\0")[:-1].translate(*_IGNORED))
         if match is None or len(match[4] or b"") % 2:
             return "damaged", "not a request"
         fence, _, letters, digits, _ = match.groups()
@@ -170,7 +204,7 @@ class MessageReader:
 
     def _answer(self, line: bytes) -> tuple[str, str]:
         decoder = ClassicDecoder(data_bytes=self.data_bytes or 0, polynomial=self.polynomial)
-        events = decoder.feed(line)
+        events = decoder.feed(line.lstrip(b"\0"))
         kinds, meanings = zip(*(self._said(event) for event in events), strict=True) if events else ((), ())
         if not events:
             return "damaged", "no message"

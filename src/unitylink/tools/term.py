@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from unitylink import protocol
-from unitylink.capture import CaptureMessage, MessageReader
+from unitylink.capture import CaptureMessage, MessageReader, Pieces
 from unitylink.errors import LinkError
 from unitylink.layer1_stream import ClassicEncoder
 
@@ -81,7 +81,7 @@ class Session:
         self.driver = driver
         self.names = names
         self.reader: MessageReader = wire_reader(names)
-        self._rest = b""
+        self._pieces = Pieces()
         self._start_s = time.monotonic()
 
     def begin(self) -> Iterator[str]:
@@ -100,9 +100,8 @@ class Session:
 
     def receive(self, timeout_s: float) -> Iterator[str]:
         """Yield the lines that came, if any, within `timeout_s`."""
-        *lines, self._rest = (self._rest + self.driver.receive(timeout_s=timeout_s)).split(b"\n")
-        for line in lines:
-            yield self._shown(self.reader.read(self._now_s(), "received", line + b"\n"))
+        for piece in self._pieces.feed(self.driver.receive(timeout_s=timeout_s)):
+            yield self._shown(self.reader.read(self._now_s(), "received", piece))
 
     def _now_s(self) -> float:
         return time.monotonic() - self._start_s
