@@ -41,8 +41,8 @@ bool Answer::end_message() {
   const bool poll = (message_[0] & protocol::rs485::poll_bit) != 0;
   const unsigned node = message_[0] & protocol::rs485::nodes_max;
   if (poll) {
-    spoke_ = spoke_ && node == master;  // else it is our own poll, and what was heard before it was ourselves
-    return node == master;
+    spoke_ = spoke_ && node == master_number;  // else it is our own poll, and what was heard before it was ourselves
+    return node == master_number;
   }
   selected_ = spoke_ = node == node_;
   return false;

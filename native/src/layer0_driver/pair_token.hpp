@@ -12,7 +12,7 @@
 namespace unitylink::pair_bus {
 
 inline constexpr std::uint8_t border = 0;
-inline constexpr unsigned master = 0;
+inline constexpr unsigned master_number = 0;
 
 // The second byte of the token whose first byte is `first`.
 [[nodiscard]] constexpr std::uint8_t token_check(std::uint8_t first) noexcept {
