@@ -96,7 +96,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         seed=placed.seed,
         area=placed.area,
         baud_hz=baud_hz,
-        url=_url(board, baud_hz),
+        url=link_url(board, baud_hz),
         pins=_shown(board, pinout),
         notices=tuple(notices),
         bitstream=str(folder / made),
@@ -182,10 +182,10 @@ def _run(command: Sequence[str], folder: Path) -> None:
         raise ToolError(f"{Path(command[0]).name} ended with {code}:\n{lines}")
 
 
-def _url(board: Board, baud_hz: int) -> str:
+def link_url(board: Board, baud_hz: int) -> str:
     """Return the link that most likely leads to the board."""
     if board.physical != "uart":
-        return "ftdi:?mode=fifo"
+        return "spi:/dev/spidev0.0" if board.physical == "spi" else "ftdi:?mode=fifo"
     return f"serial:/dev/ttyUSB{1 if 'FT2232H' in ''.join(board.notes) else 0}?baud={baud_hz}"
 
 

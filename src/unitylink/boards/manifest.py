@@ -23,7 +23,7 @@ else:
 
 MANIFEST = "board.toml"
 FAMILIES = ("ice40", "ecp5")
-PHYSICAL = ("uart", "ft245_async")  # those that `build` can put on pins
+PHYSICAL = ("uart", "ft245_async", "spi")  # those that `build` can put on pins
 # What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's

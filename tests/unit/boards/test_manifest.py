@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from unitylink.boards import Board, board_names, load_board
 from unitylink.boards.families import FAMILIES
 from unitylink.boards.flash import PACKAGES
+from unitylink.boards.flow import link_url
 from unitylink.boards.manifest import ROLES
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
@@ -91,3 +93,15 @@ def test_a_spec_whose_link_stands_on_something_else(tmp_path: Path) -> None:
     spec.write_text(text.format("spi"))
     with pytest.raises(BoardError, match="icebreaker: its link is uart, and the spec says PHYSICAL=spi"):
         load_board("icebreaker").configuration(load(spec))
+
+
+def test_a_board_whose_link_is_spi(tmp_path: Path) -> None:
+    pins = {"sck": 4, "cs_n": 1, "mosi": 2, "miso": 3, "waiting": 7, "miso_drive": 8}
+    lines = "".join(f'spi_{name} = ["P1A{pin}"]\n' for name, pin in pins.items())
+    link = f'[link]\nphysical = "spi"\n\n[link.pins]\n{lines}\n'
+    board = own(tmp_path, re.sub(r"\[link\].*?(?=\[flash\])", link, GOOD, flags=re.DOTALL))
+    assert board.link_pins["spi_sck"] == ("P1A4",) and board.baud_hz == 0
+    spec = tmp_path / "lamp.ul"
+    spec.write_text("public lamp() { @led = 0x10: WRITE(); }")
+    assert board.configuration(load(spec)).physical == "spi"
+    assert link_url(board, 0) == "spi:/dev/spidev0.0"
