@@ -45,9 +45,10 @@ PEERS = (
 )
 ROS = (
     "Section VI.C measured 1.8 kHz from Unity-Link to ROS and 0.3 kHz the other way, its subscriptions being "
-    "synchronous writes. ROS 1 is rospy of Debian, with rosmaster; ROS 2 is cyclonedds, the middleware "
+    "synchronous writes. ROS 1 is that of Debian, with rosmaster; ROS 2 is cyclonedds, the middleware "
     "under it. "
-    "Both sides of a row run one after the other, so that on a busy machine a share may lie above 1."
+    "Node and bare peer take turns; on a busy machine a share may still lie above 1. Alone: "
+    "`unitylink bench --only ros1-out --only ros1-in --only dds-out --only dds-in`."
 )
 MISSING = (
     "A board: all of this is simulated, or measured on one PC. Of the paper's Fig. 4, a picture without "

@@ -14,12 +14,14 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
-from unitylink.experiments import pictures, report, scaling, software_cost, write
+from unitylink.experiments import pictures, report, ros_rates, scaling, software_cost, write
 from unitylink.experiments.claims import CLAIMS
 from unitylink.experiments.document import Heading
 from unitylink.experiments.model_figures import model_figures
 from unitylink.experiments.software_cost import SoftwareCost
 from unitylink.experiments.table_one import CELLS, TEXT
+from unitylink.tools.bench import FIGURES, Report
+from unitylink.tools.bench.figure import Figure
 from unitylink.tools.experiments import command
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -125,3 +127,27 @@ def test_what_was_not_measured_is_said(tmp_path: Path) -> None:
     write(tmp_path, results)
     page = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "Not measured: no index" in page and f"Not measured: ros1-out: {absent}" in page
+
+
+def test_topics_stand_beside_the_paper_s_and_what_is_missing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    details = {"node messages/s": 9000.0, "bare messages/s": 10_000.0}
+    figures = [
+        Figure(name, "FPGA -> topic, over bare", 0.9, False, 0.9, "x", details)
+        for name in ("ros1-out", "dds-in")
+    ]
+    asked: list[object] = []
+
+    def run(*, only: object, quick: bool, say: object) -> Report:
+        asked.append(only)
+        return Report(tuple(figures), {"ros1-in": "ROS 1 is not here: tools/setup.sh ros installs it"}, quick)
+
+    monkeypatch.setattr("unitylink.experiments.ros_rates.run", run)
+    told = ros_rates.rates(quick=True, say=print)
+    assert [(row["name"], row["paper_hz"], row["node_hz"]) for row in told["rows"]] == [
+        ("ros1-out", 1800.0, 9000.0),
+        ("dds-in", None, 9000.0),
+    ]
+    assert "tools/setup.sh ros" in told["failures"]["ros1-in"]
+    ros_rates.rates(quick=False, say=print)
+    assert asked == [ros_rates.FIGURES, (*ros_rates.FIGURES, *ros_rates.SLOWER)]
+    assert set(FIGURES) >= {*ros_rates.FIGURES, *ros_rates.SLOWER}
