@@ -157,6 +157,7 @@ def test_the_generated_node_on_rclpy(
         assert status["level"] == [0] and status["name"] == "/rig/unitylink: Unity-Link"
         graph = peer("graph", topic="/rig/slow")
         assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
+        assert peer("graph", topic="/rig/j_0/feedback")["reliability"] == ["BEST_EFFORT"]
 
 
 def test_the_node_on_dds_is_seen_by_ros_2(

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
+import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -143,6 +146,42 @@ def test_wrong_commands_are_refused_by_the_node_in_cpp(ros: Ros, board: MakeBoar
         answer = ros.run("rosservice", "call", "/rig/write", f"{{names: {names}, values: {values}}}")
         assert "success: False" in answer and says in answer
     assert device.registers[0x12] == 0, "nothing of a refused command is written"
+
+
+def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
+    """docs/ros.md, command by command; what is installed and built by it is the workspace of these tests."""
+    text = (Path(__file__).parents[2] / "docs" / "ros.md").read_text()
+    section = text[text.index("## ROS 1, in ten minutes") : text.index("## ROS 2,")]
+    _, build, terminals, commands = re.findall(r"```sh\n(.*?)```", section, re.S)
+    assert build.startswith(
+        "unitylink generate examples/scara/scara.ul --out ws/src --only ros1\ncd ws && catkin_"
+    )
+    device = board("scara", "scara")
+    master, simulate, roslaunch = terminals.splitlines()
+    assert (master, simulate) == (
+        "roscore",
+        "unitylink simulate examples/scara/scara.ul --plant scara --tcp 5555",
+    )
+    ros.start(*shlex.split(roslaunch.replace("tcp://127.0.0.1:5555", f"{device.url}?timeout=2")))
+    echo(ros, "/scara/j1/feedback")
+    active = ros.folder / "run.bag.active"  # while rosbag writes it
+    for command in commands.splitlines():
+        words = shlex.split(command)
+        if words[:2] in (["rostopic", "hz"], ["rostopic", "echo"], ["rosbag", "record"]):  # until Ctrl-C
+            log = ros.folder / "setsid.log"
+            shown = {"hz": "average rate", "echo": "cpos:"}.get(words[1])
+            process = ros.start("setsid", *words)  # Ctrl-C in a terminal is for all of a group
+            ros.until(lambda log=log, shown=shown: shown in log.read_text() if shown else active.exists())
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait()
+        else:
+            said = ros.run(*words)
+            if words[0] == "rosservice":
+                assert "success: True" in said, said
+            if words[:2] == ["rostopic", "list"]:
+                assert "/scara/j1/feedback\n" in said and "/scara/j2/pos_sp\n" in said
+    assert device.registers.signed(0x80 + 8) > 2900 and device.registers.signed(0x8D) == -500
+    ros.until((ros.folder / "run.bag").exists)
 
 
 def test_bridge_and_rosbag(ros: Ros, board: MakeBoard) -> None:

@@ -33,12 +33,19 @@ def plan_interface(spec: Spec, root: str | None = None, *, standard: bool = Fals
     """Return the interface of a public constructor (of the only one); with `standard` of messages alone that
     every ROS has, for tools that know no generated package.
 
-    Raises BindingError where two names of the spec are one in ROS, or an `@ros(..)` is wrong.
+    Raises BindingError where two names of the spec are one in ROS, an `@ros(..)` is wrong, or the constructor
+    needs more than one link.
     """
     try:
         instance = spec.root(root)
     except KeyError as error:
         raise BindingError(f"{spec.source}: {error.args[0]}") from None
+    links = [device.comm or device.link.name for device in spec.devices if device.root == instance.name]
+    if len(links) > 1:
+        raise BindingError(
+            f"{spec.source}: `{instance.name}` needs {len(links)} links ({', '.join(links)}), and a node "
+            "holds one; give what is behind each link a public constructor of its own: it becomes a node"
+        )
     return _Planner(spec, instance, standard).interface()
 
 

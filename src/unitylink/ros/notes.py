@@ -42,10 +42,12 @@ class Note:
     def _take(self, annotation: Annotation, known: dict[str, type]) -> None:
         if annotation.values:
             raise self.wrong(f"{annotation.values[0]!r} has no key; write key=value, as type=..")
-        for key, value in annotation.options:
+        for key, given in annotation.options:
             if key not in known:
                 raise self.wrong(f"there is no option {key!r}; there are {', '.join(known)}")
-            if not isinstance(value, known[key]) or (known[key] is int and isinstance(value, bool)):
+            # what the language makes of false and true
+            value = bool(given) if known[key] is bool and given in (0, 1) else given
+            if not isinstance(value, known[key]):
                 raise self.wrong(f"{key}={value!r} is no {known[key].__name__}")
             self._options[key] = value
 

@@ -145,6 +145,7 @@ def test_standard_messages_alone() -> None:
         ('public s() { @ros("Int32") @t=0x0: WRITE(); }', "has no key"),
         ('public s() { @ros(type="Int8") @t=0x0: WRITE(); }', "its values are UInt32"),
         ('public s() { @ros(queue="9") @t=0x0: WRITE(); }', "queue='9' is no int"),
+        ("public s() { @ros(reliable=2) @t=0x0: WRITE(); }", "reliable=2 is no bool"),
         ("public s() { @ros(queue=0) p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}", "queue must be 1"),
         (
             'public s() { @ros(type="Twist") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}',
@@ -158,6 +159,12 @@ def test_standard_messages_alone() -> None:
         (
             'public s() { @ros(type="JointState", position="y") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}',
             "position='y' is no published value; there are: none",
+        ),
+        (
+            """link a (DATA=32); link b (DATA=32); public cell(c,x,y) { p: q(c,x); r: s(c,y); }
+            q(c,u) { MEMORY(CTRL=c, COMM=u, LINK=a); @v = 0x0: READ(); }
+            s(c,u) { MEMORY(CTRL=c, COMM=u, LINK=b); @v = 0x0: READ(); }""",
+            "`cell` needs 2 links (x, y), and a node holds one; give what is behind each link a public",
         ),
     ],
 )
