@@ -82,7 +82,6 @@ architecture rtl of frame_application is
   signal data         : word32_t := (others => '0');
   signal address      : unsigned(address_bits - 1 downto 0) := (others => '0');
   signal id           : std_ulogic_vector(15 downto 0) := (others => '0');
-  signal posts        : std_ulogic_vector(15 downto 0) := (others => '0');
   signal epoch_now    : crc16_t := (others => '1');
   signal count        : unsigned(7 downto 0) := (others => '0');
   signal group_number : unsigned(7 downto 0) := (others => '0');
@@ -110,7 +109,7 @@ architecture rtl of frame_application is
   signal said     : byte_t;
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` moves up a byte
-  signal distance : unsigned(15 downto 0);         -- of the number in `data` from the count of posts
+  signal distance : unsigned(15 downto 0);         -- of the lower half of `data` from that of the word
   signal reads, writes, holds_bus, found, access_done, failed, silent_bus : std_ulogic;
 
   function to_bit(value : boolean) return std_ulogic is
@@ -125,6 +124,8 @@ begin
 
   assert settings.exchange_size * data_bytes <= 255
     report "frame_application: exchange_size words must be fewer than 256 bytes" severity failure;
+  assert settings.safe_count < 128
+    report "frame_application: there are more than 127 safe values" severity failure;
   assert content'length <= 512
     report "frame_application: groups, exchange groups and safe values need more than 512 words" severity failure;
 
@@ -148,7 +149,7 @@ begin
       data_in => said, recall => recall, data_out => recalled);
 
   timer : entity work.frame_clock
-    generic map (clock_hz => settings.clock_hz, base_hz => settings.base_hz)
+    generic map (clock_hz => settings.clock_hz, base_hz => settings.base_hz, ticks => deadman)
     port map (
       clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned,
       running => flags(1), ticking => ticking, seen => tick_seen);
@@ -170,7 +171,7 @@ begin
   -- What to do next.
 
   number_now <= instruction(number_f);
-  distance   <= unsigned(data(15 downto 0)) - unsigned(posts);
+  distance   <= unsigned(data(15 downto 0)) - unsigned(word(15 downto 0));
 
   judge : process (all)
   begin
@@ -186,16 +187,14 @@ begin
       when if_duplicate    => holds <= repeated;
       when if_not_kept     => holds <= not_kept;
       when if_order        => holds <= unordered;
-      when if_other_number => holds <= or distance;
-      when if_old_number   => holds <= distance(15);
+      when if_half_not     => holds <= or distance;
+      when if_half_lower   => holds <= distance(15);
       when if_flag         => holds <= or (flags and number_now);
       when if_mark         => holds <= or (marks and number_now);
       when if_shape        => holds <= or (shape and number_now) and to_bit(lists);
       when if_low          => holds <= to_bit(data(7 downto 0) = number_now);
       when if_low_not      => holds <= to_bit(data(7 downto 0) /= number_now);
       when if_above        => holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
-      when if_word_not     => holds <= to_bit(data /= word);
-      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));
       when if_top          => holds <= data(31) and to_bit(exchanges > 0);
       when if_full         => holds <= word_full and to_bit(deadman);
       when if_no_register  =>
@@ -238,9 +237,12 @@ begin
     case instruction(source_f) is
       when from_top   => said <= data(31 downto 24);
       when from_word  => said <= data(8 * data_bytes - 1 downto 8 * data_bytes - 8);
-      when from_half  => said <= data(15 downto 8);
+      when from_half  =>
+        said <= word(7 downto 0);
+        if first = '1' then
+          said <= word(15 downto 8);
+        end if;
       when from_id    => said <= id(15 downto 8);
-      when from_posts => said <= posts(15 downto 8);
       when from_cache => said <= recalled;
       when from_other =>
         said <= byte_t(group_number);
@@ -285,7 +287,7 @@ begin
   -- The registers.
 
   turns_up <= to_bit(instruction(data_f) = data_turn or instruction(source_f) = from_top or
-                     instruction(source_f) = from_word or instruction(source_f) = from_half);
+                     instruction(source_f) = from_word);
 
   shift_data : process (clock)
   begin
@@ -339,9 +341,6 @@ begin
         if instruction(take_f) = take_address then
           address <= address(address_bits - 9 downto 0) & unsigned(request.data);
         end if;
-        if instruction(source_f) = from_posts then
-          posts <= posts(7 downto 0) & posts(15 downto 8);
-        end if;
       end if;
       if finishes = '1' then
         if instruction(do_load_address) = '1' and (exchanges > 0 or deadman) then
@@ -350,11 +349,6 @@ begin
           address <= unsigned(subscription_response.word(address'range));
         elsif instruction(special_f) = address_up and lists then
           address <= address + 1;
-        end if;
-        if instruction(special_f) = no_posts then
-          posts <= (others => '0');
-        elsif instruction(special_f) = one_post then
-          posts <= std_ulogic_vector(unsigned(posts) + 1);
         end if;
       end if;
     end if;
@@ -385,9 +379,8 @@ begin
           when load_shape   => shape        <= shape_of(data(7 downto 0));
           when load_count   => count        <= unsigned(data(7 downto 0));
           when load_kept    => count        <= resize(kept_count, 8);
-          when load_number  => count        <= unsigned(number_now);
           when load_group   => group_number <= unsigned(data(7 downto 0));
-          when load_size    => size         <= unsigned(data(2 downto 0));
+          when load_size    => size         <= unsigned(word(26 downto 24));
           when load_epoch   => epoch_now    <= data(15 downto 0);
           when load_running => flags(1)     <= or data and to_bit(deadman);
           when others       => null;

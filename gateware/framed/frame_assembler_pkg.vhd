@@ -11,6 +11,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
 
 package frame_assembler_pkg is
@@ -26,15 +27,16 @@ package frame_assembler_pkg is
     next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
     finish_plain, write_ok,
     invalid, bad_address, denied, too_long, order,
-    behind, no_group, failed, count_failure, count_silence, drop_kind, drop_stale, drop_done, clear_next,
+    behind, no_group, failed, count_failure, count_silence, drop_kind, drop_stale, drop_done, clear_next, cleared,
     -- sessions
-    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins, forget_next,
+    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins, begin_next, begin_rest,
+    forget_next, forgotten,
     -- requests
     general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch, skip_barrier,
     check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read, exec_write,
     -- control registers, time, dead-man
     registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
-    registers_kept, registers_say, turn_down, tick_heard, tick_count, tick_trip, trip, trip_next, write_arm,
+    registers_kept, registers_say, turn_down, tick_heard, tick_count, tick_trip, trip, trip_next, tripped, write_arm,
     write_publish, write_ticks,
     -- posts
     post_other, post_old, post_denied, post_failed, post_note, post_noted, post_formed, post_end,
@@ -42,11 +44,11 @@ package frame_assembler_pkg is
     list_start, list_op, list_fifo, list_count, list_reads, list_many, list_back, list_total, list_counted, list_once,
     list_word, list_value, list_mask, list_data, list_access, list_next, list_again, list_more, list_checked, list_plain,
     list_free, list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_read, run_masked, run_add,
-    run_skip, run_again, run_await, run_next, run_up, list_executed, list_failed,
+    run_skip, run_again, run_await, run_next, run_up, list_executed, list_failed, list_unposted,
     -- exchange groups
     define_output, define_outputs, define_input, define_inputs, define_barrier, define_go, define_entry, define_entries,
     exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
-    exchange_inputs, exchange_entry,
+    exchange_inputs,
     -- publish groups
     group_word, group_words, group_go, group_rate, group_store, group_end, publish_word, publish_failed);
 
@@ -94,6 +96,9 @@ package frame_assembler_pkg is
 
   -- A routine there, then the next instruction.
   procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done);
+
+  -- The lower half of a word, which is looked at already.
+  procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural);
 
   -- Id and count of posts, with which every reply begins.
   procedure say_head(p : inout assembler_t);
@@ -187,10 +192,15 @@ package body frame_assembler_pkg is
     put(p, i or act(do_call), always, label_name);
   end procedure;
 
+  procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural) is
+  begin
+    put(p, say(what, from_half) or times(2) or number(place));
+  end procedure;
+
   procedure say_head(p : inout assembler_t) is
   begin
-    put(p, say(say_byte, from_id) or times(2));
-    put(p, say(say_byte, from_posts) or times(2));
+    put(p, say(say_byte, from_id) or times(2) or number(word_posts));
+    say_half(p, say_byte, word_posts);
   end procedure;
 
 end package body;

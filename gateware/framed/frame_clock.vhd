@@ -17,7 +17,8 @@ use work.protocol_pkg.all;
 entity frame_clock is
   generic (
     clock_hz : positive := limits_clock_hz_default_c;
-    base_hz  : positive := limits_base_hz_default_c
+    base_hz  : positive := limits_base_hz_default_c;
+    ticks    : boolean  := true  -- there are any
   );
   port (
     clock    : in  std_ulogic;
@@ -60,7 +61,9 @@ begin
       end if;
       if divider = period - 1 then
         divider <= 0;
-        tick    <= running;
+        if ticks then
+          tick <= running;
+        end if;
       else
         divider <= divider + 1;
       end if;

@@ -79,14 +79,30 @@ package body frame_group_pkg is
     put(p, nothing_done, if_some_left, define_entry);
     go_to(p, write_ok);
     at(p, define_entry);
-    take_bytes(p, s.address_bytes);
-    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
-    put(p, take(take_first));
+    if s.address_bytes = 4 then
+      take_bytes(p, 4);
+      put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up));
+      take_bytes(p, 1);
+    else
+      take_bytes(p, s.address_bytes + 1);
+    end if;
+    put(p, data(data_turn) or times(3));  -- the number of bytes to the top
     put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up) or act(do_count));
     go_to(p, define_entries);
   end procedure;
 
   procedure exchange(p : inout assembler_t; s : frame_settings_t) is
+
+    procedure next_member is
+      constant looks : frame_instruction_t := act(do_pointer) or act(do_point_up) or times(2);
+    begin
+      if s.address_bytes = 4 then
+        put(p, act(do_load_address) or looks);
+        put(p, also(load_size) or act(do_count) or looks);
+      else
+        put(p, act(do_load_address) or also(load_size) or act(do_count) or looks);
+      end if;
+    end procedure;
   begin
     at_form(p, request_kind_exchange_c);
     put(p, take(take_skip), if_missing, invalid);
@@ -125,7 +141,7 @@ package body frame_group_pkg is
     go_to(p, finish_ok);
 
     at(p, exchange_out);
-    call(p, exchange_entry);
+    next_member;
     put(p, take(take_first) or for_size(times_size));
     put(p, number(mark_repeated), if_mark, exchange_outputs);
     put(p, act(do_write));
@@ -133,17 +149,12 @@ package body frame_group_pkg is
     go_to(p, exchange_outputs);
 
     at(p, exchange_in);
-    call(p, exchange_entry);
+    next_member;
     put(p, act(do_read));
     put(p, act(do_await), if_failed, failed);
     put(p, data(data_turn) or for_size(times_rest));
     put(p, say(say_kept, from_top) or for_size(times_size));
     go_to(p, exchange_inputs);
-
-    at(p, exchange_entry);
-    put(p, act(do_load_address) or act(do_pointer) or act(do_point_up) or times(2));
-    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
-    put(p, also(load_size) or act(do_count) or act(do_return));
 
     if s.deadman then
       at(p, exchange_tripped);
@@ -223,9 +234,8 @@ package body frame_group_pkg is
     put(p, also(load_count));
     put(p, data(data_clock));
     point(p, sequence_base(s), act(do_point_group) or store(store_data, word_operand));
-    put(p, say(say_byte, from_other));
-    put(p, data(data_word) or act(do_pointer) or times(2));
-    put(p, say(say_byte, from_half) or times(2));
+    put(p, say(say_byte, from_other) or act(do_pointer));
+    put(p, say(say_byte, from_half) or act(do_pointer) or times(2));
     load(p, word_operand);
     put(p, say(say_byte, from_top) or times(4));
     at(p, publish_word);

@@ -49,16 +49,14 @@ package frame_instruction_pkg is
   constant if_duplicate    : natural := 9;   -- it is the one of its place
   constant if_not_kept     : natural := 10;  -- and its reply was not kept
   constant if_order        : natural := 11;  -- with do_before: the request before has not been executed
-  constant if_other_number : natural := 12;  -- lower half of `data`: not the count of posts
-  constant if_old_number   : natural := 13;  -- and a lower one
+  constant if_half_not     : natural := 12;  -- lower half of `data`: not that of the word
+  constant if_half_lower   : natural := 13;  -- and a lower number, of those that go around
   constant if_flag         : natural := 14;  -- one of those in `number`
   constant if_mark         : natural := 15;  -- one of those in `number`
   constant if_shape        : natural := 16;  -- one of those in `number`
   constant if_low          : natural := 17;  -- lowest byte of `data` is `number`
   constant if_low_not      : natural := 18;
   constant if_above        : natural := 19;  -- `data` is more than `number`
-  constant if_word_not     : natural := 20;  -- `data` is not the word
-  constant if_half_not     : natural := 21;  -- its lower half is not that of the word
   constant if_top          : natural := 22;  -- highest bit of `data`
   constant if_full         : natural := 23;  -- the word is all ones
   constant if_no_register  : natural := 24;  -- `pointer` is no control register
@@ -83,9 +81,8 @@ package frame_instruction_pkg is
   constant from_number : std_ulogic_vector(2 downto 0) := "000";
   constant from_top    : std_ulogic_vector(2 downto 0) := "001";  -- highest byte of `data`, which turns
   constant from_word   : std_ulogic_vector(2 downto 0) := "010";  -- highest byte of a data word in it; likewise
-  constant from_half   : std_ulogic_vector(2 downto 0) := "011";  -- highest byte of its lower half; likewise
+  constant from_half   : std_ulogic_vector(2 downto 0) := "011";  -- the word's lower half, in two times
   constant from_id     : std_ulogic_vector(2 downto 0) := "100";  -- highest byte of `id`, which turns
-  constant from_posts  : std_ulogic_vector(2 downto 0) := "101";  -- likewise
   constant from_cache  : std_ulogic_vector(2 downto 0) := "110";  -- the next byte of the reply that was kept
   constant from_other  : std_ulogic_vector(2 downto 0) := "111";  -- the group; a kind: of the reply that was kept,
                                                                       -- with status_of_data in `number` of that status
@@ -136,13 +133,10 @@ package frame_instruction_pkg is
   constant load_shape   : std_ulogic_vector(4 downto 0) := "00100";  -- of the operation in the lowest byte of `data`
   constant load_count   : std_ulogic_vector(4 downto 0) := "00101";  -- from the lowest byte of `data`
   constant load_kept    : std_ulogic_vector(4 downto 0) := "00110";  -- from the length of the reply that was kept
-  constant load_number  : std_ulogic_vector(4 downto 0) := "00111";  -- `count` from `number`
   constant load_group   : std_ulogic_vector(4 downto 0) := "01000";  -- from the lowest byte of `data`
-  constant load_size    : std_ulogic_vector(4 downto 0) := "01001";  -- likewise
+  constant load_size    : std_ulogic_vector(4 downto 0) := "01001";  -- from the highest byte of the word
   constant load_epoch   : std_ulogic_vector(4 downto 0) := "01010";  -- from the lower half of `data`
   constant load_running : std_ulogic_vector(4 downto 0) := "01011";  -- the flag: `data` is not zero
-  constant one_post     : std_ulogic_vector(4 downto 0) := "01100";  -- more
-  constant no_posts     : std_ulogic_vector(4 downto 0) := "01101";
   constant address_up   : std_ulogic_vector(4 downto 0) := "01110";
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit

@@ -3,7 +3,8 @@
 -- What the framed application is built for, and where its memory of 32-bit words has what.
 --
 --   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md, section 6)
---   0x45 what the program keeps to itself  0x60 constants  from 0x80: sequences of the groups, exchange groups, safe values
+--   0x45 what the program keeps to itself  0x60 constants  0x70 sequences of up to 16 groups
+--   from 0x80: those of more groups, exchange groups, safe values
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -51,11 +52,13 @@ package frame_layout_pkg is
     spec_hash        : std_ulogic_vector(63 downto 0);
   end record;
 
-  -- What the program keeps to itself.
+  -- What the program keeps to itself; the first three, and the control registers before them, are zero in a new session.
+  constant word_first    : natural := 16#45#;  -- the number of the first post that failed
+  constant word_status   : natural := 16#46#;  -- and its status
+  constant word_posts    : natural := 16#47#;  -- executed in this session, in the lower half
   constant word_nonce    : natural := 16#48#;  -- of the last HELLO answer, in the lower half
   constant word_session  : natural := 16#49#;  -- nonce and epoch of the session; no session: all ones
   constant word_failed   : natural := 16#4A#;  -- posts that failed, in the lower half; the upper half is all ones
-  constant word_first    : natural := 16#4B#;  -- the number of the first of them
   constant word_high     : natural := 16#4C#;  -- upper half of the clock
   constant word_silent   : natural := 16#4D#;  -- ticks without a frame: counts up to all ones
   constant word_ticks    : natural := 16#4E#;  -- where it starts
@@ -66,10 +69,10 @@ package frame_layout_pkg is
   constant word_mask     : natural := 16#53#;
   constant word_answer   : natural := 16#59#;  -- the status of a list that failed
   constant word_operand  : natural := 16#54#;
-  constant word_status   : natural := 16#55#;  -- its status
   constant word_out_size : natural := 16#56#;  -- of an exchange group: bytes of its outputs, with bit 31 set
   constant word_in_size  : natural := 16#57#;  -- bytes of its inputs
   constant word_counts   : natural := 16#58#;  -- how many of both
+  constant word_own_nonce : natural := 16#5A#; -- of the session, in the lower half
   constant word_zero     : natural := 16#60#;  -- constants
   constant word_ones     : natural := 16#61#;
   constant word_one      : natural := 16#62#;
@@ -113,7 +116,8 @@ package frame_layout_pkg is
   function shape_of(operation : byte_t) return byte_t;
 
   -- An exchange group: its number of inputs in the lowest byte, of outputs in the next but one above; its word_out_size, 0
-  -- if it is not defined; then address and bytes of each.
+  -- if it is not defined; then of each word the bytes, in the highest byte, and the address, which takes a word of its own
+  -- where it has four bytes.
   function exchange_stride(s : frame_settings_t) return positive;
   function sequence_base(s : frame_settings_t) return natural;
   function exchange_base(s : frame_settings_t) return natural;
@@ -147,6 +151,8 @@ package body frame_layout_pkg is
   end function;
 
   constant first_table : natural := 16#80#;
+  constant few_groups  : natural := 16#70#;  -- where the sequences of `few_most` groups are
+  constant few_most    : natural := 16;
 
   function power_of_two(least : positive) return positive is
     variable power : positive := 1;
@@ -159,18 +165,32 @@ package body frame_layout_pkg is
 
   function exchange_stride(s : frame_settings_t) return positive is
   begin
-    return power_of_two(2 + 2 * s.exchange_size);
+    if s.address_bytes = 4 then
+      return power_of_two(2 + 2 * s.exchange_size);
+    end if;
+    return power_of_two(2 + s.exchange_size);
   end function;
 
   function sequence_base(s : frame_settings_t) return natural is
     constant size : positive := power_of_two(maximum(s.groups, 1));
   begin
+    if s.groups <= few_most then
+      return few_groups;
+    end if;
     return (first_table + size - 1) / size * size;  -- so that a group's place is an `or`
+  end function;
+
+  function tables_end(s : frame_settings_t) return natural is
+  begin
+    if s.groups <= few_most then
+      return first_table;
+    end if;
+    return sequence_base(s) + s.groups;
   end function;
 
   function exchange_base(s : frame_settings_t) return natural is
     constant size  : positive := power_of_two(maximum(s.exchanges, 1)) * exchange_stride(s);
-    constant start : natural  := sequence_base(s) + s.groups;
+    constant start : natural  := tables_end(s);
   begin
     return (start + size - 1) / size * size;
   end function;
@@ -178,7 +198,7 @@ package body frame_layout_pkg is
   function safe_base(s : frame_settings_t) return natural is
   begin
     if s.exchanges = 0 then
-      return sequence_base(s) + s.groups;
+      return tables_end(s);
     end if;
     return exchange_base(s) + s.exchanges * exchange_stride(s);
   end function;

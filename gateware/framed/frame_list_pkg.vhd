@@ -144,20 +144,23 @@ package body frame_list_pkg is
     put(p, number(mark_posting), if_mark, post_end);
     go_to(p, finish_ok);
     at(p, post_end);
-    put(p, also(one_post) or act(do_done));
+    put(p, store(store_next, word_posts) or times(2) or act(do_done));
     go_to(p, next_work);
 
     at(p, list_failed);
-    put(p, number(mark_posting), if_mark, post_failed);
+    put(p, number(mark_posting), if_mark, list_unposted);
     call(p, count_failure, say(say_again));
     put(p, say(say_kind, from_other) or number(status_of_data));
     put(p, store(store_data, word_answer));
     call(p, head);
-    load(p, word_done);
-    put(p, say(say_kept, from_half) or times(2));
+    put(p, number(word_done));
+    say_half(p, say_kept, word_done);
     load(p, word_answer);
     put(p, number(mark_repeated), if_mark, end_plain);
     go_to(p, end_failed);
+    at(p, list_unposted);
+    put(p, store(store_next, word_posts) or times(2));
+    go_to(p, post_failed);
   end procedure;
 
   procedure lists(p : inout assembler_t; s : frame_settings_t) is
@@ -180,8 +183,8 @@ package body frame_list_pkg is
     go_to(p, list_start);
     at(p, post_formed);
     put(p, act(do_rewind));
-    take_bytes(p, 2);
-    put(p, nothing_done, if_other_number, post_other);
+    put(p, take(take_first) or times(2) or number(word_posts));
+    put(p, number(word_posts), if_half_not, post_other);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, post_denied);
     end if;
@@ -206,8 +209,8 @@ package body frame_list_pkg is
     bump(p, control_frames_c);
     at(p, list_say);
     call(p, head);
-    load(p, word_total);
-    put(p, say(say_kept, from_half) or times(2));
+    put(p, number(word_total));
+    say_half(p, say_kept, word_total);
     go_to(p, list_execute);
     at(p, list_has_fifo);
     load(p, word_reads);

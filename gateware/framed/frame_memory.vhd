@@ -33,14 +33,16 @@ end entity;
 architecture rtl of frame_memory is
 
   signal words  : word_memory_t(0 to content'length - 1) := content;
-  signal looked : word32_t := (others => '0');
+  signal looked : word32_t;
+  signal known  : word32_t;  -- and before the first clock, too, which a block RAM does not begin with
   signal stored : word32_t;
   signal ones   : std_ulogic;
 
 begin
 
-  word <= looked;
-  ones <= and looked;
+  known <= to_stdulogicvector(to_bitvector(looked));
+  word <= known;
+  ones <= and known;
   full <= ones;
 
   choose : process (all)

@@ -23,17 +23,23 @@ package body frame_post_pkg is
   begin
     at_entry(p, request_kind_post_c mod 16);
     put(p, take(take_first) or times(2) or number(1 + s.address_bytes + s.data_bytes), if_left_not, drop_kind);
-    put(p, take(take_address) or times(s.address_bytes), if_other_number, post_other);
+    if s.address_bytes = 1 then
+      put(p, number(word_posts));
+    end if;
+    put(p, take(take_address) or times(s.address_bytes) or number(word_posts), if_half_not, post_other);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, post_denied);
     end if;
-    put(p, take(take_data) or times(s.data_bytes) or act(do_write));
+    if s.data_bytes = 1 then
+      put(p, number(word_posts));
+    end if;
+    put(p, take(take_data) or times(s.data_bytes) or act(do_write) or store(store_next, word_posts));
     bump(p, control_posts_c);
-    put(p, act(do_await) or also(one_post) or act(do_done), if_failed, post_failed);
+    put(p, act(do_await) or act(do_done), if_failed, post_failed);
     go_to(p, next_work);
 
     at(p, post_other);
-    put(p, nothing_done, if_old_number, post_old);
+    put(p, number(word_posts), if_half_lower, post_old);
     bump(p, control_posts_ahead_c, act(do_done));
     go_to(p, next_work);
     at(p, post_old);
@@ -43,6 +49,7 @@ package body frame_post_pkg is
     at(p, post_denied);
     bump(p, control_posts_c);
     bump(p, control_refused_c);
+    put(p, store(store_next, word_posts) or times(2));
     load(p, word_four);
     go_to(p, post_note);
     at(p, post_failed);
@@ -55,7 +62,7 @@ package body frame_post_pkg is
     take_bytes(p, 2);
     put(p, store(store_data, word_first));
     at(p, post_noted);
-    bump(p, word_failed, also(one_post, word_failed) or act(do_done));
+    bump(p, word_failed, act(do_done));
     go_to(p, next_work);
   end procedure;
 

@@ -44,11 +44,11 @@ package body frame_program_pkg is
     end procedure;
   begin
     load(p, word_zero);
-    put(p, also(load_number, word_barrier + 1 - control_frames_c));
     point(p, control_frames_c);
     at(p, clear_next);
-    put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up) or act(do_count));
-    put(p, nothing_done, if_some_left, clear_next);
+    put(p, act(do_pointer) or store(store_data, word_barrier) or act(do_point_up), if_pointer, cleared);
+    go_to(p, clear_next);
+    at(p, cleared);
     load(p, word_ones);
     put(p, store(store_data, word_session));
     at(p, next_work);
@@ -162,26 +162,26 @@ package body frame_program_pkg is
     begin
       at(p, session_begins);
       put(p, also(load_epoch) or store(store_data, word_session));
+      put(p, data(data_turn) or times(2));
+      put(p, store(store_data, word_own_nonce));
       load(p, word_upper);
-      put(p, store(store_data, word_failed) or also(no_posts, word_failed));
-      load(p, word_zero);
-      put(p, store(store_data, word_first) or manage(manage_clear));
-      put(p, store(store_data, word_status));
-      if s.deadman then
-        put(p, store(store_data, control_deadman_ticks_c));
-      end if;
-      if s.groups > 0 then
-        put(p, store(store_data, control_publish_c));
-      end if;
+      put(p, store(store_data, word_failed));
+      load(p, word_zero, manage(manage_clear));
+      point(p, control_deadman_ticks_c);
+      at(p, begin_next);
+      put(p, act(do_pointer) or store(store_data, word_posts) or act(do_point_up), if_pointer, begin_rest);
+      go_to(p, begin_next);
+      at(p, begin_rest);
       for index in 0 to s.exchanges - 1 loop
         point(p, exchange_base(s) + index * exchange_stride(s) + 1);
         put(p, act(do_pointer) or store(store_data, 0));
       end loop;
-      put(p, also(load_number, s.window));
       point(p, 0);
       at(p, forget_next);
-      put(p, also(forget_place, no_status) or act(do_point_up) or act(do_count));
-      put(p, nothing_done, if_some_left, forget_next);
+      put(p, also(forget_place, no_status) or act(do_point_up));
+      put(p, number(s.window), if_pointer, forgotten);
+      go_to(p, forget_next);
+      at(p, forgotten);
       put(p, also(clear_flags, flag_running + flag_publishing + flag_tripped_now + flag_failed) or act(do_return));
     end procedure;
   begin
@@ -198,27 +198,30 @@ package body frame_program_pkg is
     put(p, also(clear_flags, flag_told));
     put(p, also(set_flags, flag_offered));
     put(p, store(store_next, word_nonce) or times(2));
-    load(p, word_nonce);
-    put(p, say(say_byte, from_half) or times(2));
-    load(p, word_session);
-    put(p, say(say_byte, from_half) or times(2) or also(load_number, hello_words));
+    put(p, number(word_nonce));
+    say_half(p, say_byte, word_nonce);
+    put(p, number(word_session));
+    say_half(p, say_byte, word_session);
     point(p, word_hello);
     at(p, hello_next);
-    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or act(do_count) or times(2));
-    put(p, say(say_byte, from_top) or times(4), if_some_left, hello_next);
-    go_to(p, end_counted);
+    put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
+    put(p, say(say_byte, from_top) or times(4) or number(word_hello + hello_words), if_pointer, end_counted);
+    go_to(p, hello_next);
 
     at_entry(p, entry_open);
     put(p, take(take_first) or times(3) or number(3), if_left_not, drop_kind);
     put(p, take(take_data) or number(16#FF#), if_low, drop_stale);  -- an epoch never begins with it
+    put(p, store(store_data, word_operand));
     put(p, number(word_session));
-    put(p, nothing_done, if_word_not, open_new);
+    put(p, data(data_turn), if_half_not, open_new);
+    put(p, data(data_turn) or number(word_own_nonce));
+    put(p, number(word_own_nonce), if_half_not, open_new);
     go_to(p, open_answer);
     at(p, open_new);
     put(p, number(flag_offered), if_flag, open_offered);
     go_to(p, drop_stale);
     at(p, open_offered);
-    put(p, store(store_data, word_operand));
+    load(p, word_operand);
     put(p, data(data_turn) or number(word_nonce) or times(2));
     put(p, take(take_first), if_half_not, drop_stale);
     put(p, number(0), if_low_not, drop_stale);  -- a flag
@@ -232,8 +235,8 @@ package body frame_program_pkg is
     call(p, session_begins);
     at(p, open_answer);
     put(p, say(say_kind) or number(device_kind_open_c));
-    load(p, word_session);
-    put(p, say(say_byte, from_half) or times(2));
+    put(p, number(word_session));
+    say_half(p, say_byte, word_session);
     put(p, data(data_clock));
     put(p, say(say_byte, from_top) or times(4));
     go_to(p, end_counted);
@@ -345,7 +348,8 @@ package body frame_program_pkg is
     go_to(p, past_order);
     at(p, check_barrier);
     load(p, word_barrier);
-    put(p, nothing_done, if_other_number, behind);
+    put(p, number(word_posts));
+    put(p, number(word_posts), if_half_not, behind);
     go_to(p, skip_check);
 
     at(p, not_new);
@@ -374,14 +378,14 @@ package body frame_program_pkg is
 
     at_check(p, request_kind_sync_c);
     call(p, answer);
-    put(p, say(say_kept, from_posts) or times(2));
-    load(p, word_failed);
-    put(p, say(say_kept, from_half) or times(2));
-    load(p, word_first);
-    put(p, say(say_kept, from_half) or times(2));
+    say_half(p, say_kept, word_posts);
+    put(p, number(word_failed));
+    say_half(p, say_kept, word_failed);
+    put(p, number(word_first));
+    say_half(p, say_kept, word_first);
     load(p, word_status);
-    put(p, data(data_turn));
-    put(p, say(say_kept, from_half));
+    put(p, data(data_turn) or times(3));
+    put(p, say(say_kept, from_top));
     go_to(p, end_ok);
   end procedure;
 

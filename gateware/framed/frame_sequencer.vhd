@@ -44,7 +44,7 @@ architecture rtl of frame_sequencer is
 
   subtype position_t is unsigned(position_bits - 1 downto 0);
 
-  signal now_done : frame_instruction_t := nothing_done;
+  signal now_done : frame_instruction_t;
   signal following, position, caller : position_t;
   signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it has been done
   signal final    : unsigned(2 downto 0);                     -- how often before the last time
@@ -52,7 +52,7 @@ architecture rtl of frame_sequencer is
 
 begin
 
-  instruction <= now_done;
+  instruction <= to_stdulogicvector(to_bitvector(now_done));  -- known before the first clock, too
   jump        <= jumps;
   first       <= nor turns;
   last        <= is_last;

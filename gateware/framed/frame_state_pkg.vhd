@@ -31,15 +31,16 @@ package body frame_state_pkg is
     put(p, store(store_data, control_deadman_ticks_c));
     bump(p, control_deadman_trips_c);
     if s.safe_count > 0 then
-      put(p, also(load_number, s.safe_count));
       point(p, safe_base(s));
       at(p, trip_next);
       put(p, act(do_load_address) or act(do_pointer) or act(do_point_up) or times(2));
-      put(p, data(data_word) or act(do_pointer) or act(do_point_up) or act(do_count) or times(2));
+      put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
       put(p, act(do_write));
       put(p, act(do_await));
-      put(p, nothing_done, if_some_left, trip_next);
+      put(p, number((safe_base(s) + 2 * s.safe_count) mod 256), if_pointer, tripped);
+      go_to(p, trip_next);
     end if;
+    at(p, tripped);
     put(p, act(do_return));
   end procedure;
 
@@ -120,7 +121,8 @@ package body frame_state_pkg is
     if s.deadman then
       at(p, write_arm);
       take_bytes(p, 4);
-      put(p, number(word_one) or times(2), if_word_not, invalid);
+      put(p, number(1), if_above, invalid);
+      put(p, number(0), if_low, invalid);
       put(p, number(flag_tripped_now), if_flag, denied);
       put(p, also(clear_flags, flag_tripped));
         go_to(p, write_ok);

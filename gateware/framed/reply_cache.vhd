@@ -60,7 +60,7 @@ architecture rtl of reply_cache is
   signal cache  : cache_t;
 
   signal place, place_read : place_t;
-  signal entry             : std_ulogic_vector(entry_bits - 1 downto 0) := (others => '0');
+  signal entry             : std_ulogic_vector(entry_bits - 1 downto 0);
   signal borrow            : std_ulogic;
   signal ahead             : turn_t;  -- how far the id is ahead of the one of its place
   signal same, half_way    : std_ulogic;
