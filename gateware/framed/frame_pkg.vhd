@@ -61,18 +61,11 @@ end package;
 package body frame_pkg is
 
   function next_crc16(crc : crc16_t; data : byte_t) return crc16_t is
-    constant polynomial : crc16_t := std_ulogic_vector(to_unsigned(frame_crc16_polynomial_c, 16));
-    variable rest       : crc16_t := crc;
+    variable mixed : byte_t := crc(7 downto 0) xor data;
   begin
-    rest(7 downto 0) := rest(7 downto 0) xor data;
-    for step in 0 to 7 loop
-      if rest(0) = '1' then
-        rest := ('0' & rest(15 downto 1)) xor polynomial;
-      else
-        rest := '0' & rest(15 downto 1);
-      end if;
-    end loop;
-    return rest;
+    -- Eight steps of 8408 at once, in as few gates as there are: synthesis does not find them itself.
+    mixed(7 downto 4) := mixed(7 downto 4) xor mixed(3 downto 0);
+    return (mixed & crc(15 downto 8)) xor (x"000" & mixed(7 downto 4)) xor ("00000" & mixed & "000");
   end function;
 
   function check_byte(crc : crc16_t; index : natural) return byte_t is

@@ -69,7 +69,8 @@ architecture rtl of frame_receiver is
   signal length   : unsigned(7 downto 0) := (others => '0');
   signal too_long : std_ulogic := '0';
 
-  signal write_index, frame_index : index_t := (others => '0');  -- next byte; first byte of the frame
+  signal frame_index : index_t := (others => '0');  -- first byte of the frame
+  signal write_index : index_t;                     -- next byte
   signal accepts, border, stores, outside_now : std_ulogic;
   signal free_bytes               : index_t;
   signal at_code                  : std_ulogic;  -- the byte that leaves the delay is a code byte
@@ -86,8 +87,12 @@ architecture rtl of frame_receiver is
   signal record_room, record_valid : std_ulogic;
 
   -- The frame that is read.
-  signal start_index, read_index, read_next : index_t := (others => '0');
-  signal left : unsigned(7 downto 0) := (others => '0');
+  signal start_index        : index_t := (others => '0');               -- its first byte
+  signal read_next          : index_t;                                  -- what is looked at
+  signal taken              : unsigned(7 downto 0) := (others => '0');  -- bytes of it
+  signal taken_next         : unsigned(7 downto 0);
+  signal length_out, left   : unsigned(7 downto 0);
+  signal missing            : std_ulogic;
 
 begin
 
@@ -101,7 +106,8 @@ begin
   border      <= nor frame_data;
   outside_now <= '1' when frame_data(7 downto 1) = outside_kinds else '0';
 
-  free_bytes <= start_index - write_index - 1;
+  write_index <= frame_index + length;
+  free_bytes  <= start_index - write_index - 1;
 
   at_code <= nor run;
   stored  <= delay(2) when at_code = '0' else (others => '0');
@@ -171,19 +177,14 @@ begin
           end if;
         end if;
         if stores = '1' then
-          length      <= length + 1;
-          write_index <= write_index + 1;
+          length <= length + 1;
           if length = payload_most then
             too_long <= '1';
           end if;
         end if;
       end if;
-      if judged = '1' then
-        if kept = '1' then
-          frame_index <= write_index;
-        else
-          write_index <= frame_index;
-        end if;
+      if judged = '1' and kept = '1' then
+        frame_index <= write_index;
       end if;
       if (accepts and border) = '1' or reset = '1' then
         present  <= "000";
@@ -195,7 +196,6 @@ begin
         too_long <= '0';
       end if;
       if reset = '1' then
-        write_index <= (others => '0');
         frame_index <= (others => '0');
       end if;
     end if;
@@ -245,36 +245,35 @@ begin
   request.entry   <= record_out(14 downto 10);
   request.barrier <= record_out(9);
   request.chained <= record_out(8);
-  request.length  <= unsigned(record_out(7 downto 0));
+  request.length  <= length_out;
   request.left    <= left;
-  request.missing <= nor left;
+  request.missing <= missing;
+
+  length_out <= unsigned(record_out(7 downto 0));
+  left       <= length_out - taken;
+  missing    <= nor left;
+  read_next  <= start_index + taken_next;
 
   point : process (all)
   begin
-    read_next <= read_index;
+    taken_next <= taken + unsigned'("" & (take and not missing));
     if done = '1' then
-      read_next <= start_index + resize(unsigned(record_out(7 downto 0)), index_bits);
+      taken_next <= length_out;
     elsif rewind = '1' then
-      read_next <= start_index;
-    elsif take = '1' then
-      read_next <= read_index + 1;
+      taken_next <= (others => '0');
     end if;
   end process;
 
   follow : process (clock)
   begin
     if rising_edge(clock) then
-      read_index <= read_next;
+      taken <= taken_next;
       if done = '1' then
+        taken       <= (others => '0');
         start_index <= read_next;
       end if;
-      if rewind = '1' then
-        left <= unsigned(record_out(7 downto 0));
-      elsif take = '1' and left /= 0 then
-        left <= left - 1;
-      end if;
       if reset = '1' then
-        read_index  <= (others => '0');
+        taken       <= (others => '0');
         start_index <= (others => '0');
       end if;
     end if;
