@@ -94,7 +94,6 @@ architecture rtl of frame_application is
   signal word_index : pointer_t;
   signal word       : word32_t;
   signal word_full  : std_ulogic;
-  signal store      : std_ulogic_vector(1 downto 0);
 
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
@@ -138,7 +137,7 @@ begin
 
   memory : entity work.frame_memory
     generic map (content => content)
-    port map (clock => clock, index => word_index, store => store, data => data, word => word, full => word_full);
+    port map (clock => clock, index => word_index, store => instruction(store_f), enable => finishes, data => data, word => word, full => word_full);
 
   cache : entity work.reply_cache
     generic map (window => settings.window)
@@ -187,7 +186,7 @@ begin
       when if_duplicate    => holds <= repeated;
       when if_not_kept     => holds <= not_kept;
       when if_order        => holds <= unordered;
-      when if_half_not     => holds <= or distance;
+      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));  -- quicker than the distance
       when if_half_lower   => holds <= distance(15);
       when if_flag         => holds <= or (flags and number_now);
       when if_mark         => holds <= or (marks and number_now);
@@ -269,7 +268,6 @@ begin
   request_done <= finishes and instruction(do_done);
 
   word_index <= pointer when instruction(do_pointer) = '1' else resize(unsigned(number_now), pointer'length);
-  store      <= instruction(store_f) when finishes = '1' else store_nothing;
 
   remember <= finishes and instruction(do_place);
   forget   <= finishes and to_bit(instruction(special_f) = forget_place);

@@ -3,8 +3,8 @@
 -- The words of the framed application: control registers, what its program keeps, tables (frame_layout_pkg).
 --
 -- Ports     index: the word that is looked at, which stands in `word` one clock later; in a clock in which something is stored
---           at index nothing is looked at. store: see frame_instruction_pkg; data: what store_data stores. full: the word is
---           all ones.
+--           at index nothing is looked at. store: see frame_instruction_pkg, with `enable`, which may come late in the clock;
+--           data: what store_data stores. full: the word is all ones.
 -- Latency   One clock.
 -- Errors    None.
 
@@ -24,6 +24,7 @@ entity frame_memory is
     clock : in  std_ulogic;
     index : in  unsigned(bits_for(content'length) - 1 downto 0);
     store : in  std_ulogic_vector(1 downto 0);
+    enable : in std_ulogic;
     data  : in  word32_t;
     word  : out word32_t;
     full  : out std_ulogic
@@ -57,10 +58,10 @@ begin
   move : process (clock)
   begin
     if rising_edge(clock) then
-      if store /= store_nothing then
+      if enable = '1' and store /= store_nothing then
         words(to_integer(index)) <= stored;
       end if;
-      if store = store_nothing then
+      if enable = '0' or store = store_nothing then
         looked <= words(to_integer(index));
       end if;
     end if;

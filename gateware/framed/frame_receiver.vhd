@@ -106,7 +106,7 @@ begin
   border      <= nor frame_data;
   outside_now <= '1' when frame_data(7 downto 1) = outside_kinds else '0';
 
-  write_index <= frame_index + length;
+  write_index <= frame_index + resize(length, index_bits);
   free_bytes  <= start_index - write_index - 1;
 
   at_code <= nor run;
@@ -252,7 +252,7 @@ begin
   length_out <= unsigned(record_out(7 downto 0));
   left       <= length_out - taken;
   missing    <= nor left;
-  read_next  <= start_index + taken_next;
+  read_next  <= start_index + resize(taken_next, index_bits);
 
   point : process (all)
   begin

@@ -61,7 +61,7 @@ architecture rtl of reply_cache is
 
   signal place, place_read : place_t;
   signal entry             : std_ulogic_vector(entry_bits - 1 downto 0);
-  signal borrow            : std_ulogic;
+  signal borrow            : std_ulogic := '0';  -- what `entry` is of is a turn earlier: `before`, at place 0
   signal ahead             : turn_t;  -- how far the id is ahead of the one of its place
   signal same, half_way    : std_ulogic;
   signal later             : std_ulogic;
@@ -74,7 +74,6 @@ begin
     report "reply_cache: window must be a power of two" severity failure;
 
   place      <= unsigned(id(place_t'range));
-  borrow     <= before and nor place;
   place_read <= place - unsigned'("" & before);
   ahead      <= turn_t(id(turn_t'range)) - turn_t(entry(entry_bits - 1 downto 9)) - unsigned'("" & borrow);
   same       <= nor ahead;
@@ -105,6 +104,7 @@ begin
       if remember = '0' and forget = '0' then
         entry <= places(to_integer(place_read));
       end if;
+      borrow <= before and nor place;
     end if;
   end process;
 

@@ -29,6 +29,7 @@ architecture bench of frame_units_tb is
   constant content : word_memory_t(0 to 7) := (3 => x"FFFFFFFE", 5 => x"0000FFFF", others => x"00000000");
   signal index : unsigned(2 downto 0) := "000";
   signal store : std_ulogic_vector(1 downto 0) := store_nothing;
+  signal enable : std_ulogic := '1';
   signal put_word, word : word32_t := x"00000000";
   signal full  : std_ulogic;
 
@@ -84,7 +85,7 @@ begin
 
   memory : entity work.frame_memory
     generic map (content => content)
-    port map (clock => clock, index => index, store => store, data => put_word, word => word, full => full);
+    port map (clock => clock, index => index, store => store, enable => enable, data => put_word, word => word, full => full);
 
   bus_access : entity work.frame_bus
     generic map (address_width => 12, data_width => 16)
@@ -185,7 +186,11 @@ begin
     put_word <= x"CAFE0123";
     index    <= "101";
     clocks(1);
+    enable   <= '0';
     store    <= store_data;
+    clocks(2);
+    check_equal(word, x"0000FFFF", "nothing is stored unless it is enabled");
+    enable   <= '1';
     clocks(1);
     check_equal(word, x"0000FFFF", "nothing is looked at while something is stored");
     store    <= store_nothing;

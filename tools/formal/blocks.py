@@ -331,4 +331,62 @@ BLOCKS = (
             Mutant("async_fifo.vhd", "write_grey  <= grey(count);", "write_grey  <= grey(count + 1);"),
         ),
     ),
+    Block(
+        "siwu_pulse",
+        "`physical/siwu_pulse`, pulses of 5 clocks",
+        depth=12,
+        deep=40,
+        reach=30,
+        pdr=True,
+        not_proven="times within a clock",
+        mutants=(
+            Mutant("siwu_pulse.vhd", "waits <= waits or due;", "waits <= due;"),
+            Mutant("siwu_pulse.vhd", "if count = gap_clocks then", "if count = 1 then"),
+            Mutant(
+                "siwu_pulse.vhd",
+                "(waits or due) = '1' and count = 0",
+                "(waits or due) = '1' and siwu_n = '1'",
+            ),
+        ),
+    ),
+    Block(
+        "deadman",
+        "`framed/frame_clock` and `framed/frame_dispatcher`, a tick every 4 clocks",
+        depth=8,
+        deep=20,
+        pdr=True,
+        not_proven="what the program does at a tick, and that it comes back for work: the benches try it",
+        mutants=(
+            Mutant("frame_dispatcher.vhd", "elsif choice(choice'left) = '0' then", "else"),
+            Mutant(
+                "frame_dispatcher.vhd",
+                "deadman and ticking = '1'",
+                "deadman and ticking = '1' and frame_valid = '0'",
+            ),
+            Mutant(
+                "frame_dispatcher.vhd",
+                "          was_heard <= '0';\n        elsif",
+                "          null;\n        elsif",
+            ),
+            Mutant("frame_clock.vhd", "if seen = '1' then", "if seen = '1' or look = '1' then"),
+        ),
+    ),
+    Block(
+        "frame_receiver",
+        "`framed/frame_receiver`, requests of up to 16 bytes, a ring of 32",
+        depth=4,
+        deep=11,
+        reach=12,
+        not_proven="the bytes of the payload, and room in the ring: the benches compare with the reference",
+        mutants=(
+            Mutant("frame_receiver.vhd", "delay(1) /= check_byte(crc, 1) or ", ""),
+            Mutant("frame_receiver.vhd", "elsif coded = '0' or at_code = '0' or", "elsif coded = '0' or"),
+            Mutant(
+                "frame_receiver.vhd",
+                "elsif outside = '0' and and epoch(15 downto 8) = '1' then",
+                "elsif false then",
+            ),
+            Mutant("frame_receiver.vhd", "(7 downto 0 => kept)", "(7 downto 0 => '1')"),
+        ),
+    ),
 )

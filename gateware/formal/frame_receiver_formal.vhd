@@ -1,0 +1,222 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Properties of the framed protocol's verify buffer, on any bytes: what it hands on against what the bytes say. The check is
+-- computed anew, bit by bit; any one frame is followed from its closing 00 until it is done.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_pkg.all;
+use work.protocol_pkg.all;
+
+entity frame_receiver_formal is
+  port (
+    clk         : in std_ulogic;
+    reset       : in std_ulogic;
+    epoch       : in crc16_t;
+    frame_valid : in std_ulogic;
+    frame_data  : in byte_t;
+    take        : in std_ulogic;
+    rewind      : in std_ulogic;
+    done        : in std_ulogic;
+    mark        : in std_ulogic  -- follow the frame that ends now
+  );
+end entity;
+
+architecture properties of frame_receiver_formal is
+
+  constant request_max : positive := 16;
+  constant ring_bytes  : positive := 32;
+  constant waiting_most : positive := 17;  -- frames that stand behind each other
+
+  signal begun       : std_ulogic := '0';  -- the reset of power-up is over
+  signal frame_ready : std_ulogic;
+  signal request     : frame_request_t;
+  signal entry       : natural range 0 to 31;
+  signal comes, ends : std_ulogic;         -- a byte, the end of a frame that has any
+  signal epoch_before : crc16_t;
+
+  -- The frame that comes in: its last three bytes, and what those before them say.
+  signal last_1, last_2, last_3 : byte_t;
+  signal bytes       : natural range 0 to 4 := 0;
+  signal outside     : std_ulogic := '0';
+  signal crc         : crc16_t;
+  signal headed      : std_ulogic := '0';  -- the kind is among those before
+  signal coded       : std_ulogic := '0';  -- and a code
+  signal run         : natural range 0 to 255 := 0;
+  signal closed      : std_ulogic := '1';  -- the block before has no zero behind it
+  signal size        : natural range 0 to 255 := 0;
+  signal right       : std_ulogic;         -- the check is, and no block is cut
+  signal waiting     : natural range 0 to waiting_most + 1 := 0;
+
+  -- The frame that is followed.
+  signal followed    : std_ulogic := '0';
+  signal ahead       : natural range 0 to waiting_most := 0;
+  signal was_right, was_outside, was_in_session : std_ulogic;
+  signal was_size    : natural range 0 to 255;
+  signal taken       : natural range 0 to 255 := 0;
+  signal rewound     : std_ulogic := '0';  -- since the frame stands
+
+  -- One bit after the other, as the polynomial is written down.
+  function serial_crc(state : crc16_t; data : byte_t) return crc16_t is
+    variable rest : crc16_t := state;
+    variable feed : std_ulogic;
+  begin
+    for place in 0 to 7 loop
+      feed := rest(0) xor data(place);
+      rest := '0' & rest(15 downto 1);
+      if feed = '1' then
+        rest := rest xor std_ulogic_vector(to_unsigned(frame_crc16_polynomial_c, 16));
+      end if;
+    end loop;
+    return rest;
+  end function;
+
+begin
+
+  default clock is rising_edge(clk);
+
+  dut : entity work.frame_receiver
+    generic map (request_max => request_max, ring_bytes => ring_bytes)
+    port map (
+      clock => clk, reset => reset, epoch => epoch, frame_valid => frame_valid, frame_ready => frame_ready,
+      frame_data => frame_data, request => request, take => take, rewind => rewind, done => done);
+
+  entry <= to_integer(unsigned(request.entry));
+  comes <= frame_valid and frame_ready;
+  ends  <= '1' when comes = '1' and frame_data = x"00" and bytes > 0 else '0';
+  right <= '1' when coded = '1' and run = 0 and last_3 = '1' & crc(6 downto 0) and last_2 = '1' & crc(13 downto 7) and
+                    last_1 = "100000" & crc(15 downto 14) else '0';
+
+  watch : process (clk) is
+    variable others_waiting : natural range 0 to waiting_most + 1;
+  begin
+    if rising_edge(clk) then
+      begun        <= '1';
+      epoch_before <= epoch;
+
+      if comes = '1' and frame_data /= x"00" then
+        last_1 <= frame_data;
+        last_2 <= last_1;
+        last_3 <= last_2;
+        if bytes < 4 then
+          bytes <= bytes + 1;
+        end if;
+        if bytes = 0 then
+          outside <= '0';
+          crc     <= epoch;
+          if frame_data = x"80" or frame_data = x"81" then
+            outside <= '1';
+            crc     <= x"FFFF";
+          end if;
+        end if;
+        if bytes > 2 then
+          crc    <= serial_crc(crc, last_3);
+          headed <= '1';
+          if headed = '1' and run > 0 then
+            run <= run - 1;
+            if size < 255 then
+              size <= size + 1;
+            end if;
+          elsif headed = '1' then
+            coded  <= '1';
+            run    <= (to_integer(unsigned(last_3)) + 255) mod 256;
+            closed <= '0';
+            if last_3 = x"FF" then
+              closed <= '1';
+            end if;
+            if closed = '0' and size < 255 then
+              size <= size + 1;
+            end if;
+          end if;
+        end if;
+      end if;
+
+      others_waiting := waiting;
+      if done = '1' then
+        others_waiting := waiting - 1;
+        taken   <= 0;
+        rewound <= '0';
+        if followed = '1' and ahead = 0 then
+          followed <= '0';
+        elsif followed = '1' then
+          ahead <= ahead - 1;
+        end if;
+      elsif rewind = '1' then
+        taken   <= 0;
+        rewound <= request.valid;
+      elsif take = '1' and taken < to_integer(request.length) then
+        taken <= taken + 1;
+      end if;
+      waiting <= others_waiting;
+      if ends = '1' then
+        waiting <= others_waiting + 1;
+        if followed = '0' and mark = '1' then
+          followed       <= '1';
+          ahead          <= others_waiting;
+          was_right      <= right;
+          was_outside    <= outside;
+          was_size       <= size;
+          was_in_session <= nand epoch(15 downto 8);
+        end if;
+      end if;
+      if (comes = '1' and frame_data = x"00") or reset = '1' then
+        bytes  <= 0;
+        headed <= '0';
+        coded  <= '0';
+        run    <= 0;
+        closed <= '1';
+        size   <= 0;
+      end if;
+      if reset = '1' then
+        waiting  <= 0;
+        followed <= '0';
+        taken    <= 0;
+        rewound  <= '0';
+      end if;
+    end if;
+  end process;
+
+  -- The design is reset when it wakes up, and at any later moment.
+  reset_first : assume always begun = '1' or reset = '1';
+
+  -- Only a frame that stands is done.
+  done_when_valid : assume always done = '1' -> request.valid = '1';
+
+  -- The epoch changes with an OPEN or CLOSE in hand, or with a reset.
+  epoch_stands : assume always begun = '1' -> epoch = epoch_before or reset = '1' or
+                 (request.valid = '1' and (entry = entry_open or entry = request_kind_close_c mod 16));
+
+  -- Nothing is handed on before its check was right and its blocks ended: neither HELLO nor OPEN nor a request.
+  checked_before_handed_on : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
+                             entry < entry_check -> was_right = '1';
+
+  -- A request of a session is handed on in one only; HELLO and OPEN are what they say.
+  session_only : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry < entry_check ->
+                 (was_outside = '1' or was_in_session = '1') and
+                 (was_outside = '0' or entry = entry_hello or entry = entry_open) and
+                 (was_outside = '1' or entry < entry_hello);
+
+  -- Its payload is as long as its blocks say, and no longer than a request may be.
+  length_is_told : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
+                   entry < entry_check -> to_integer(request.length) = was_size and
+                   (was_size <= request_max or was_outside = '1');
+
+  -- What is dropped has no payload.
+  dropped_is_empty : assert always begun = '1' and request.valid = '1' and entry >= entry_check -> request.length = 0;
+
+  -- A frame whose check is wrong is told, once, as one that is dropped.
+  wrong_is_dropped : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and was_right = '0' ->
+                     entry >= entry_check;
+
+  -- As many frames stand as have ended and are not done: none is lost, none comes twice, none of itself.
+  none_lost : assert always begun = '1' and request.valid = '1' -> waiting > 0;
+
+  -- Behind a rewind, the bytes that are left are those not taken.
+  left_is_right : assert always begun = '1' and request.valid = '1' and rewound = '1' -> to_integer(request.left) + taken = to_integer(request.length);
+
+  -- A request stands.
+  good_seen : cover {begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry = 2 and request.length = 1};
+
+end architecture;
