@@ -24,6 +24,8 @@ from unitylink.safe_words import safe_words
 from unitylink.spec.model import LINES, PHYSICAL_LAYERS, SEND_IMMEDIATE, Instance, Link, Spec
 from unitylink.wire_hash import wire_hash
 
+PROTOCOLS = ("both", "framed", "classic")  # what a core speaks
+
 
 @dataclass(frozen=True)
 class TosnetNode:
@@ -151,9 +153,9 @@ class BoardConfiguration:
             self.protocol == "both" and self.datalink != "full"
         ):  # where data may be any byte, a 00 is no border
             object.__setattr__(self, "protocol", "classic")
-        if self.protocol not in ("both", "classic", "framed"):
+        if self.protocol not in PROTOCOLS:
             raise ValueRangeError(
-                f"board configuration: protocol is {self.protocol!r}; choose 'both', 'classic' or 'framed'"
+                f"board configuration: protocol is {self.protocol!r}; choose {', '.join(PROTOCOLS)}"
             )
         if self.checksum not in ("crc8", "xor", "none"):
             raise ValueRangeError(

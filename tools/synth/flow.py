@@ -74,7 +74,8 @@ def verilog_of(row: Row) -> str:
         return netlist(row.top, generics=row.generics, assertions=False)
     with tempfile.TemporaryDirectory() as folder:
         spec = ROOT / "examples" / row.example / f"{row.example}.ul"
-        call(sys.executable, "-m", "unitylink", "generate", str(spec), "--only", "vhdl", "--out", folder)
+        generate = ["generate", str(spec), "--only", "vhdl", "--protocol", "classic", "--out", folder]
+        call(sys.executable, "-m", "unitylink", *generate)
         sources = sorted(Path(folder).rglob("*.vhd"))
         return netlist(row.top, sources=sources, generics=row.generics, assertions=False)
 

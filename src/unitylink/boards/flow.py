@@ -60,7 +60,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     folder.mkdir(parents=True, exist_ok=True)
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
-    configuration = board.configuration(spec)
+    configuration = board.configuration(spec, order.protocol)
     write(spec, folder, "vhdl", configuration)
     logic = logic_of(spec, order, configuration)
     tell(logic.whence)

@@ -40,13 +40,17 @@ def design_sources(spec: Spec, folder: Path) -> list[Path]:
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes."""
+    """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes.
+
+    `protocol` is what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says.
+    """
 
     spec_file: str
     folder: Path
     logic: tuple[Path, ...] = ()
     top: str | None = None
     pins: tuple[str, ...] = ()
+    protocol: str | None = None
 
 
 def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> Logic:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from unitylink.board_configuration import BoardConfiguration, told_physical
+from unitylink.board_configuration import PROTOCOLS, BoardConfiguration, told_physical
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
 from unitylink.spec.model import SEND_IMMEDIATE, Spec
@@ -57,6 +57,7 @@ class Board:
     clock_hz: int  # of the oscillator
     design_hz: int  # what the design runs at unless it is told otherwise
     pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
+    protocol: str  # what a design speaks unless it is told otherwise: "classic", "framed" or "both"
     physical: str  # the physical layer of the link
     rx: str  # of a UART, as are the next three; else ""
     tx: str
@@ -74,7 +75,7 @@ class Board:
         line = ((self.rx, True), (self.tx, False)) if self.physical == "uart" else ()
         return ((self.clock_pin, True), *line)
 
-    def configuration(self, spec: Spec) -> BoardConfiguration:
+    def configuration(self, spec: Spec, protocol: str | None = None) -> BoardConfiguration:
         """Return the gateware that `spec` asks for, on this board's link; raise BoardError for another."""
         told = told_physical(spec)
         if told is not None and told != self.physical:
@@ -82,11 +83,12 @@ class Board:
                 f"{self.name}: its link is {self.physical}, and the spec says PHYSICAL={told}: take another "
                 "board, or remove PHYSICAL from the spec's link"
             )
+        speaks = protocol or self.protocol
         if self.physical == "uart":
-            return BoardConfiguration.for_spec(spec, protocol="classic")
+            return BoardConfiguration.for_spec(spec, protocol=speaks)
         return BoardConfiguration.for_spec(
             spec,
-            protocol="classic",
+            protocol=speaks,
             physical=self.physical,
             send_immediate=next((link.send_immediate for link in spec.links), None) or self.send_immediate,
         )
@@ -139,7 +141,11 @@ def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> 
     clock.only("pin", "hz", "design_hz", "pll")
     physical = link.text("physical", among=PHYSICAL)
     uart = physical == "uart"
-    link.only("physical", *(("rx", "tx", "baud_hz", "baud_hz_most") if uart else ("pins", "send_immediate")))
+    link.only(
+        "protocol",
+        "physical",
+        *(("rx", "tx", "baud_hz", "baud_hz_most") if uart else ("pins", "send_immediate")),
+    )
     link_pins = link.part("pins")
     io = chip.text("io", "")
     pins = {pin: _pin(table.part("pins"), pin, io) for pin in table.part("pins")}
@@ -160,6 +166,7 @@ def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> 
         clock_hz=clock.number("hz"),
         design_hz=clock.number("design_hz"),
         pll=clock.text("pll", "core", among=("core", "pad")),
+        protocol=link.text("protocol", "both", among=PROTOCOLS),
         physical=physical,
         rx=link.text("rx", among=pins) if uart else "",
         tx=link.text("tx", among=pins) if uart else "",

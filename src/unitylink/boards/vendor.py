@@ -58,8 +58,9 @@ def write_project(order: VendorOrder) -> list[Path]:
         raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
     spec = load(order.spec_file)
     order.folder.mkdir(parents=True, exist_ok=True)
-    write(spec, order.folder, "vhdl")
-    logic = logic_of(spec, order, BoardConfiguration.for_spec(spec, protocol="classic"))
+    configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both")
+    write(spec, order.folder, "vhdl", configuration)
+    logic = logic_of(spec, order, configuration)
     clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
     check_line(clock_hz, baud_hz)
     generics = {

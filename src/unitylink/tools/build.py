@@ -36,6 +36,11 @@ from .output import json_option, print_table
 @click.option(
     "--seeds", type=click.IntRange(1, 100), default=3, help="How often to try to meet the clock (3)."
 )
+@click.option(
+    "--protocol",
+    type=click.Choice(("both", "framed", "classic")),
+    help="What the link speaks, if not what the board's manifest says.",
+)
 @click.option("--part", metavar="PART", help="The chip, for --board vendor:vivado and vendor:quartus.")
 @click.option("--out", metavar="FOLDER", help="Where to build (build/SPEC-BOARD).")
 @json_option("the report")
@@ -50,6 +55,7 @@ def command(
     clock_hz: int | None,
     baud_hz: int | None,
     seeds: int,
+    protocol: str | None,
     part: str | None,
     out: str | None,
     as_json: bool,
@@ -98,6 +104,7 @@ def command(
             part=part,
             clock_hz=clock_hz,
             baud_hz=baud_hz,
+            protocol=protocol,
         )
         for path in write_project(wanted):
             click.echo(f"wrote {path}")
@@ -114,6 +121,7 @@ def command(
         clock_hz=clock_hz,
         baud_hz=baud_hz,
         seeds=seeds,
+        protocol=protocol,
     )
     report = build_bitstream(order, tell)
     if as_json:

@@ -25,7 +25,7 @@ from .failure import Failure
     help="Behind which messages an FT245 sends at once: never, publishes, replies, both (the default).",
 )
 @click.option(
-    "--protocol", metavar="NAME", help="What the VHDL's core speaks: classic (the default), framed, both."
+    "--protocol", metavar="NAME", help="What the VHDL's core speaks: both (the default), framed, classic."
 )
 @click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
@@ -57,7 +57,7 @@ def command(
       unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate arm.ul --out . --check
     """
-    from unitylink.board_configuration import BoardConfiguration, told_physical
+    from unitylink.board_configuration import BoardConfiguration
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
     from unitylink.spec import load
 
@@ -72,8 +72,7 @@ def command(
     if chosen and "vhdl" not in artefacts:
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     spec = load(spec_file)
-    speaks = "framed" if (physical or told_physical(spec)) == "rs485" else "classic"
-    configuration = BoardConfiguration.for_spec(spec, **{"protocol": speaks, **chosen}) if chosen else None
+    configuration = BoardConfiguration.for_spec(spec, **chosen) if chosen else None
     if check:
         problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]
         if problems:

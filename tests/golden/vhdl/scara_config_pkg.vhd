@@ -7,6 +7,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.frame_layout_pkg.all;
 
 package scara_config_pkg is
 
@@ -27,6 +28,14 @@ package scara_config_pkg is
   constant checksum              : string := "crc8";
   constant polynomial            : natural := 16#07#; -- of crc8
   constant edge_events           : std_ulogic_vector(255 downto 0) := (others => '0'); -- bit g: group g by edge, not level
+  constant protocol              : string := "both"; -- classic, framed or both
+  constant exchanges             : natural := 2; -- exchange groups
+  constant exchange_size         : natural := 30; -- words in one
+  constant window                : positive := 32; -- requests in flight
+  constant safe_values           : safe_values_t(1 to 0) := no_safe_values; -- of the dead-man
+  constant gateware_version      : word32_t := x"00010000";
+  constant build                 : word32_t := x"00000000";
+  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"83F87A5AEC91A8D3"; -- of what reaches the wire
 
   -- Word addresses, by the path of the word in the spec.
   constant j1_cpos_address   : unsigned(31 downto 0) := x"00000088"; -- READ, signed, published at the base rate / 10: joint 1:cpos

@@ -78,7 +78,15 @@ begin
       datalink              => scara_config_pkg.datalink,
       checksum              => scara_config_pkg.checksum,
       polynomial            => scara_config_pkg.polynomial,
-      edge_events           => scara_config_pkg.edge_events
+      edge_events           => scara_config_pkg.edge_events,
+      protocol              => scara_config_pkg.protocol,
+      exchanges             => scara_config_pkg.exchanges,
+      exchange_size         => scara_config_pkg.exchange_size,
+      window                => scara_config_pkg.window,
+      safe_values           => scara_config_pkg.safe_values,
+      gateware_version      => scara_config_pkg.gateware_version,
+      build                 => scara_config_pkg.build,
+      spec_hash             => scara_config_pkg.wire_hash
     )
     port map (
       clock => clock, reset => reset,

@@ -7,6 +7,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
+  use work.frame_layout_pkg.all;
 
 package servo_config_pkg is
 
@@ -27,6 +28,14 @@ package servo_config_pkg is
   constant checksum              : string := "crc8";
   constant polynomial            : natural := 16#07#; -- of crc8
   constant edge_events           : std_ulogic_vector(255 downto 0) := x"0000000000000000000000000000000000000000000000000000000000000001"; -- bit g: group g by edge, not level
+  constant protocol              : string := "both"; -- classic, framed or both
+  constant exchanges             : natural := 2; -- exchange groups
+  constant exchange_size         : natural := 30; -- words in one
+  constant window                : positive := 32; -- requests in flight
+  constant safe_values           : safe_values_t(0 to 3) := (0 => (x"00000000", x"00000000"), 1 => (x"00000002", x"00000000"), 2 => (x"00000003", x"00000000"), 3 => (x"00000022", x"00000000")); -- of the dead-man
+  constant gateware_version      : word32_t := x"00010000";
+  constant build                 : word32_t := x"00000000";
+  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"9E278FEAECC8BCCE"; -- of what reaches the wire
 
   -- Word addresses, by the path of the word in the spec.
   constant drive_control_address        : unsigned(31 downto 0) := x"00000000"; -- READWRITE, unsigned

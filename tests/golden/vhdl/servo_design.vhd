@@ -83,7 +83,15 @@ begin
       datalink              => servo_config_pkg.datalink,
       checksum              => servo_config_pkg.checksum,
       polynomial            => servo_config_pkg.polynomial,
-      edge_events           => servo_config_pkg.edge_events
+      edge_events           => servo_config_pkg.edge_events,
+      protocol              => servo_config_pkg.protocol,
+      exchanges             => servo_config_pkg.exchanges,
+      exchange_size         => servo_config_pkg.exchange_size,
+      window                => servo_config_pkg.window,
+      safe_values           => servo_config_pkg.safe_values,
+      gateware_version      => servo_config_pkg.gateware_version,
+      build                 => servo_config_pkg.build,
+      spec_hash             => servo_config_pkg.wire_hash
     )
     port map (
       clock => clock, reset => reset,

@@ -8,9 +8,10 @@ from unitylink.errors import BindingError
 
 from .plan import Constant
 
-# What the memory of the framed application holds beside 256 groups: 2 exchange groups and these words.
+# What the memory of the framed application holds: so many of each, together.
 _EXCHANGES_MOST = 2
-_EXCHANGE_SIZE_MOST = 16
+_EXCHANGE_SIZE_MOST = 30
+_GROUPS_MOST = 128
 _SAFE_WORDS_MOST = 64
 
 
@@ -43,6 +44,11 @@ def generics_of(configuration: BoardConfiguration) -> tuple[Constant, ...]:
 def _framed_generics(configuration: BoardConfiguration) -> tuple[Constant, ...]:
     """Return the generics of the framed side; as many exchange groups as fit its memory."""
     framed = configuration.framed
+    if configuration.groups > _GROUPS_MOST:
+        raise BindingError(
+            f"vhdl: the spec has {configuration.groups} publish groups; the gateware's framed side holds "
+            f"{_GROUPS_MOST}: give it fewer, or choose classic"
+        )
     if len(framed.safe_words) > _SAFE_WORDS_MOST:
         raise BindingError(
             f"vhdl: the spec has {len(framed.safe_words)} words with safe values; "

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Union
 
 from unitylink import protocol
-from unitylink.board_configuration import BoardConfiguration, told_physical
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number
@@ -42,9 +42,8 @@ _FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
 def plan(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
-    """Plan the design of a spec on `configuration`, by default what it asks for, with classic text."""
-    speaks = "framed" if told_physical(spec) == "rs485" else "classic"
-    return _Planner(spec, configuration or BoardConfiguration.for_spec(spec, protocol=speaks)).plan()
+    """Plan the design of a spec on `configuration`, by default what it asks for, with both protocols."""
+    return _Planner(spec, configuration or BoardConfiguration.for_spec(spec)).plan()
 
 
 class _Planner:
