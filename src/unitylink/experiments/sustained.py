@@ -18,7 +18,7 @@ LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # and downwards from where not even that doe
 LINK_HZ = {"classic": link_hz, "framed": framed_link_hz}
 _CLOCK_HZ = 1_000_000_000
 _FRAME_BYTES_MOST = 1200  # holds 255 words in a long frame
-PATIENCE_S = 0.2  # until what is under way has arrived
+PATIENCE_S = 0.5  # until what is under way has arrived
 IN_TIME = 0.95  # of a rate have to come in real time: the twin may be late
 
 
