@@ -54,4 +54,5 @@ ROWS = (
         top="ft245_sync",
     ),
     Row("spi_slave", "the same: SPI slave, buffers of 64 bytes", top="spi_slave"),
+    Row("rs485", "the same: RS-485 node, buffers of 64 and 256 bytes", top="rs485"),
 )

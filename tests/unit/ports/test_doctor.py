@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.errors import LinkClosed, LinkError, LinkNotFound, UrlError
+from unitylink.errors import LinkClosed, LinkError, LinkNotFound, LinkTimeout, UrlError
 from unitylink.layer2_message import Link
 from unitylink.ports import FINDINGS, Finding, examine
 from unitylink.ports.findings import page
@@ -144,6 +144,22 @@ def test_no_spi(diagnose: Diagnose, fake: FakeMachine) -> None:
     found = diagnose(link="spi:/dev/spidev0.0")
     assert found["no-spi"].cause == "/dev/spidev0.0 is not there; SPI ports on this machine: /dev/spidev0.1"
     assert list(diagnose(link="spi:/dev/spidev0.1")) == ["permission"]
+
+
+def test_a_node_on_a_pair_that_is_silent(fake: FakeMachine, clock: Clock) -> None:
+    """It knows frames only, so a link is opened instead of sending text; the port is looked at as any."""
+    fake.usb_port()
+    asked = []
+
+    def silent(url: str) -> Link:
+        asked.append(url)
+        raise LinkTimeout("nothing answers", elapsed_s=0.1)
+
+    link = "rs485:/dev/ttyUSB0?node=3"
+    (found,) = examine(link, machine=fake.machine(), open_link=silent, clock=clock)
+    assert (found.code, asked) == ("silence", [link])
+    (found,) = examine("rs485:/dev/ttyUSB9?node=3", machine=fake.machine(), open_link=silent, clock=clock)
+    assert found.code == "no-port"
 
 
 def test_ftdi_refused(fake: FakeMachine, clock: Clock) -> None:
