@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -138,3 +139,12 @@ def test_one_link_to_a_node_and_one_rate(pair: Pair) -> None:
 def test_what_cannot_be(wrong: str, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         connect(wrong)
+
+
+def test_a_forked_child_leaves_the_pair_to_its_parent(pair: Pair) -> None:
+    with connect(url(pair, 1)) as link:
+        child = os.fork()
+        if not child:
+            os._exit(0 if link.closed else 1)
+        assert os.waitpid(child, 0)[1] == 0
+        assert link.read(0x12) == 0

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import socket
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -142,3 +144,27 @@ def test_a_speed_that_the_port_has_not(spi_client: SpiClient, board: Board) -> N
 def test_what_cannot_be(url: str, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         connect(url)
+
+
+@pytest.mark.parametrize("level", [b"\xff", b"\x00"], ids=["high", "low"])
+def test_a_wire_with_nobody_on_it(spi_client: SpiClient, level: bytes) -> None:
+    """miso floats: bytes come as fast as they are clocked, and none of them is an answer."""
+
+    def float_(server: socket.socket) -> None:
+        connection, _ = server.accept()
+        with connection:
+            while data := connection.recv(65536):
+                connection.sendall(level * len(data))
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=float_, args=(server,))
+        thread.start()
+        code = """
+            from unitylink import LinkTimeout, connect
+            try:
+                connect("spi:/dev/spidev0.0?timeout=0.05&attempts=2")
+            except LinkTimeout as error:
+                print("nobody")
+        """
+        assert spi_client(code, port=server.getsockname()[1], exchange=1) == "nobody\n"
+        thread.join()
