@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -158,6 +159,20 @@ def test_the_generated_node_on_rclpy(
         graph = peer("graph", topic="/rig/slow")
         assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
         assert peer("graph", topic="/rig/j_0/feedback")["reliability"] == ["BEST_EFFORT"]
+
+
+def test_the_node_in_cpp_compiles(workspace: dict[str, str]) -> None:
+    """Against the headers of ROS 2's messages and of the rig's own; of rclcpp alone there is a stub."""
+    install = Path(workspace["RIG_NODE"]).parents[2]
+    source = install.parents[1] / "src" / "ros2" / "rig_unitylink" / "src" / "node.cpp"
+    theirs = [*(JAZZY / "include").iterdir(), install / "include" / "rig_unitylink"]
+    includes = [f"-I{HERE / 'stubs'}", f"-I{HERE.parents[1] / 'native' / 'include'}"]
+    includes += [part for path in theirs for part in ("-isystem", str(path))]
+    compiler = shutil.which("c++")
+    assert compiler, "no C++ compiler: install the Debian package g++"
+    command = [compiler, "-std=c++17", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", *includes, str(source)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_node_on_dds_is_seen_by_ros_2(
