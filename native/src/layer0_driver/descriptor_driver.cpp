@@ -14,6 +14,22 @@ constexpr int end_of_stream = -1;  // in place of an errno
 
 }  // namespace
 
+Outcome refused_port(const std::string& name, int error, const char* missing, const char* forbidden) {
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case ENOTDIR:
+    case EISDIR: return {Status::not_found, name + ": there is no such port; " + missing};
+    case EIO: return {Status::not_found, name + ": the port is gone (unplugged, or its other side was closed)"};
+    case EACCES:
+    case EPERM: return {Status::permission, name + ": permission denied; " + forbidden};
+    case EWOULDBLOCK:
+    case EBUSY: return {Status::busy, name + ": another program holds it"};
+    default: return {Status::closed, name + ": " + std::strerror(error)};
+  }
+}
+
 DescriptorDriver::DescriptorDriver(int descriptor) noexcept : descriptor_(descriptor) {
   ::fcntl(descriptor_, F_SETFL, ::fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
   int type = 0;

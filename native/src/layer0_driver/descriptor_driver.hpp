@@ -8,6 +8,9 @@
 
 namespace unitylink {
 
+// Why the device file of the port `name` cannot be opened; `missing` and `forbidden` are the remedies for two of the reasons.
+[[nodiscard]] Outcome refused_port(const std::string& name, int error, const char* missing, const char* forbidden);
+
 class DescriptorDriver : public Driver {
  public:
   // Takes the descriptor over and makes it non-blocking.

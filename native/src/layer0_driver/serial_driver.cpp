@@ -2,7 +2,6 @@
 #include "layer0_driver/serial_driver.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <sys/file.h>
@@ -53,21 +52,8 @@ void ask_low_latency(int descriptor) noexcept {
 }
 
 Outcome cannot_open(const std::string& path, int error) {
-  const std::string name = "serial port " + path + ": ";
-  switch (error) {
-    case ENOENT:
-    case ENODEV:
-    case ENXIO:
-    case ENOTDIR:
-    case EISDIR:
-      return {Status::not_found, name + "there is no such port; is it plugged in?"};
-    case EIO: return {Status::not_found, name + "the port is gone (unplugged, or its other side was closed)"};
-    case EACCES:
-    case EPERM:
-      return {Status::permission, name + "permission denied; on Debian and Ubuntu: sudo adduser $USER dialout, then log in again"};
-    case EBUSY: return {Status::busy, name + "another program holds it"};
-    default: return {Status::closed, name + std::strerror(error)};
-  }
+  return refused_port("serial port " + path, error, "is it plugged in?",
+                     "on Debian and Ubuntu: sudo adduser $USER dialout, then log in again");
 }
 
 }  // namespace

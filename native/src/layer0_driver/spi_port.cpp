@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "layer0_driver/spi_port.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -9,25 +10,17 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor_driver.hpp"
+
 namespace unitylink {
 namespace {
 
 Outcome cannot_open(const std::string& path, int error) {
-  const std::string name = "SPI port " + path + ": ";
-  switch (error) {
-    case ENOENT:
-    case ENODEV:
-    case ENXIO:
-    case ENOTDIR:
-    case EISDIR:
-      return {Status::not_found, name + "there is no such port; is SPI switched on (on a Raspberry Pi: dtparam=spi=on in config.txt)?"};
-    case ENOTTY: return {Status::not_found, name + "this is not an SPI port of the kernel (spidev)"};
-    case EACCES:
-    case EPERM: return {Status::permission, name + "permission denied; on Debian and Raspberry Pi OS: sudo adduser $USER spi, then log in again"};
-    case EWOULDBLOCK:
-    case EBUSY: return {Status::busy, name + "another program holds it"};
-    default: return {Status::closed, name + std::strerror(error)};
+  if (error == ENOTTY) {
+    return {Status::not_found, "SPI port " + path + ": this is not an SPI port of the kernel (spidev)"};
   }
+  return refused_port("SPI port " + path, error, "is SPI switched on (on a Raspberry Pi: dtparam=spi=on in config.txt)?",
+                     "on Debian and Raspberry Pi OS: sudo adduser $USER spi, then log in again");
 }
 
 }  // namespace
