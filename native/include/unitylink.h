@@ -112,7 +112,7 @@ UL_API const char* ul_last_error_text(void);
 /* The same in numbers. UL_ARGUMENT. */
 UL_API ul_status ul_last_error(ul_error* error);
 
-/* Opens the port, resynchronises with the device and asks for its configuration. Blocks at most attempts * timeout, twice for tcp.
+/* Opens the port, resynchronises with the device and asks for its configuration. Blocks at most 2 * attempts * timeout, one more for tcp.
  * UL_BAD_URL UL_NOT_FOUND UL_PERMISSION UL_BUSY UL_TIMEOUT UL_CLOSED UL_MISMATCH UL_PROTOCOL_ERROR UL_ARGUMENT UL_NO_MEMORY */
 UL_API ul_status ul_open(const char* url, ul_link** link);
 /* Ends the link: whoever waits in another thread gets UL_CLOSED. The handle stays valid. Closing twice does nothing. */

@@ -24,6 +24,7 @@ struct EngineSettings {
   std::uint32_t window = 64;             // requests in flight together
   std::uint64_t timeout_ns = 100'000'000;
   std::uint64_t byte_time_ns = 0;        // on the wire: long messages are given the time they need
+  bool checked_long = false;             // the CRC-32C in every frame, where the device knows it: for links that lose order
   std::uint64_t seed = 0;                // what the epochs of framed sessions are drawn from
 };
 

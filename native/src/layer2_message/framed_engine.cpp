@@ -108,7 +108,7 @@ void FramedEngine::encode_greeting() noexcept {
     size += FrameEncoder(space.subspan(size), request_kind::open, FrameKey{})
                 .word(greeting_->nonce, 2)
                 .word(offered_epoch_, 2)
-                .word(0, 1)
+                .word(checked_long() ? frame::checked_long_flag : 0, 1)
                 .finish();
   } else {
     size += FrameEncoder(space.subspan(size), request_kind::hello, FrameKey{}).word(frame::version, 1).word(frame::version, 1).finish();

@@ -116,6 +116,9 @@ class FramedEngine final : public Engine {
   [[nodiscard]] std::span<std::uint8_t> room() noexcept { return std::span(pending_).subspan(pending_end_); }
   void queue(Exchange& exchange, bool first) noexcept;
   void maintain() noexcept;
+  [[nodiscard]] bool checked_long() const noexcept {
+    return settings_.checked_long && (greeting_->features & protocol::control_value::feature_long_frames) != 0;
+  }
   [[nodiscard]] bool idle(const Exchange& exchange) const noexcept;
 
   // what comes in (framed_engine_receive.cpp)

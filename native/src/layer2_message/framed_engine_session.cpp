@@ -85,7 +85,7 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   last_answer_ns_ = now_ns_;
   state_ = State::open;
   greeting_due_ = false;
-  decoder_.set_key({.epoch = epoch, .always_long = false});
+  decoder_.set_key({.epoch = epoch, .always_long = checked_long()});
   decoder_.set_payload_max(greeting_->reply_max);
   window_ = std::min(greeting_->window, window_max);
   while (window_ > settings_.window) {

@@ -59,6 +59,7 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
   if (Outcome outcome = parse_options(url, options); !outcome.ok()) {
     return outcome;
   }
+  options.engine.checked_long = url.scheme == "udp";
   std::unique_ptr<Driver> driver;
   if (Outcome outcome = open_driver(url, options.engine.timeout_ns * options.attempts, driver); !outcome.ok()) {
     return outcome;

@@ -30,7 +30,14 @@ Outcome Link::begin() {
     exchange.attempts_max = options_.attempts;
     run(std::span(&exchange, 1));
     if (exchange.status != Status::ok) {
-      return outcome_of(exchange);
+      Outcome silent = outcome_of(exchange);
+      const bool maybe_frames = exchange.status == Status::timeout && options_.protocol == Protocol::automatic &&
+                                options_.gateware != Gateware::published_2012;
+      if (maybe_frames) {  // gateware that was built without the classic protocol does not answer it
+        Outcome outcome = begin_framed();
+        return outcome.ok() || framed_ ? outcome : silent;
+      }
+      return silent;
     }
     const std::scoped_lock lock(mutex_);
     checksums_ = classic_.checksums();

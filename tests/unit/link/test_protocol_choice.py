@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which protocol is spoken, and how frames are checked, without anybody having said so."""
+
+from __future__ import annotations
+
+import socket
+
+import pytest
+
+from unitylink import Link
+from unitylink.errors import LinkTimeout
+from unitylink.simulate import Board, BoardConfiguration
+
+
+@pytest.mark.parametrize(
+    ("built", "spoken"), [("framed", "framed"), ("both", "framed"), ("classic", "classic")]
+)
+def test_what_the_gateware_was_built_with_is_spoken(built: str, spoken: str) -> None:
+    with (
+        Board(configuration=BoardConfiguration(protocol=built)) as board,
+        Link(f"{board.url}?timeout=0.3") as link,
+    ):
+        assert link.protocol == spoken
+        assert bool(link.notice) == (built == "classic")
+        link.write(0x10, 5)
+        assert link.read(0x10) == 5
+
+
+def test_who_answers_neither_is_told_so_in_the_words_of_the_first_question() -> None:
+    ours, theirs = socket.socketpair()
+    with theirs, pytest.raises(LinkTimeout, match="the device has never answered"):
+        Link(f"fd:{ours.detach()}?timeout=0.05&attempts=1")
+
+
+@pytest.mark.parametrize(("endpoint", "check_bytes"), [("fd", 3), ("udp", 5)])
+def test_frames_over_datagrams_carry_the_long_check(endpoint: str, check_bytes: int) -> None:
+    with Board(endpoint=endpoint) as board, Link(f"{board.url}?timeout=2") as link:
+        before = link.statistics()
+        link.read(0x10)
+        after = link.statistics()
+        if after.requests == before.requests + 1:  # nothing was lost
+            assert after.bytes_sent - before.bytes_sent == 1 + (3 + 1) + check_bytes + 1
+        link.write_many(range(0x10, 0x40), range(48))
+        assert link.read_many(range(0x10, 0x40)).tolist() == list(range(48))
