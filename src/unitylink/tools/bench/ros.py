@@ -78,6 +78,18 @@ def rate(
         return rates, median(c / s for _, s, c in windows)
 
 
+def compared(name: str, title: str, limit: float, reached: list[float], ceilings: list[float]) -> Figure:
+    """Return the figure of a node's rates and of the bare ones, measured by turns."""
+    ratios = sorted(one / other for one, other in zip(reached, ceilings, strict=True))
+    details = {
+        "node messages/s": median(reached),
+        "bare messages/s": median(ceilings),
+        "lowest": ratios[0],
+        "highest": ratios[-1],
+    }
+    return Figure(name, title, limit, False, median(ratios), "x", details)
+
+
 def _compare(
     run: Run, name: str, *, title: str, which: str, bare: tuple[str, str], ours: tuple[str, str]
 ) -> Figure:
@@ -87,14 +99,7 @@ def _compare(
         for _ in range(run.rounds(3)):
             ceilings += rate(run, command, *bare)[0]
             reached += rate(run, command, *ours)[0]
-    ratios = sorted(one / other for one, other in zip(reached, ceilings, strict=True))
-    details = {
-        "node messages/s": median(reached),
-        "bare messages/s": median(ceilings),
-        "lowest": ratios[0],
-        "highest": ratios[-1],
-    }
-    return Figure(name, title, 0.9, False, median(ratios), "x", details)
+    return compared(name, title, 0.9, reached, ceilings)
 
 
 def measure_ros1_out(run: Run) -> Figure:

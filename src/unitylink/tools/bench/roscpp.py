@@ -17,7 +17,7 @@ from unitylink.spec.model import Spec
 
 from .figure import BenchError, Figure, Run
 from .programs import Process
-from .ros import plane
+from .ros import compared, plane
 from .ros_worker import WORDS, spec_of
 
 OFFERED_HZ = 200_000  # to both; more than roscpp takes
@@ -95,12 +95,5 @@ def measure_out(run: Run) -> Figure:
                 finally:
                     ours.terminate()
                     ours.wait()
-    ratios = sorted(one / other for one, other in zip(reached, ceilings, strict=True))
-    details = {
-        "node messages/s": median(reached),
-        "bare messages/s": median(ceilings),
-        "lowest": ratios[0],
-        "highest": ratios[-1],
-    }
     title = "FPGA -> roscpp topic of an integer, over a bare publisher"
-    return Figure("roscpp-out", title, 0.7, False, median(ratios), "x", details)
+    return compared("roscpp-out", title, 0.7, reached, ceilings)
