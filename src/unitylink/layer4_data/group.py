@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import re
 import threading
 import time
@@ -17,7 +18,7 @@ from .at_once import at_once
 from .cycle import Cycle
 from .listeners import Listeners
 from .portions import portions
-from .publication import join
+from .publication import base_hz, join
 from .read_value import ReadValue
 from .snapshot import Snapshot
 from .value import Value
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from unitylink.layer3_hardware import HardwareProxy
 
 R = TypeVar("R")
+_STEP_PART = 0.75  # of a period: a sample that is older belongs to the tick before
 Writes = dict["HardwareProxy", list[tuple[WriteValue[Any], int]]]  # values and their raw numbers
 
 
@@ -54,7 +56,7 @@ class ValueGroup:
         self.writes = {k: v for k, v in self.values.items() if isinstance(v, WriteValue)}
         self.listeners: Listeners[Snapshot] = Listeners(path)
         self._lock = threading.Lock()
-        self._fresh: dict[ReadValue[Any], Any] = {}
+        self._fresh: dict[ReadValue[Any], tuple[float, Any]] = {}  # when it was sampled, and its number
         self._times_s: dict[str, float] = {}
         self._by_link: dict[Link, dict[str, ReadValue[Any]]] = {}
         for key, value in self.reads.items():
@@ -313,16 +315,40 @@ class ValueGroup:
         with self._lock:
             for value, number in zip(values, numbers, strict=True):
                 if self in value.groups:
-                    self._fresh[value] = number
+                    self._fresh[value] = time_s, number
                     self._times_s[self._labels[value.hardware.link]] = time_s
             if len(self._fresh) < len(self.reads):
                 return
-            snapshot = Snapshot({key: self._fresh[v] for key, v in self.reads.items()}, self._times_s)
+            if self._drop_stale():
+                return
+            snapshot = Snapshot({key: self._fresh[v][1] for key, v in self.reads.items()}, self._times_s)
             self._fresh.clear()
         self.listeners.tell(time_s, snapshot)
 
+    def _drop_stale(self) -> bool:
+        """Forget samples of the tick before: they wait for their next. True when there were any.
+
+        That is so when a publish of another gateware group was lost; then the groups are in step again.
+        """
+        times_s = {sampled_s for sampled_s, _ in self._fresh.values()}
+        if len(times_s) == 1:
+            return False
+        newest_s = max(times_s)
+        stale = [v for v, (sampled_s, _) in self._fresh.items() if newest_s - sampled_s > _patience_s(v)]
+        for value in stale:
+            del self._fresh[value]
+        return bool(stale)
+
     def _named(self, error: LinkError) -> LinkError:
         return error.with_item(self.path)
+
+
+def _patience_s(value: ReadValue[Any]) -> float:
+    """Return how old a sample may be beside the newest of its set, where the device tells its time."""
+    link = value.hardware.link
+    if value.publish is None or not value.publish.divisor or link.protocol != "framed":
+        return math.inf
+    return _STEP_PART * value.publish.divisor / base_hz(link)
 
 
 def _keyword(key: str) -> str:

@@ -173,6 +173,7 @@ class FakeLink:
     url: str = "fake:"
     base: int = 0
     closed: bool = False
+    protocol: str = "classic"
     description: None = None  # it speaks the classic protocol
 
     def __post_init__(self) -> None:
