@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Publishes one-word messages at a set bit rate in bursts, or as fast as they are taken, to whoever subscribes.
+// Publishes messages at a set bit rate in bursts, or as fast as they are taken, to whoever subscribes.
 //   bench_publish_source --endpoint tcp|pty [--bits-per-second 64000000] [--burst-us 1000]     (0 bits/s: unpaced)
+//     [--words N]     frames of N words; without it lines of the classic protocol, of one word
 // Prints where it is, serves one client after another until standard input ends.
 #include <ctime>
 
 #include "endpoint.hpp"
+#include "frame_publisher.hpp"
 #include "publisher.hpp"
 
 namespace {
@@ -20,7 +22,9 @@ std::uint64_t now_ns() {
 // What is due by the clock. A source that was held up sends what it owes at once, so the mean rate stands.
 class Pace {
  public:
-  Pace(std::uint64_t bits_per_second, std::uint64_t burst_us) : bits_per_second_(bits_per_second), burst_ns_(burst_us * 1000) {}
+  // Of messages of so many bytes.
+  Pace(std::uint64_t bits_per_second, std::uint64_t burst_us, std::size_t message_bytes)
+      : bits_per_second_(bits_per_second), burst_ns_(burst_us * 1000), message_bits_(8.0 * static_cast<double>(message_bytes)) {}
 
   void start() {
     start_ns_ = next_ns_ = now_ns();
@@ -39,7 +43,7 @@ class Pace {
     }
     next_ns_ += burst_ns_;
     const auto due = static_cast<std::uint64_t>(static_cast<double>(now_ns() - start_ns_) * 1e-9 *
-                                                static_cast<double>(bits_per_second_) / (8.0 * Publisher::publish_bytes));
+                                                static_cast<double>(bits_per_second_) / message_bits_);
     const auto count = due > sent_ ? due - sent_ : 0;
     sent_ += count;
     return static_cast<std::size_t>(count);
@@ -48,13 +52,15 @@ class Pace {
  private:
   std::uint64_t bits_per_second_;
   std::uint64_t burst_ns_;
+  double message_bits_;
   std::uint64_t start_ns_ = 0;
   std::uint64_t next_ns_ = 0;
   std::uint64_t sent_ = 0;
 };
 
 // Serves the present client until it leaves (true) or standard input ends (false).
-bool serve(const Endpoint& endpoint, Publisher& device, Pace& pace, bool paced) {
+template <class Device>
+bool serve(const Endpoint& endpoint, Device& device, Pace& pace, bool paced) {
   std::array<char, 4096> chunk{};
   std::string out;
   bool running = false;
@@ -89,6 +95,20 @@ bool serve(const Endpoint& endpoint, Publisher& device, Pace& pace, bool paced) 
   }
 }
 
+// Serves one client after another.
+template <class Device>
+void serve_all(Endpoint& endpoint, Device device, std::uint64_t bits_per_second, std::uint64_t burst_us) {
+  Pace pace(bits_per_second, burst_us, device.publish_bytes());
+  announce(endpoint);
+  while (endpoint.accept_client() && serve(endpoint, device, pace, bits_per_second != 0)) {
+    device.reset();
+    endpoint.leave();
+    if (endpoint.pty()) {
+      usleep(10000);  // nobody has the pty open; the next client may come
+    }
+  }
+}
+
 }  // namespace
 
 int main(int count, char** values) {
@@ -99,19 +119,18 @@ int main(int count, char** values) {
   if (burst_us == 0) {
     stop("--burst-us is at least 1");
   }
-  const auto messages_per_second = bits_per_second / (8 * Publisher::publish_bytes);
+  if (const auto words = number("--words", argument(arguments, "--words", "0")); words > 0) {
+    if (words > unitylink::protocol::limits::group_size_max) {
+      stop("--words is at most " + std::to_string(unitylink::protocol::limits::group_size_max));
+    }
+    serve_all(endpoint, FramePublisher(static_cast<std::uint32_t>(words)), bits_per_second, burst_us);
+    return 0;
+  }
+  const auto messages_per_second = bits_per_second / (8 * Publisher::line_bytes);
   if (messages_per_second >= 1u << 24) {
     stop("--bits-per-second is too high for the three bytes of a base frequency");
   }
-  Publisher device(messages_per_second > 0xFFFF ? static_cast<std::uint32_t>(messages_per_second) : 1'000'000u);
-  Pace pace(bits_per_second, burst_us);
-  announce(endpoint);
-  while (endpoint.accept_client() && serve(endpoint, device, pace, bits_per_second != 0)) {
-    device.reset();
-    endpoint.leave();
-    if (endpoint.pty()) {
-      usleep(10000);  // nobody has the pty open; the next client may come
-    }
-  }
+  serve_all(endpoint, Publisher(messages_per_second > 0xFFFF ? static_cast<std::uint32_t>(messages_per_second) : 1'000'000u), bits_per_second,
+            burst_us);
   return 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The floor under a synchronous read: write the request, block in read until the reply's line feed, nothing else.
-//   bench_round_trip --request '#R:0088' (--descriptor N | --tcp PORT)
+//   bench_round_trip (--request '#R:0088' | --frame HEX) (--descriptor N | --tcp PORT)
+// A request is a line, and so is its reply, the same every time; a frame ends with 00, and so does its reply, of the same length every time.
 // For every line "COUNT" on standard input it makes COUNT round trips and prints their times in ns on one line.
 #include <chrono>
 #include <vector>
@@ -27,8 +28,18 @@ int open_tcp(std::uint64_t port) {
   return descriptor;
 }
 
-// One blocking round trip; the reply with its line feed.
+// The bytes of pairs of digits.
+std::string bytes_of(const std::string& digits) {
+  std::string bytes;
+  for (std::size_t at = 0; at + 1 < digits.size(); at += 2) {
+    bytes.push_back(static_cast<char>(number("--frame", "0x" + digits.substr(at, 2))));
+  }
+  return bytes;
+}
+
+// One blocking round trip; the reply ends as the request does.
 std::string_view round_trip(int descriptor, std::string_view request, std::span<char> reply) {
+  const char end = request.back();
   if (write(descriptor, request.data(), request.size()) != static_cast<ssize_t>(request.size())) {
     stop("the request did not go out whole", errno);
   }
@@ -39,7 +50,7 @@ std::string_view round_trip(int descriptor, std::string_view request, std::span<
       stop("the server is gone", count < 0 ? errno : 0);
     }
     size += static_cast<std::size_t>(count);
-  } while (reply[size - 1] != '\n' && size < reply.size());
+  } while (reply[size - 1] != end && size < reply.size());
   return {reply.data(), size};
 }
 
@@ -47,11 +58,13 @@ std::string_view round_trip(int descriptor, std::string_view request, std::span<
 
 int main(int count, char** values) {
   const std::span arguments(values, static_cast<std::size_t>(count));
-  const std::string request = argument(arguments, "--request", "") + "\n";
+  const std::string frame = bytes_of(argument(arguments, "--frame", ""));
+  const std::string line_of = argument(arguments, "--request", "");
+  const std::string request = frame.empty() ? line_of + "\n" : frame;
   const std::string port = argument(arguments, "--tcp", "");
   const std::string given = argument(arguments, "--descriptor", "");
-  if (request.size() < 2 || port.empty() == given.empty()) {
-    stop("usage: bench_round_trip --request TEXT (--descriptor N | --tcp PORT)");
+  if (line_of.empty() == frame.empty() || port.empty() == given.empty()) {
+    stop("usage: bench_round_trip (--request TEXT | --frame HEX) (--descriptor N | --tcp PORT)");
   }
   const int descriptor = port.empty() ? static_cast<int>(number("--descriptor", given)) : open_tcp(number("--tcp", port));
   if (isatty(descriptor) != 0) {
@@ -73,7 +86,7 @@ int main(int count, char** values) {
       time = std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
       if (expected.empty()) {
         expected = answer;
-      } else if (answer != expected) {
+      } else if (frame.empty() ? answer != expected : answer.size() != expected.size()) {
         stop("the reply changed to " + std::string(answer.substr(0, answer.size() - 1)));
       }
     }

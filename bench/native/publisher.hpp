@@ -17,7 +17,7 @@ namespace unitylink::bench {
 
 class Publisher {
  public:
-  static constexpr std::size_t publish_bytes = 21;  // &PUB:ggnnxxxxxxxx*hh and the line feed
+  static constexpr std::size_t line_bytes = 21;  // &PUB:ggnnxxxxxxxx*hh and the line feed
 
   explicit Publisher(std::uint32_t base_hz) : base_hz_(base_hz) {}
 
@@ -40,11 +40,12 @@ class Publisher {
     }
   }
 
+  [[nodiscard]] static std::size_t publish_bytes() { return line_bytes; }
   [[nodiscard]] bool publishing() const { return enabled_ && group_ < groups; }
 
   // Appends `count` publishes of one word each.
   void publish(std::size_t count, std::string& out) {
-    std::array<char, publish_bytes> message{};
+    std::array<char, line_bytes> message{};
     for (; count > 0; --count, ++sequence_) {
       std::array<std::uint8_t, 9> covered{'P', 'U', 'B', static_cast<std::uint8_t>(group_), 1,
                                           static_cast<std::uint8_t>(sequence_ >> 24), static_cast<std::uint8_t>(sequence_ >> 16),

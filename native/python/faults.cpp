@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "bindings.hpp"
+#include "faults/post_stream.hpp"
 #include "faults/simulation.hpp"
 
 namespace nb = nanobind;
@@ -55,12 +56,31 @@ nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profil
   return result;
 }
 
+nb::dict stream(std::uint64_t seed, std::uint64_t posts, double lose, std::uint32_t words, std::uint64_t byte_ns, std::uint64_t delay_ns,
+                std::uint64_t buffer_bytes) {
+  faults::PostReport report;
+  {
+    const GilRelease released;
+    report = faults::stream_posts(
+        {.seed = seed, .posts = posts, .words = words, .lose = lose, .byte_ns = byte_ns, .delay_ns = delay_ns, .buffer_bytes = buffer_bytes});
+  }
+  nb::dict result;
+  result["posts_per_s"] = report.posts_per_s;
+  result["sent_bytes_per_post"] = report.sent_bytes_per_post;
+  result["lost"] = report.lost;
+  result["disorder"] = report.disorder;
+  return result;
+}
+
 }  // namespace
 
 void bind_faults(nb::module_& module) {
   module.def("fault_profiles", &profiles);
   module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"), nb::arg("clients"),
              nb::arg("window"));
+  const faults::PostPlan usual;
+  module.def("stream_posts", &stream, nb::arg("seed"), nb::arg("posts"), nb::arg("lose"), nb::arg("words") = usual.words, nb::arg("byte_ns") = usual.byte_ns,
+             nb::arg("delay_ns") = usual.delay_ns, nb::arg("buffer_bytes") = usual.buffer_bytes);
 }
 
 }  // namespace unitylink::python

@@ -219,3 +219,12 @@ def fault_profiles() -> list[tuple[str, str]]: ...
 def run_faults(
     seed: int, messages: int, profile: str, framed: bool, clients: int, window: int
 ) -> dict[str, Any]: ...
+def stream_posts(
+    seed: int,
+    posts: int,
+    lose: float,
+    words: int = 1,
+    byte_ns: int = 833,
+    delay_ns: int = 125_000,
+    buffer_bytes: int = 512,
+) -> dict[str, Any]: ...

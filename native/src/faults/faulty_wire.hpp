@@ -26,6 +26,8 @@ class FaultyWire {
   void set(const WireFaults& faults) noexcept { faults_ = faults; }
   [[nodiscard]] std::uint64_t faults() const noexcept { return count_; }
 
+  // When the line has carried all that was sent.
+  [[nodiscard]] std::uint64_t free_ns() const noexcept { return free_ns_; }
   void send(std::span<const std::uint8_t> bytes, std::uint64_t now_ns);
   // The sender is gone in the middle of a message.
   void break_off(std::uint64_t now_ns);
@@ -59,7 +61,7 @@ class FaultyWire {
   std::uint64_t delay_ns_;
   WireFaults faults_;
   std::uint64_t count_ = 0;
-  std::uint64_t free_ns_ = 0;     // when the line has carried what was sent
+  std::uint64_t free_ns_ = 0;
   std::uint64_t held_ns_ = 0;     // nothing arrives before
   Bytes open_;                    // a message whose end has not been sent
   std::deque<Arrival> arriving_;

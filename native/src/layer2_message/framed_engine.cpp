@@ -11,7 +11,10 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::size_t confirm_after = PostQueue::capacity / 4;  // words of posts, so that the queue is never full on a line that carries them
+constexpr std::uint64_t posts_in_flight_bytes = 16384;          // on a line that loses none
+constexpr std::uint64_t posts_in_flight_least = 4;
+constexpr std::uint64_t posts_in_flight_blind = 32;             // behind a loss, where nobody knows how fast the line is
+constexpr std::uint64_t confirm_part = 4;                       // of these are open when the device is asked how far it has come
 constexpr std::uint64_t wait_part = 20;                         // of the timeout, before a repeat, however quick the line is
 constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
 constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose answer may still be on its way
@@ -20,8 +23,11 @@ constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose
 
 FramedEngine::FramedEngine(const EngineSettings& settings, bool probe) noexcept
     : settings_(settings), probe_(probe), random_(settings.seed) {
-  for (Exchange* own : {&confirmation_, &restoration_, &reading_}) {
+  for (Exchange* own : {&restoration_, &reading_}) {
     own->state_ = Exchange::State::done;
+  }
+  for (Exchange& own : confirmations_) {
+    own.state_ = Exchange::State::done;
   }
 }
 
@@ -146,9 +152,18 @@ bool FramedEngine::send_due() noexcept {
 
 // The next of what has not been sent: posts and requests in the order in which they were made.
 bool FramedEngine::send_next() noexcept {
-  if (waiting_.empty() || waiting_.front()->follows_ > posts_.sent()) {
-    return posts_.sent() < posts_.made() && send_post();
+  if (!waiting_.empty() && waiting_.front()->follows_ <= posts_.sent()) {
+    const bool question = is_confirmation(*waiting_.front());  // no post waits for it: what fills the window may be waiting for posts
+    const bool sent = send_request();
+    if (sent || !question) {
+      return sent;
+    }
   }
+  return posts_.sent() < posts_.made() && send_post();
+}
+
+// The first that waits.
+bool FramedEngine::send_request() noexcept {
   Exchange& exchange = *waiting_.front();
   if (exchange.operation == Operation::resynchronise) {  // a session is open: done
     exchange.sent = true;
@@ -205,7 +220,21 @@ bool FramedEngine::send_next() noexcept {
   return true;
 }
 
+// Behind a loss all posts on their way are sent again: then no more than what two round trips carry, one on its way and one being confirmed.
+std::uint64_t FramedEngine::posts_most() const noexcept {
+  if (now_ns_ >= careful_until_ns_) {
+    return std::max(posts_in_flight_least, posts_in_flight_bytes / std::max<std::uint64_t>(1, post_bytes_));
+  }
+  const std::uint64_t post_ns = settings_.byte_time_ns * post_bytes_;
+  return post_ns == 0 ? posts_in_flight_blind : posts_in_flight_least + 2 * quickest_ns_ / post_ns;
+}
+
 bool FramedEngine::send_post() noexcept {
+  const bool confirming = std::any_of(confirmations_.begin(), confirmations_.end(),
+                                      [](const Exchange& own) { return own.state_ == Exchange::State::in_flight; });
+  if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {  // only while an answer is sure to come, or its absence to be noticed
+    return false;
+  }
   const std::uint64_t number = posts_.sent();
   const std::size_t count = posts_.words(number);
   std::array<std::uint32_t, post_words_max> addresses;
@@ -226,9 +255,11 @@ bool FramedEngine::send_post() noexcept {
     return false;
   }
   pending_end_ += size;
+  post_bytes_ = size;
   statistics_.posts += posts_.repeats() ? 0 : count;
   statistics_.retries += posts_.repeats() ? 1 : 0;
   posts_.send();
+  confirm();
   return true;
 }
 
@@ -281,16 +312,7 @@ void FramedEngine::commit(Place& place, std::size_t size) noexcept {
 
 // The engine's own requests, where they are wanted: how far the posts have come, what time it is there, a sign of life.
 void FramedEngine::maintain() noexcept {
-  const std::uint64_t open_posts = posts_.open_words();
-  if (open_posts == 0) {
-    confirm_ns_ = no_deadline;
-  } else if (idle(confirmation_) && (open_posts >= confirm_after || now_ns_ >= confirm_ns_)) {
-    confirmation_ = Exchange{};
-    confirmation_.operation = Operation::synchronise;
-    confirmation_.attempts_max = 3;
-    queue(confirmation_, false);
-    confirm_ns_ = now_ns_ + std::max(confirm_patience_ns, 2 * smoothed_ns_);
-  }
+  confirm();
   const bool life_due = deadman_ticks_ > 0 && now_ns_ - last_sent_ns_ >= keep_alive_ns();
   if (idle(reading_) && (now_ns_ >= clock_due_ns_ || life_due)) {
     reading_ = Exchange{};
@@ -301,6 +323,26 @@ void FramedEngine::maintain() noexcept {
     clock_due_ns_ = now_ns_ + clock_interval_ns();
     queue(reading_, true);
   }
+}
+
+// Asks how far the posts have come, each part of those that may be in flight and some time behind the last.
+void FramedEngine::confirm() noexcept {
+  if (posts_.made() == posts_.confirmed()) {
+    confirm_ns_ = no_deadline;
+  } else if (Exchange* const own = idle_confirmation(); own != nullptr &&
+             (posts_.sent() >= confirming_ + posts_most() / confirm_part || now_ns_ >= confirm_ns_)) {
+    *own = Exchange{};
+    own->operation = Operation::synchronise;
+    own->attempts_max = 3;
+    queue(*own, true);  // not behind the posts that are still to be sent: they may have to wait for its answer
+    confirming_ = posts_.sent();
+    confirm_ns_ = now_ns_ + std::max(confirm_patience_ns, 2 * smoothed_ns_);
+  }
+}
+
+Exchange* FramedEngine::idle_confirmation() noexcept {
+  const auto found = std::find_if(confirmations_.begin(), confirmations_.end(), [this](const Exchange& own) { return idle(own); });
+  return found == confirmations_.end() ? nullptr : &*found;
 }
 
 bool FramedEngine::idle(const Exchange& exchange) const noexcept { return exchange.state_ == Exchange::State::done; }

@@ -109,6 +109,8 @@ class FramedEngine final : public Engine {
   [[nodiscard]] Place& place_of(std::uint32_t id) noexcept { return places_[id % window_]; }
   [[nodiscard]] bool send_due() noexcept;
   [[nodiscard]] bool send_next() noexcept;
+  [[nodiscard]] bool send_request() noexcept;
+  [[nodiscard]] std::uint64_t posts_most() const noexcept;
   [[nodiscard]] bool send_post() noexcept;
   [[nodiscard]] std::size_t encode(Place& place) noexcept;
   void commit(Place& place, std::size_t size) noexcept;
@@ -118,6 +120,11 @@ class FramedEngine final : public Engine {
   void maintain() noexcept;
   [[nodiscard]] bool checked_long() const noexcept {
     return settings_.checked_long && (greeting_->features & protocol::control_value::feature_long_frames) != 0;
+  }
+  void confirm() noexcept;
+  [[nodiscard]] Exchange* idle_confirmation() noexcept;
+  [[nodiscard]] bool is_confirmation(const Exchange& exchange) const noexcept {
+    return &exchange >= confirmations_.data() && &exchange < confirmations_.data() + confirmations_.size();
   }
   [[nodiscard]] bool idle(const Exchange& exchange) const noexcept;
 
@@ -175,11 +182,15 @@ class FramedEngine final : public Engine {
 
   std::uint64_t smoothed_ns_ = 0;       // round trip, 0: none measured
   std::uint64_t variation_ns_ = 0;
+  std::uint64_t quickest_ns_ = no_deadline;
 
   PostQueue posts_;
   std::uint64_t unknown_posts_ = 0;
+  std::uint64_t careful_until_ns_ = 0;  // only few posts in flight before: one was lost
+  std::uint64_t post_bytes_ = 0;        // of the last one's frame
   std::uint64_t gone_back_order_ = 0;   // transmissions when the posts were last begun again
-  Exchange confirmation_;               // the engine's own question how far the posts have come
+  std::array<Exchange, 4> confirmations_;  // the engine's own questions how far the posts have come: the next one's answer shows that one's is lost
+  std::uint64_t confirming_ = 0;        // posts sent before the last of these
   std::uint64_t confirm_ns_ = no_deadline;
 
   std::array<Group, protocol::limits::groups_max> groups_;

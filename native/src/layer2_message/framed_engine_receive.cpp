@@ -11,6 +11,8 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
+constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts, without a loss, before many are sent ahead again
+constexpr std::uint64_t careful_posts = 200;
 constexpr std::size_t reply_head_bytes = 4;    // id, posts
 constexpr std::size_t publish_head_bytes = 7;  // group, sequence, clock
 
@@ -184,6 +186,8 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if (status == reply_status::behind) {
     if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 && place.last_order > gone_back_order_) {
       posts_.go_back();
+      confirming_ = posts_.confirmed();
+      careful_until_ns_ = now_ns_ + std::max(careful_ns, careful_posts * settings_.byte_time_ns * post_bytes_);
       gone_back_order_ = order_;
     }
     place.unbound = true;
@@ -230,6 +234,7 @@ void FramedEngine::on_executed(const Place& place) noexcept {
 
 // As TCP does it (RFC 6298), so that a repeat comes soon on a quick line and not too soon on an uneven one.
 void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
+  quickest_ns_ = std::min(quickest_ns_, round_trip_ns);
   if (smoothed_ns_ == 0) {
     smoothed_ns_ = std::max<std::uint64_t>(1, round_trip_ns);
     variation_ns_ = round_trip_ns / 2;

@@ -109,7 +109,7 @@ void FramedEngine::lose_session() noexcept {
     if (exchange == nullptr) {
       continue;
     }
-    const bool own = exchange == &confirmation_ || exchange == &restoration_ || exchange == &reading_;
+    const bool own = exchange == &restoration_ || exchange == &reading_ || is_confirmation(*exchange);
     const bool harmless = !exchange->writes() && exchange->repeat && exchange->operation != Operation::write_control;
     if (!own && harmless && exchange->attempts_max > 0) {
       exchange->state_ = Exchange::State::waiting;
@@ -125,6 +125,7 @@ void FramedEngine::lose_session() noexcept {
     waiting->follows_ = 0;
   }
   unknown_posts_ += posts_.restart();
+  careful_until_ns_ = confirming_ = 0;
   gone_back_order_ = order_;
   confirm_ns_ = clock_due_ns_ = no_deadline;
   clock_.clear();
@@ -206,7 +207,7 @@ std::uint64_t FramedEngine::next_deadline_ns() const noexcept {
   if (state_ != State::open) {
     return std::min(next, greeting_deadline_ns_);
   }
-  if (idle(confirmation_)) {
+  if (std::any_of(confirmations_.begin(), confirmations_.end(), [this](const Exchange& own) { return idle(own); })) {
     next = std::min(next, confirm_ns_);
   }
   if (idle(reading_)) {

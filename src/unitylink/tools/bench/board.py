@@ -37,6 +37,18 @@ def layer4_word(link: Link) -> ReadValue[Any]:
     return word
 
 
+def reads_of(url: str, count: int) -> list[int]:
+    """Connect, and return the times of so many reads through layer 4 in ns."""
+    from unitylink import connect
+
+    from .timing import times
+
+    with connect(url) as link:
+        word = layer4_word(link)
+        times(word.read, 50)
+        return times(word.read, count)
+
+
 def main() -> None:
     """Serve."""
     from unitylink.simulate import Board, BoardConfiguration

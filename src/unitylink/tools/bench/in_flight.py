@@ -13,14 +13,23 @@ FIFO_BYTES = 1024
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure."""
+    """Measure the classic protocol."""
+    return _measure(run, "in-flight", "classic")
+
+
+def measure_framed(run: Run) -> Figure:
+    """Measure frames."""
+    return _measure(run, "in-flight-framed", "framed")
+
+
+def _measure(run: Run, name: str, protocol: str) -> Figure:
     from unitylink import connect
 
     addresses = list(range(ADDRESS, ADDRESS + REQUESTS))
     options = f"fifo={FIFO_BYTES}&window={REQUESTS}"
     with (
         twin("tcp", fifo=FIFO_BYTES) as board,
-        connect(f"{board.line()}?protocol=classic&{options}") as link,
+        connect(f"{board.line()}?protocol={protocol}&{options}") as link,
     ):
         if list(link.read_each(addresses)) != [FIRST_VALUE + address for address in addresses]:
             raise BenchError("the twin does not hold what was put there")
@@ -34,8 +43,8 @@ def measure(run: Run) -> Figure:
         after = link.statistics()
     complaint = "requests were repeated" if after.retries != before.retries else ""
     return Figure(
-        "in-flight",
-        f"{REQUESTS} requests in flight / sync rate, TCP loopback",
+        name,
+        f"{REQUESTS} requests in flight / sync rate, TCP loopback, {protocol}",
         10,
         False,
         REQUESTS / result.ratio,

@@ -49,7 +49,7 @@ def environment(run: Run) -> Path:
     return python
 
 
-def compare(run: Run, words: int, rounds: int, count: int) -> Comparison:
+def compare(run: Run, words: int, rounds: int, count: int, protocol: str = "classic") -> Comparison:
     """Time reads of `words` words (0: the single read) on both sides, in turns."""
     from unitylink import connect
 
@@ -58,8 +58,9 @@ def compare(run: Run, words: int, rounds: int, count: int) -> Comparison:
     with ExitStack() as stack:
         emulator = stack.enter_context(Process([native(run.checkout, "bench_uartbone")]))
         litex = stack.enter_context(Process([python, client, emulator.line()]))
-        board = stack.enter_context(twin("pty", read_many=BLOCK_WORDS, clock_hz=CLOCK_HZ, fifo=FIFO_BYTES))
-        link = stack.enter_context(connect(f"{board.line()}?protocol=classic&fifo={FIFO_BYTES}"))
+        options = {"read_many": BLOCK_WORDS, "clock_hz": CLOCK_HZ, "fifo": FIFO_BYTES}
+        board = stack.enter_context(twin("pty", **options))
+        link = stack.enter_context(connect(f"{board.line()}?protocol={protocol}&fifo={FIFO_BYTES}"))
         word = layer4_word(link)
         addresses = list(range(ADDRESS, ADDRESS + words))
 
@@ -101,14 +102,31 @@ def figure(name: str, title: str, limit: float, result: Comparison) -> Figure:
     )
 
 
+def _single(run: Run, name: str, protocol: str) -> Figure:
+    title = f"single reads, times LiteX {RELEASE}, pty, {protocol}"
+    return figure(name, title, 1.25, compare(run, 0, 151, 100, protocol))
+
+
+def _block(run: Run, name: str, protocol: str) -> Figure:
+    title = f"{BLOCK_WORDS}-word reads, times LiteX {RELEASE}, pty, {protocol}"
+    return figure(name, title, 5.0, compare(run, BLOCK_WORDS, 61, 20, protocol))
+
+
 def measure_single(run: Run) -> Figure:
     """Measure single reads."""
-    return figure(
-        "litex-single", f"single reads, times LiteX {RELEASE}, pty", 1.25, compare(run, 0, 151, 100)
-    )
+    return _single(run, "litex-single", "classic")
+
+
+def measure_single_framed(run: Run) -> Figure:
+    """Measure single reads on frames."""
+    return _single(run, "litex-single-framed", "framed")
 
 
 def measure_block(run: Run) -> Figure:
     """Measure reads of 255 words."""
-    result = compare(run, BLOCK_WORDS, 61, 20)
-    return figure("litex-block", f"{BLOCK_WORDS}-word reads, times LiteX {RELEASE}, pty", 5.0, result)
+    return _block(run, "litex-block", "classic")
+
+
+def measure_block_framed(run: Run) -> Figure:
+    """Measure reads of 255 words on frames."""
+    return _block(run, "litex-block-framed", "framed")

@@ -12,6 +12,8 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
+from unitylink.protocol import FRAME_CRC16_BYTES
+
 from .figure import BenchError
 
 PATIENCE_S = 60.0  # for one answer; every series is far shorter
@@ -31,6 +33,15 @@ def native(checkout: Path, name: str) -> Path:
     if not path.is_file():
         raise BenchError(f"{path.relative_to(checkout)} is not built; `make bench` builds it")
     return path
+
+
+def frame_bytes(payload: int) -> int:
+    """Return the bytes of a frame with a payload shorter than 254 bytes: kind, COBS, check, delimiter.
+
+    >>> frame_bytes(8)  # a post
+    14
+    """
+    return payload + 2 + FRAME_CRC16_BYTES + 1
 
 
 class Silence(BenchError):

@@ -17,20 +17,39 @@ import numpy as np
 
 from .board import ADDRESS
 from .figure import BenchError, Figure, Run
-from .programs import Process, native
+from .programs import Process, frame_bytes, native
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from unitylink.layer2_message import Subscription
 
-BITS_PER_SECOND = 64_000_000
 MESSAGE_BYTES = 21  # &PUB:ggnnxxxxxxxx*hh and the line feed
+PUBLISH_HEAD_BYTES = 7  # group, sequence, clock
+SELDOM = 1 << 30  # of the ticks: the twin behind the frames has nothing to publish by itself
 DRAIN_S = 0.02
 RING = 1 << 16
 FLOOD_PER_SECOND = 1_000_000
 PACED_PER_SECOND = 525_000
 PTY_BAUD = 100_000_000  # what a pty would have to be called for the stream to fit
+
+
+@dataclass(frozen=True)
+class Source:
+    """A stream: its rate, and the words of a message; lines of one word where it is classic."""
+
+    bits_per_second: int
+    words: int = 1
+    framed: bool = False
+
+    @property
+    def message_bytes(self) -> int:
+        """Bytes of one message."""
+        return frame_bytes(PUBLISH_HEAD_BYTES + 4 * self.words) if self.framed else MESSAGE_BYTES
+
+
+CLASSIC = Source(64_000_000)
+FRAMED = Source(320_000_000, words=16, framed=True)
 
 
 @dataclass(frozen=True)
@@ -44,31 +63,33 @@ class Stream:
 
 
 @contextmanager
-def subscription(run: Run, endpoint: str, bits_per_second: int) -> Iterator[Subscription]:
+def subscription(run: Run, endpoint: str, stream_of: Source) -> Iterator[Subscription]:
     """Start a source and subscribe to it."""
     from unitylink import connect
 
-    options = ["--endpoint", endpoint, "--bits-per-second", str(bits_per_second)]
+    options = ["--endpoint", endpoint, "--bits-per-second", str(stream_of.bits_per_second)]
+    options += ["--words", str(stream_of.words)] if stream_of.framed else []
+    addresses = list(range(ADDRESS, ADDRESS + stream_of.words))
     with Process([native(run.checkout, "bench_publish_source"), *options]) as source:
         place = source.line()
         url = f"tcp://{place}?" if endpoint == "tcp" else f"serial:{place}?baud={PTY_BAUD}&"
         with (
-            connect(f"{url}protocol=classic") as link,
-            link.subscribe([ADDRESS], divisor=1, ring=RING) as stream,
+            connect(f"{url}protocol={'framed' if stream_of.framed else 'classic'}") as link,
+            link.subscribe(addresses, divisor=SELDOM if stream_of.framed else 1, ring=RING) as stream,
         ):
             if not stream.wait(5.0):
                 raise BenchError(f"the publish source on {endpoint} published nothing for 5 s")
             yield stream
 
 
-def watch(run: Run, endpoint: str) -> Stream:
-    """Drain a paced stream for some seconds and account for every message."""
+def watch(run: Run, endpoint: str, source: Source) -> Stream:
+    """Drain a paced stream for some seconds and account for every message and word."""
     windows = run.rounds(5)
     window_s = 1.0 if not run.quick else 0.2
     drained: list[npt.NDArray[np.uint32]] = []
     shares: list[float] = []
     rates: list[float] = []
-    with subscription(run, endpoint, BITS_PER_SECOND) as stream:
+    with subscription(run, endpoint, source) as stream:
         drained.append(stream.drain()[1])
         for _ in range(windows):
             count = 0
@@ -80,21 +101,19 @@ def watch(run: Run, endpoint: str) -> Stream:
                 count += len(words)
             cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
             shares.append(100 * cpu / wall)
-            rates.append(count * MESSAGE_BYTES * 8 / wall / 1e6)
-    numbers = np.concatenate(drained)[:, 0].astype(np.int64)
+            rates.append(count * source.message_bytes * 8 / wall / 1e6)
+    words = np.concatenate(drained)
+    if (words != words[:, :1] + np.arange(source.words, dtype=np.uint32)).any():
+        raise BenchError(f"words of the stream on {endpoint} are not what was sent")
+    numbers = words[:, 0].astype(np.int64)
     missing = int(np.sum(np.abs(np.diff(numbers) - 1)))
     return Stream(median(shares), median(rates), len(numbers), missing)
 
 
 def measure_stream(run: Run) -> Figure:
     """Measure the processor time of a 64 Mbit/s stream, over TCP and over a pty."""
-    tcp = watch(run, "tcp")
-    pty = watch(run, "pty")
-    complaint = ""
-    if tcp.missing:
-        complaint = f"{tcp.missing} of {tcp.messages} messages did not arrive"
-    elif tcp.mbit_per_second < 0.98 * BITS_PER_SECOND / 1e6:
-        complaint = f"only {tcp.mbit_per_second:.1f} Mbit/s arrived"
+    tcp = watch(run, "tcp", CLASSIC)
+    pty = watch(run, "pty", CLASSIC)
     return Figure(
         "publish",
         "64 Mbit/s of publishes decoded, checked, drained; TCP",
@@ -109,7 +128,30 @@ def measure_stream(run: Run) -> Figure:
             "pty Mbit/s": pty.mbit_per_second,
             "pty missing": pty.missing,
         },
-        complaint,
+        _complaint(tcp, CLASSIC),
+    )
+
+
+def _complaint(stream: Stream, source: Source) -> str:
+    if stream.missing:
+        return f"{stream.missing} of {stream.messages} messages did not arrive"
+    if stream.mbit_per_second < 0.98 * source.bits_per_second / 1e6:
+        return f"only {stream.mbit_per_second:.1f} Mbit/s arrived"
+    return ""
+
+
+def measure_frames(run: Run) -> Figure:
+    """Measure the processor time of a 320 Mbit/s stream of 16-word frames over TCP."""
+    tcp = watch(run, "tcp", FRAMED)
+    return Figure(
+        "publish-framed",
+        f"320 Mbit/s of {FRAMED.words}-word frames decoded, checked, drained; TCP",
+        25,
+        True,
+        tcp.cpu_percent,
+        "% of a core",
+        {"Mbit/s": tcp.mbit_per_second, "messages": tcp.messages, "missing": tcp.missing},
+        _complaint(tcp, FRAMED),
     )
 
 
@@ -133,7 +175,7 @@ class Counter:
 def count_callbacks(run: Run, per_second: int) -> tuple[float, Counter]:
     """Return callbacks per second and the callback, for a stream of so many messages per second."""
     counter = Counter()
-    with subscription(run, "tcp", per_second * MESSAGE_BYTES * 8) as stream:
+    with subscription(run, "tcp", Source(per_second * MESSAGE_BYTES * 8)) as stream:
         stream.on_publish(counter)
         time.sleep(0.1 if run.quick else 0.5)  # the ring's backlog from before is no sustained rate
         calls, start = counter.calls, time.perf_counter()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 
-from .board import ADDRESS, layer4_word
+from .board import ADDRESS, layer4_word, reads_of
 from .figure import BenchError, Figure, Run
 from .programs import Process, native, twin
 from .timing import in_turns, times
@@ -52,6 +52,33 @@ def measure(run: Run) -> Figure:
         {
             "layer 4 us": result.ours_ns / 1e3,
             "bare us": result.theirs_ns / 1e3,
+            "quartile low": result.low,
+            "high": result.high,
+        },
+    )
+
+
+def measure_framed(run: Run) -> Figure:
+    """Measure reads through layer 4 on frames against classic ones, in turns on one board."""
+    with twin("pty") as board:
+        url = board.line()
+        mark = "&" if "?" in url else "?"
+        result = in_turns(
+            lambda count: reads_of(f"{url}{mark}protocol=framed", count),
+            lambda count: reads_of(f"{url}{mark}protocol=classic", count),
+            rounds=run.rounds(61),
+            count=200 if not run.quick else 50,
+        )
+    return Figure(
+        "sync-framed",
+        "layer-4 read on frames / on the classic protocol, pty",
+        1.0,
+        True,
+        result.ratio,
+        "x",
+        {
+            "framed us": result.ours_ns / 1e3,
+            "classic us": result.theirs_ns / 1e3,
             "quartile low": result.low,
             "high": result.high,
         },

@@ -7,31 +7,22 @@ Two boards would not do: where the machine places their processes makes more of 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
-from .board import layer4_word
+from .board import reads_of
 from .figure import Figure, Run
 from .programs import twin
-from .timing import in_turns, times
+from .timing import in_turns
 
 
 def measure(run: Run) -> Figure:
     """Measure the figure."""
-    from unitylink import connect
-
-    def reads(url: str, count: int) -> Sequence[int]:
-        with connect(url) as link:
-            word = layer4_word(link)
-            times(word.read, 50)
-            return times(word.read, count)
-
     with tempfile.TemporaryDirectory() as folder, twin("tcp") as board:
         url = board.line()
         traced_url = f"{url}?trace={Path(folder) / 'bench.pcapng'}"
         result = in_turns(
-            lambda count: reads(traced_url, count),
-            lambda count: reads(url, count),
+            lambda count: reads_of(traced_url, count),
+            lambda count: reads_of(url, count),
             rounds=run.rounds(101),
             count=200 if not run.quick else 50,
         )
