@@ -195,7 +195,8 @@ class Link:
         """Return a context manager that collects operations, and does them together, in order, at its end.
 
         `atomic` holds the bus from the first to the last, in one message: DeviceMismatch where that is not
-        possible. Within one message no operation begins before all of it has been checked.
+        possible. Within one message no operation begins before all of it has been checked. Gateware that
+        freezes its registers while the bus is held shows an atomic batch what stood there before it.
 
             with link.batch() as batch:
                 batch.write(0x20, 5)
