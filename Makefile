@@ -14,7 +14,7 @@
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
 #   make fuzz    the long form of the fuzz loops (SECONDS=60)
-#   make soak    the long form of the fault simulation (MESSAGES=1000000000); make mutants: what it must catch
+#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 240000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make unit    the Python tests that need no board process, in about a minute
@@ -27,6 +27,7 @@ NATIVE := build/native
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 MESSAGES ?= 1000000000
+SEED ?= 1
 
 .PHONY: experiments experiments-json wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
 help:
@@ -119,7 +120,7 @@ mutants: $(NATIVE)/.built
 	$(BIN)/python tools/mutants.py
 
 soak: $(VENV)/.built
-	$(BIN)/unitylink faults --messages $(MESSAGES) --jobs 2
+	$(BIN)/unitylink faults --messages $(MESSAGES) --seed $(SEED) --jobs 2
 
 wheel: $(VENV)/.built
 	@tools/setup.sh group wheel

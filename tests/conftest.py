@@ -65,6 +65,17 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
     return run
 
 
+@pytest.fixture(scope="session")
+def program() -> Callable[[str], Path]:
+    """The path of a native bench program by its name; all are built if one is not."""
+    from unitylink.tools.bench.programs import native
+
+    names = ("bench_round_trip", "bench_publish_source", "bench_uartbone")
+    if not all((ROOT / "build" / "native" / name).exists() for name in names):
+        subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
+    return lambda name: native(ROOT, name)
+
+
 # A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

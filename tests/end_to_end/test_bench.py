@@ -1,11 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink bench`: its command line; the figures have tests of their own."""
+"""`unitylink bench`: its command line, and that every figure can be measured.
+
+Its number is no business of a test: that would be a timed test.
+"""
 
 from __future__ import annotations
 
 import json
 import subprocess
 from collections.abc import Callable
+from math import isfinite
+from pathlib import Path
+
+import pytest
+
+from unitylink.tools.bench import FIGURES
+from unitylink.tools.bench import run as measure
+
+ELSEWHERE = {"rtl", "ros1-out", "ros1-in", "dds-out", "dds-in", "ros-joints"}  # test_rtl, tests/ros
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -25,3 +37,16 @@ def test_a_figure_as_json(run: Run) -> None:
     assert [figure["name"] for figure in report["figures"]] == ["version"]
     assert report["figures"][0]["measured"] > 0
     assert report["quick"] is True
+
+
+@pytest.mark.parametrize("name", [name for name in FIGURES if name not in ELSEWHERE])
+def test_figure_yields_a_number(name: str, program: Callable[[str], Path]) -> None:
+    said: list[str] = []
+    report = measure(only=[name], quick=True, say=said.append)
+    assert not report.failures
+    (figure,) = report.figures
+    assert figure.name == name
+    assert isfinite(figure.measured)
+    assert figure.measured > 0
+    assert figure.title in report.text()
+    assert any(name in message for message in said)
