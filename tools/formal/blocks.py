@@ -389,4 +389,19 @@ BLOCKS = (
             Mutant("frame_receiver.vhd", "(7 downto 0 => kept)", "(7 downto 0 => '1')"),
         ),
     ),
+    Block(
+        "reply_cache",
+        "`framed/reply_cache`, a window of 2",
+        depth=6,
+        deep=12,
+        pdr=True,
+        not_proven="the bytes of kept replies, `order`, other windows: the bench compares with arrays of full ids",
+        mutants=(
+            Mutant(
+                "reply_cache.vhd", "later      <= not ahead(15) and not same;", "later      <= not ahead(15);"
+            ),
+            Mutant("reply_cache.vhd", "repeated <= same and nand entry(8 downto 5);", "repeated <= same;"),
+            Mutant("reply_cache.vhd", "not ahead(15) and not same;", "not same;"),
+        ),
+    ),
 )

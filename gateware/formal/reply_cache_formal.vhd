@@ -1,0 +1,128 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Properties of the reply cache: what it says of an id against the full ids that were executed. The program is as it is:
+-- it remembers an id only where the cache has just called it new.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_layout_pkg.all;
+use work.protocol_pkg.all;
+
+entity reply_cache_formal is
+  port (
+    clk          : in std_ulogic;
+    id           : in std_ulogic_vector(15 downto 0);
+    one_before   : in std_ulogic;
+    remember     : in std_ulogic;
+    status_in    : in std_ulogic_vector(3 downto 0);
+    forget       : in std_ulogic;
+    forget_index : in unsigned(6 downto 0);
+    start        : in std_ulogic;
+    keep         : in std_ulogic;
+    data_in      : in byte_t;
+    recall       : in std_ulogic
+  );
+end entity;
+
+architecture properties of reply_cache_formal is
+
+  constant window : positive := 2;
+
+  subtype turn_t is unsigned(14 downto 0);
+
+  signal new_id, repeated, order, too_long : std_ulogic;
+  signal status   : std_ulogic_vector(3 downto 0);
+  signal kept     : unsigned(4 downto 0);
+  signal data_out : byte_t;
+
+  -- What was executed last in each place: even and odd ids.
+  signal last_0, last_1     : turn_t := (others => '0');
+  signal status_0, status_1 : std_ulogic_vector(3 downto 0) := "0000";
+  signal known_0, known_1   : std_ulogic := '0';  -- the place has been given something
+  signal last        : turn_t;
+  signal last_status : std_ulogic_vector(3 downto 0);
+  signal known       : std_ulogic;
+  signal distance    : turn_t;
+
+  signal steady      : natural range 0 to 1 := 0;  -- clocks for which the same is looked at, and nothing was changed
+  signal id_now      : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal before_now  : std_ulogic := '0';
+  signal looks       : std_ulogic;                 -- the answers are of `id`
+
+begin
+
+  default clock is rising_edge(clk);
+
+  dut : entity work.reply_cache
+    generic map (window => window)
+    port map (
+      clock => clk, id => id, before => one_before, new_id => new_id, repeated => repeated, order => order, status => status,
+      kept => kept, too_long => too_long, remember => remember, status_in => status_in, forget => forget,
+      forget_index => forget_index, start => start, keep => keep, data_in => data_in, recall => recall,
+      data_out => data_out);
+
+  last        <= last_1 when id(0) = '1' else last_0;
+  last_status <= status_1 when id(0) = '1' else status_0;
+  known       <= known_1 when id(0) = '1' else known_0;
+  distance    <= unsigned(id(15 downto 1)) - last;
+  looks       <= '1' when steady >= 1 and id = id_now and one_before = '0' and before_now = '0' and known = '1' else '0';
+
+  watch : process (clk) is
+    variable place : std_ulogic;
+    variable turn  : turn_t;
+  begin
+    if rising_edge(clk) then
+      id_now     <= id;
+      before_now <= one_before;
+      steady     <= 1;
+      if remember = '1' or forget = '1' then
+        steady <= 0;
+        place  := id(0);
+        turn   := unsigned(id(15 downto 1));
+        if forget = '1' then
+          place := forget_index(0);
+          turn  := (others => '1');
+        end if;
+        if place = '1' then
+          last_1   <= turn;
+          status_1 <= status_in;
+          known_1  <= '1';
+        else
+          last_0   <= turn;
+          status_0 <= status_in;
+          known_0  <= '1';
+        end if;
+      end if;
+    end if;
+  end process;
+
+  -- Only what the cache calls new is executed, and then remembered.
+  new_is_remembered : assume always remember = '1' -> looks = '1' and new_id = '1' and forget = '0';
+
+  -- What is executed has a status of its own; a place that is forgotten has the one that stands for nothing.
+  status_is_one : assume always (remember = '0' or status_in /= "1111") and (forget = '0' or status_in = "1111");
+
+  -- An id that was executed is never new: it opens the bus once, as long as nothing later has taken its place.
+  never_twice : assert always looks = '1' and distance = 0 -> new_id = '0';
+
+  -- It is called repeated then, with the status it had; what nobody has executed is not.
+  repeat_is_known : assert always looks = '1' and distance = 0 ->
+                    (last_status = "1111" or (repeated = '1' and status = last_status)) and
+                    (last_status /= "1111" or repeated = '0');
+
+  -- An id is new if it is later than the last one of its place, of those that go around, and only then.
+  new_is_later : assert always looks = '1' -> (new_id = '0' or (distance /= 0 and distance(14) = '0')) and
+                 (new_id = '1' or distance = 0 or distance(14) = '1');
+
+  -- An id that is neither is stale: so a late copy of an earlier request opens nothing.
+  stale_is_neither : assert always looks = '1' and distance(14) = '1' -> new_id = '0' and repeated = '0';
+
+  -- A request is executed, and asked for again.
+  repeat_seen : cover {looks = '1' and repeated = '1'};
+
+  -- A stale one comes.
+  stale_seen : cover {looks = '1' and new_id = '0' and repeated = '0' and last_status /= "1111"};
+
+end architecture;
