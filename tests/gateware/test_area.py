@@ -24,7 +24,7 @@ def flow(monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module("flow")
 
 
-@pytest.mark.parametrize("name", ["core", "no_publishing"])
+@pytest.mark.parametrize("name", ["core", "no_publishing", "framed_minimal"])
 def test_cells_are_those_of_the_record(flow: Any, name: str) -> None:
     row = next(row for row in importlib.import_module("table").ROWS if row.name == name)
     mapped = flow.map_cells(flow.verilog_of(row), row.top, flow.ICE40)

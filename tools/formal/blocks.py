@@ -395,7 +395,7 @@ BLOCKS = (
         depth=6,
         deep=12,
         pdr=True,
-        not_proven="the bytes of kept replies, `order`, other windows: the bench compares with arrays of full ids",
+        not_proven="the bytes of kept replies, `order`, other windows: the bench tries them",
         mutants=(
             Mutant(
                 "reply_cache.vhd", "later      <= not ahead(15) and not same;", "later      <= not ahead(15);"

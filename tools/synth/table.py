@@ -15,7 +15,7 @@ class Row:
     what: str
     top: str = "core"
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
-    example: str = ""  # the folder in examples/ whose generated design it is
+    example: str = ""  # the folder in examples/ whose generated design it is, classic
     cells_most: int | None = None  # on iCE40
     mhz_least: float | None = None  # on iCE40, the median of the seeds
 
@@ -35,8 +35,22 @@ ROWS = (
         generics={"datalink": "lite", "publish_mode": 0, "read_many": 0, "configuration_command": False},
     ),
     Row(
+        "framed_minimal",
+        "framed: reads, writes, posts, registers; no publishing, lists, exchange groups, dead-man",
+        generics={
+            "protocol": "framed",
+            "publish_mode": 0,
+            "lists": False,
+            "exchanges": 0,
+            "deadman": False,
+        },
+        cells_most=1400,
+        mhz_least=48.0,
+    ),
+    Row("framed", "framed alone, with all there is", generics={"protocol": "framed"}, mhz_least=48.0),
+    Row(
         "hello_led",
-        "a whole design: UART, FIFOs, core, registers (examples/hello_led)",
+        "a whole design, classic: UART, FIFOs, core, registers (examples/hello_led)",
         top="hello_led_top",
         example="hello_led",
     ),
