@@ -137,7 +137,8 @@ begin
 
   memory : entity work.frame_memory
     generic map (content => content)
-    port map (clock => clock, index => word_index, store => instruction(store_f), enable => finishes, data => data, word => word, full => word_full);
+    port map (clock => clock, index => word_index, store => instruction(store_f), enable => finishes,
+      data => data, word => word, full => word_full);
 
   cache : entity work.reply_cache
     generic map (window => settings.window)

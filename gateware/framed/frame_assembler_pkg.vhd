@@ -29,7 +29,8 @@ package frame_assembler_pkg is
     invalid, bad_address, denied, too_long, order,
     behind, no_group, failed, count_failure, count_silence, drop_kind, drop_stale, drop_done, clear_next, cleared,
     -- sessions
-    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer, close_wait, session_begins, begin_next, begin_rest,
+    hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer,
+    close_wait, session_begins, begin_next, begin_rest,
     forget_next, forgotten,
     -- requests
     general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch, skip_barrier,

@@ -404,4 +404,21 @@ BLOCKS = (
             Mutant("reply_cache.vhd", "not ahead(15) and not same;", "not same;"),
         ),
     ),
+    Block(
+        "frame_transmitter",
+        "`framed/frame_transmitter`",
+        depth=2,
+        deep=13,
+        reach=14,
+        not_proven="payloads of more than a few bytes, and that they come back decoded: the bench tries them",
+        mutants=(
+            Mutant(
+                "frame_transmitter.vhd",
+                "codes <= reply.finish or (reply.put and nor reply.data);",
+                "codes <= reply.finish;",
+            ),
+            Mutant("frame_transmitter.vhd", "or (crc16_t'range => outside);", "or (crc16_t'range => '0');"),
+            Mutant("frame_transmitter.vhd", "if turn = 2 then", "if turn = 1 then"),
+        ),
+    ),
 )
