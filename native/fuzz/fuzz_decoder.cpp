@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random and damaged traffic in random chunks through two decoders and an engine:  fuzz_decoder --seconds N --seed S
 // Holds: whole and pieced input agree, every byte is bounded, no value from what is not well formed, every request ends.
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <random>
 #include <string>
 
+#include "fuzzing.hpp"
 #include "layer1_stream/classic_decoder.hpp"
 #include "layer1_stream/configuration.hpp"
 #include "layer2_message/classic_engine.hpp"
@@ -17,15 +15,7 @@ using namespace unitylink;
 
 namespace {
 
-[[noreturn]] void fail(const char* what, std::uint64_t seed, std::uint64_t round, const std::string& text) {
-  std::printf("fuzz_decoder: %s; --seed %llu, round %llu, input (%zu bytes):\n", what, static_cast<unsigned long long>(seed),
-              static_cast<unsigned long long>(round), text.size());
-  for (const char character : text) {
-    std::printf("%02x", static_cast<unsigned>(static_cast<std::uint8_t>(character)));
-  }
-  std::printf("\n");
-  std::exit(1);
-}
+constexpr const char* program = "fuzz_decoder";
 
 // Folds everything a decoder says into one number, and counts.
 struct Digest {
@@ -81,14 +71,14 @@ class Fuzz {
       pieced_.feed(span(text).subspan(at, size), got);
       at += size;
     }
-    messages += expected.messages;
+    understood += expected.messages;
     if (expected.value != got.value || whole_.pending() != pieced_.pending()) {
-      fail("one chunk and many chunks differ", seed_, rounds, text);
+      fuzzing::fail(program, "one chunk and many chunks differ", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     }
     drive_engine(text);
   }
 
-  std::uint64_t rounds = 0, bytes = 0, messages = 0;
+  std::uint64_t rounds = 0, bytes = 0, understood = 0;
 
  private:
   static std::span<const std::uint8_t> span(const std::string& text) {
@@ -139,7 +129,7 @@ class Fuzz {
     std::size_t at = 0;
     for (int step = 0; engine->next_deadline_ns() != ClassicEngine::no_deadline || at < text.size(); ++step) {
       if (step > 20'000) {
-        fail("a request did not end", seed_, rounds, text);
+        fuzzing::fail(program, "a request did not end", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
       }
       if (at < text.size()) {
         const std::size_t size = std::min<std::size_t>(text.size() - at, 1 + random_() % 64);
@@ -153,7 +143,7 @@ class Fuzz {
     }
     for (const Exchange& exchange : exchanges) {
       if (!exchange.done()) {
-        fail("a request was forgotten", seed_, rounds, text);
+        fuzzing::fail(program, "a request was forgotten", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
       }
     }
   }
@@ -165,29 +155,4 @@ class Fuzz {
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  double seconds = 3;
-  std::uint64_t seed = 1;
-  for (int index = 1; index < count; ++index) {
-    const bool has_value = index + 1 < count;
-    if (has_value && std::strcmp(arguments[index], "--seconds") == 0) {
-      seconds = std::strtod(arguments[++index], nullptr);
-    } else if (has_value && std::strcmp(arguments[index], "--seed") == 0) {
-      seed = std::strtoull(arguments[++index], nullptr, 10);
-    } else {
-      std::fprintf(stderr, "usage: fuzz_decoder [--seconds N] [--seed S]\n");
-      return 2;
-    }
-  }
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  const auto fuzz = std::make_unique<Fuzz>(seed);
-  do {
-    for (int round = 0; round < 100; ++round) {
-      fuzz->round();
-    }
-  } while (std::chrono::steady_clock::now() < until);
-  std::printf("fuzz_decoder: %llu rounds, %llu bytes, %llu messages, seed %llu: all held\n", static_cast<unsigned long long>(fuzz->rounds),
-              static_cast<unsigned long long>(fuzz->bytes), static_cast<unsigned long long>(fuzz->messages),
-              static_cast<unsigned long long>(seed));
-  return 0;
-}
+int main(int count, char** arguments) { return fuzzing::run<Fuzz>(program, "messages", count, arguments); }

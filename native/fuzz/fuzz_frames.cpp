@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hostile frames to the frame decoder, the engine and the twin:  fuzz_frames --seconds N --seed S
 // Holds: whole and pieced input agree; every request ends, whatever is answered; the device goes on, and what it says is bounded by what it was told.
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <random>
 #include <vector>
 
 #include "device/device.hpp"
+#include "fuzzing.hpp"
 #include "layer1_stream/frame_decoder.hpp"
 #include "layer1_stream/frame_encoder.hpp"
 #include "layer2_message/framed_engine.hpp"
@@ -18,17 +15,9 @@ using namespace unitylink;
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+constexpr const char* program = "fuzz_frames";
 
-[[noreturn]] void fail(const char* what, std::uint64_t seed, std::uint64_t round, const Bytes& input) {
-  std::printf("fuzz_frames: %s; --seed %llu, round %llu, input (%zu bytes):\n", what, static_cast<unsigned long long>(seed),
-              static_cast<unsigned long long>(round), input.size());
-  for (const std::uint8_t byte : input) {
-    std::printf("%02x", static_cast<unsigned>(byte));
-  }
-  std::printf("\n");
-  std::exit(1);
-}
+using Bytes = std::vector<std::uint8_t>;
 
 // Folds everything the decoder says into one number.
 struct Digest {
@@ -61,7 +50,7 @@ class Fuzz {
     drive_device();
   }
 
-  std::uint64_t rounds = 0, bytes = 0, frames = 0;
+  std::uint64_t rounds = 0, bytes = 0, understood = 0;
 
  private:
   // A frame with a right check and a payload that has perhaps the form of its kind.
@@ -126,9 +115,9 @@ class Fuzz {
       pieced.feed(chunk, got);
       at += chunk.size();
     }
-    frames += expected.frames;
+    understood += expected.frames;
     if (expected.value != got.value || whole.pending() != pieced.pending()) {
-      fail("one chunk and many chunks differ", seed_, rounds, text);
+      fuzzing::fail(program, "one chunk and many chunks differ", seed_, rounds, text);
     }
   }
 
@@ -189,7 +178,7 @@ class Fuzz {
         break;
       }
       if (step > 20'000) {
-        fail("a request did not end", seed_, rounds, text);
+        fuzzing::fail(program, "a request did not end", seed_, rounds, text);
       }
       if (at < text.size()) {
         const auto chunk = piece(text, at, 64);
@@ -198,7 +187,7 @@ class Fuzz {
       } else {
         const std::uint64_t due = engine->next_deadline_ns();
         if (due == Engine::no_deadline) {
-          fail("a request waits for nothing", seed_, rounds, text);
+          fuzzing::fail(program, "a request waits for nothing", seed_, rounds, text);
         }
         now = std::max(now + 1, due);
       }
@@ -256,11 +245,11 @@ class Fuzz {
     const Bytes text = traffic(false, epoch_);
     said += tell(*device, text);
     if (said > (text.size() + 64) * 1024) {
-      fail("a device that talks without end", seed_, rounds, text);
+      fuzzing::fail(program, "a device that talks without end", seed_, rounds, text);
     }
     tell(*device, {0x00, 0x00});
     if (tell(*device, hello) == 0) {
-      fail("a device that answers no more", seed_, rounds, text);
+      fuzzing::fail(program, "a device that answers no more", seed_, rounds, text);
     }
   }
 
@@ -288,28 +277,4 @@ class Fuzz {
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  double seconds = 3;
-  std::uint64_t seed = 1;
-  for (int index = 1; index < count; ++index) {
-    const bool has_value = index + 1 < count;
-    if (has_value && std::strcmp(arguments[index], "--seconds") == 0) {
-      seconds = std::strtod(arguments[++index], nullptr);
-    } else if (has_value && std::strcmp(arguments[index], "--seed") == 0) {
-      seed = std::strtoull(arguments[++index], nullptr, 10);
-    } else {
-      std::fprintf(stderr, "usage: fuzz_frames [--seconds N] [--seed S]\n");
-      return 2;
-    }
-  }
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  const auto fuzz = std::make_unique<Fuzz>(seed);
-  do {
-    for (int round = 0; round < 20; ++round) {
-      fuzz->round();
-    }
-  } while (std::chrono::steady_clock::now() < until);
-  std::printf("fuzz_frames: %llu rounds, %llu bytes, %llu whole frames, seed %llu: all held\n", static_cast<unsigned long long>(fuzz->rounds),
-              static_cast<unsigned long long>(fuzz->bytes), static_cast<unsigned long long>(fuzz->frames), static_cast<unsigned long long>(seed));
-  return 0;
-}
+int main(int count, char** arguments) { return fuzzing::run<Fuzz>(program, "whole frames", count, arguments); }

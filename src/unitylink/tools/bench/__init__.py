@@ -23,6 +23,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "sync-read": ("sync_read", "measure"),
     "sync-framed": ("sync_read", "measure_framed"),
     "exchange": ("exchange", "measure"),
+    "cycle": ("exchange", "measure_cycle"),
     "litex-single": ("litex", "measure_single"),
     "litex-single-framed": ("litex", "measure_single_framed"),
     "litex-block": ("litex", "measure_block"),

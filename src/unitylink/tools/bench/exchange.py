@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exchange: 18 scattered reads and 18 writes in one message each way, against a bare round trip of a frame.
+"""18 scattered reads and 18 writes in one message each way, against a bare round trip of a frame.
+
+`exchange` names the words each time, `cycle` has named them once: an exchange group.
 
 Both sides talk to the same twin through the same pty, as those of `sync_read.py` do. The bare program sends
 HELLO, which every device answers and which changes nothing in the session that is open.
@@ -8,11 +10,16 @@ HELLO, which every device answers and which changes nothing in the session that 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from .board import FIRST_VALUE
 from .figure import BenchError, Figure, Run
 from .programs import Process, native, twin
 from .timing import in_turns, times
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link, Words
 
 WORDS = 18
 READS = [0x200 + 7 * n for n in range(WORDS)]  # no two next to each other
@@ -22,7 +29,26 @@ CLOCK_HZ = 1_000_000_000  # the device answers at once: at 50 MHz 36 accesses wo
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure."""
+    """Measure `link.exchange`."""
+
+    def named_each_time(link: Link) -> Callable[[], Words]:
+        writes = [(address, number) for number, address in enumerate(WRITES)]
+        return lambda: link.exchange(READS, writes)
+
+    return _measured(run, "exchange", "from Python", named_each_time)
+
+
+def measure_cycle(run: Run) -> Figure:
+    """Measure the same words as an exchange group."""
+
+    def named_once(link: Link) -> Callable[[], Words]:
+        group = link.exchange_group(writes=WRITES, reads=READS)
+        return lambda: group.exchange(range(WORDS))
+
+    return _measured(run, "cycle", "as a group, from Python", named_once)
+
+
+def _measured(run: Run, name: str, how: str, call: Callable[[Link], Callable[[], Words]]) -> Figure:
     from unitylink import connect
 
     with twin("pty", clock_hz=CLOCK_HZ) as board:
@@ -30,12 +56,8 @@ def measure(run: Run) -> Figure:
         slave = os.open(url.partition(":")[2].partition("?")[0], os.O_RDWR | os.O_NOCTTY)
         try:
             with connect(f"{url}{'&' if '?' in url else '?'}protocol=framed") as link:
-                writes = [(address, number) for number, address in enumerate(WRITES)]
-
-                def exchange() -> object:
-                    return link.exchange(READS, writes)
-
-                if list(link.exchange(READS, writes)) != [FIRST_VALUE + address for address in READS]:
+                exchange = call(link)
+                if list(exchange()) != [FIRST_VALUE + address for address in READS]:
                     raise BenchError("the twin does not hold what was put there")
                 before = link.statistics().requests
                 exchange()
@@ -54,16 +76,11 @@ def measure(run: Run) -> Figure:
         finally:
             os.close(slave)
     return Figure(
-        "exchange",
-        f"{WORDS} reads and {WORDS} writes from Python / bare C++ round trip, pty",
+        name,
+        f"{WORDS} reads and {WORDS} writes {how} / bare C++ round trip, pty",
         1.3,
         True,
         result.ratio,
         "x",
-        {
-            "exchange us": result.ours_ns / 1e3,
-            "bare us": result.theirs_ns / 1e3,
-            "quartile low": result.low,
-            "high": result.high,
-        },
+        result.told_us(name, "bare"),
     )

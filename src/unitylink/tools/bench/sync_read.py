@@ -49,12 +49,7 @@ def measure(run: Run) -> Figure:
         True,
         result.ratio,
         "x",
-        {
-            "layer 4 us": result.ours_ns / 1e3,
-            "bare us": result.theirs_ns / 1e3,
-            "quartile low": result.low,
-            "high": result.high,
-        },
+        result.told_us("layer 4", "bare"),
     )
 
 
@@ -76,10 +71,5 @@ def measure_framed(run: Run) -> Figure:
         True,
         result.ratio,
         "x",
-        {
-            "framed us": result.ours_ns / 1e3,
-            "classic us": result.theirs_ns / 1e3,
-            "quartile low": result.low,
-            "high": result.high,
-        },
+        result.told_us("framed", "classic"),
     )

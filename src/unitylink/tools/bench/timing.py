@@ -21,6 +21,19 @@ class Comparison:
     low: float  # the quartiles of that ratio: how far the machine let the rounds differ
     high: float
 
+    def told_us(self, ours: str, theirs: str) -> dict[str, float]:
+        """Return what a figure tells beside its ratio: both sides in us, and the quartiles.
+
+        >>> Comparison(30_000, 20_000, 1.5, 1.4, 1.6).told_us("read", "bare")
+        {'read us': 30.0, 'bare us': 20.0, 'quartile low': 1.4, 'high': 1.6}
+        """
+        return {
+            f"{ours} us": self.ours_ns / 1e3,
+            f"{theirs} us": self.theirs_ns / 1e3,
+            "quartile low": self.low,
+            "high": self.high,
+        }
+
 
 def times(call: Callable[[], object], count: int) -> list[int]:
     """Return the time of each of `count` calls in ns."""

@@ -33,10 +33,5 @@ def measure(run: Run) -> Figure:
         True,
         result.ratio,
         "x",
-        {
-            "traced us": result.ours_ns / 1e3,
-            "bare us": result.theirs_ns / 1e3,
-            "quartile low": result.low,
-            "high": result.high,
-        },
+        result.told_us("traced", "bare"),
     )
