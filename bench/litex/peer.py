@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What others do on a wire: `peer.py uart|server|script PTY`, lines on standard input, an answer each.
+"""What others do on a wire: `peer.py uart|server|script PTY` or `peer.py udp|server-udp HOST:PORT`.
 
 uart: LiteX's CommUART. server: its RemoteClient over Etherbone to its litex_server, which has the port.
+udp, server-udp: the same with its CommUDP instead, which is Etherbone on the wire.
 script: what one writes with pyserial, on the classic protocol, without a timeout's handling or a checksum.
 
-"times OPERATION COUNT" gives the time of each call in ns; "try" reads once and says what came: a number, or
-the error. Operations: read; write (LiteX acknowledges none, so
-it is read back); block (255 words, their best call); cycle (18 scattered reads and 18 writes). Values are
-compared outside of the timed part.
+Lines on standard input, an answer each. "times OPERATION COUNT" gives the time of each call in ns; "read
+WORD" and "write WORD VALUE" say what came: a number, "done", or the error. "another" goes on with a second
+client of the server, "stop" ends the server. Operations: read; write (LiteX acknowledges none, so it is
+read back); block (255 words, their best call); cycle (18 scattered reads and 18 writes). Values are compared
+outside of the timed part.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -34,8 +37,11 @@ class Litex:
         self.client = client
         self.client.open()
 
-    def read(self) -> int:
-        return self.client.read(4 * WORD)
+    def read(self, word: int = WORD) -> int:
+        return self.client.read(4 * word)
+
+    def put(self, word: int, number: int) -> None:
+        self.client.write(4 * word, number)
 
     def write(self, number: int) -> int:
         self.client.write(4 * WRITES[0], number)
@@ -80,59 +86,102 @@ class Script:
         return [self.read(address) for address in READS]
 
 
-def serve_litex(path: str) -> Any:
-    """Start litex_server on the port; return a client of it."""
-    from litex.tools.litex_client import RemoteClient
+def comm_udp(place: str) -> Any:
+    """Return a CommUDP whose own port is any: its own choice is the device's, which this machine has."""
+    from litex.tools.remote.comm_udp import CommUDP
 
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    program = Path(sys.executable).parent / "litex_server"
-    command = [
-        str(program),
-        "--uart",
-        "--uart-port",
-        path,
-        "--bind-ip",
-        "127.0.0.1",
-        "--bind-port",
-        str(port),
-    ]
-    server = subprocess.Popen([sys.executable, *command], stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-    for _ in range(100):
-        try:
-            socket.create_connection(("127.0.0.1", port)).close()
-            break
-        except OSError:
-            time.sleep(0.1)
-    return server, RemoteClient("127.0.0.1", port)
+    host, _, port = place.rpartition(":")
+    comm = CommUDP(host, int(port))
+    comm.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    comm.socket.bind(("127.0.0.1", 0))
+    comm.socket.settimeout(comm.timeout)
+    return comm
+
+
+def serve_udp(place: str, bind_port: int) -> None:
+    """Be litex_server on UDP: what its command does, with that CommUDP."""
+    from litex.tools.litex_server import RemoteServer
+
+    server = RemoteServer(comm_udp(place), "127.0.0.1", bind_port)
+    server.open()
+    server.start(4)
+    threading.Event().wait()
+
+
+class Server:
+    """litex_server on the port or the network, and clients of it."""
+
+    def __init__(self, kind: str, place: str) -> None:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self._port = probe.getsockname()[1]
+        if kind == "server":
+            program = str(Path(sys.executable).parent / "litex_server")
+            own = ["--bind-ip", "127.0.0.1", "--bind-port", str(self._port)]
+            arguments = [program, "--uart", "--uart-port", place, *own]
+        else:
+            arguments = [__file__, "serve", place, str(self._port)]
+        command = [sys.executable, *arguments]
+        # What it prints is not looked at, but a thread of it that ends says so there.
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
+        self._process = subprocess.Popen(command, **quiet)
+        for _ in range(100):
+            try:
+                socket.create_connection(("127.0.0.1", self._port)).close()
+                break
+            except OSError:
+                time.sleep(0.1)
+
+    def client(self) -> Litex:
+        from litex.tools.litex_client import RemoteClient
+
+        return Litex(RemoteClient("127.0.0.1", self._port))
+
+    def stop(self) -> None:
+        self._process.kill()
+        self._process.wait()
 
 
 def main() -> None:
-    kind, path = sys.argv[1:3]
-    server = None
-    if kind == "uart":
+    kind, place = sys.argv[1:3]
+    if kind == "serve":
+        serve_udp(place, int(sys.argv[3]))
+    server = Server(kind, place) if kind.startswith("server") else None
+    if server is not None:
+        peer: Any = server.client()
+    elif kind == "uart":
         from litex.tools.remote.comm_uart import CommUART
 
-        peer: Any = Litex(CommUART(path))
-    elif kind == "server":
-        server, client = serve_litex(path)
-        peer = Litex(client)
+        peer = Litex(CommUART(place))
+    elif kind == "udp":
+        peer = Litex(comm_udp(place))
     else:
-        peer = Script(path)
+        peer = Script(place)
     print("ready", flush=True)
     try:
         for line in sys.stdin:
-            words = line.split()
-            print(attempt(peer) if words[0] == "try" else times(peer, words[1], int(words[2])), flush=True)
+            word, *rest = line.split()
+            if word == "times":
+                print(times(peer, rest[0], int(rest[1])), flush=True)
+            elif word == "another":
+                peer = server.client()
+                print("ok", flush=True)
+            elif word == "stop":
+                server.stop()
+                print("ok", flush=True)
+            else:
+                print(attempt(peer, word, *map(int, rest)), flush=True)
     finally:
         if server is not None:
-            server.kill()
+            server.stop()
 
 
-def attempt(peer: Any) -> str:
+def attempt(peer: Any, operation: str, word: int, value: int = 0) -> str:
     try:
-        return str(peer.read())
+        if operation == "write":
+            peer.put(word, value)
+            return "done"
+        return str(peer.read(word))
     except Exception as error:
         return f"{type(error).__name__}: {error}"
 

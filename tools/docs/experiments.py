@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write docs/experiments.md and its figures from docs/experiments.json.
+"""Write docs/experiments.md and its figures from docs/experiments.json, and a part of docs/faults.md.
 
     python tools/docs/experiments.py [--check] [--from RESULTS]
 
 RESULTS is the results.json of a run of `unitylink experiments`; it becomes docs/experiments.json. The same
-results give the same bytes; --check compares.
+results give the same bytes; --check compares. What `unitylink faults --beside litex --json` prints becomes
+docs/faults-beside-litex.json, of which that part is made.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ import sys
 from pathlib import Path
 
 from unitylink.experiments import markdown, pictures, report
+from unitylink.experiments.peer_faults import section
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 RESULTS = DOCS / "experiments.json"
+BEGIN, END = "<!-- made by tools/docs/experiments.py -->\n", "<!-- end -->\n"
 
 
 def files() -> dict[Path, str]:
@@ -26,8 +29,19 @@ def files() -> dict[Path, str]:
     page = markdown(report(results), images="images/")
     return {
         DOCS / "experiments.md": page,
+        DOCS / "faults.md": faults_page(),
         **{DOCS / "images" / name: text for name, text in pictures(results).items()},
     }
+
+
+def faults_page() -> str:
+    """Return docs/faults.md with its made part anew."""
+    head, begin, rest = (DOCS / "faults.md").read_text(encoding="utf-8").partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    if not (begin and end):
+        raise SystemExit(f"docs/faults.md has lost its {BEGIN.strip()} or {END.strip()}")
+    results = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))
+    return f"{head}{begin}{markdown(section(results))}{end}{tail}"
 
 
 def main() -> int:

@@ -2,8 +2,8 @@
 """Others on the same kind of wire, in the same run: LiteX's clients and a plain pyserial script, beside ours.
 
 Each has an instant device of its own in another process, behind a pty: ours and the script the twin, LiteX
-its protocol's far end (`bench/native/bench_uartbone.cpp`). For the bytes and the faults `wire.py` stands
-between. LiteX is its released package in an environment of its own.
+its protocol's far end (`bench/native/bench_uartbone.cpp`, on UDP `bench/litex/board.py`). For the bytes and
+the faults `wire.py` stands between. LiteX is its released package in an environment of its own.
 """
 
 from __future__ import annotations
@@ -32,13 +32,17 @@ OURS = {
     "Unity-Link, framed": "protocol=framed",
     "Unity-Link, classic": "protocol=classic",
     "Unity-Link, classic, CRC": "protocol=classic&crc=1",
+    "Unity-Link, framed, UDP": "protocol=framed",
 }
 THEIRS = {
     "pyserial script, classic": "script",
     "LiteX CommUART": "uart",
     "LiteX RemoteClient, litex_server": "server",
+    "LiteX CommUDP": "udp",
+    "LiteX RemoteClient, litex_server, UDP": "server-udp",
 }
-PATIENCE_S = 3.0  # for a read of a device that is frozen
+DATAGRAMS = {"Unity-Link, framed, UDP", "LiteX CommUDP", "LiteX RemoteClient, litex_server, UDP"}
+PATIENCE_S = 6.0  # RemoteClient takes four for a read of a device that is frozen
 _SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
 
 
@@ -46,7 +50,8 @@ class Peer(Protocol):
     """One way to reach a device."""
 
     def series(self, operation: str, count: int) -> Sequence[int]: ...  # ns of each call
-    def attempt(self) -> str: ...  # reads once: the number, or the error; Silence if it never ends
+    def attempt(self, command: str) -> str:
+        """Do "read WORD" or "write WORD VALUE": the number, "done" or the error; Silence if it never ends."""
 
 
 class Ours:
@@ -60,9 +65,13 @@ class Ours:
     def series(self, operation: str, count: int) -> Sequence[int]:
         return times(getattr(self, operation), count)
 
-    def attempt(self) -> str:
+    def attempt(self, command: str) -> str:
+        operation, *numbers = command.split()
         try:
-            return str(self.read())
+            if operation == "read":
+                return str(self._link.read(int(numbers[0])))
+            self._link.write(int(numbers[0]), int(numbers[1]))
+            return "done"
         except LinkError as error:
             return f"{type(error).__name__}: {error}"
 
@@ -105,8 +114,13 @@ class Theirs:
     def series(self, operation: str, count: int) -> Sequence[int]:
         return self._process.series(f"times {operation} {count}")
 
-    def attempt(self) -> str:
-        return self._process.ask("try", PATIENCE_S)
+    def attempt(self, command: str) -> str:
+        return self._process.ask(command, PATIENCE_S)
+
+    def obey(self, command: str) -> None:
+        """Have "another" client of the server, or "stop" the server."""
+        if (said := self._process.ask(command)) != "ok":
+            raise BenchError(f"`{command}` was answered {said!r}")
 
 
 @contextmanager
@@ -114,10 +128,16 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
     """Start a device and what reads it; with `spoiled` a wire stands between, which is given too."""
     from unitylink import connect
 
+    datagrams = name in DATAGRAMS
+    scripts = run.checkout / "bench" / "litex"
     with ExitStack() as stack:
         if name in OURS or THEIRS[name] == "script":
-            board = twin("pty", read_many=BLOCK, clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES)
-            path = stack.enter_context(board).line().partition(":")[2].partition("?")[0]
+            end = "udp" if datagrams else "pty"
+            board = twin(end, read_many=BLOCK, clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES)
+            url = stack.enter_context(board).line()
+            path = url.partition(":")[2].partition("?")[0].removeprefix("//")
+        elif datagrams:
+            path = stack.enter_context(Process([litex.environment(run), scripts / "board.py"])).line()
         else:
             path = stack.enter_context(Process([native(run.checkout, "bench_uartbone")])).line()
         wire = None
@@ -125,19 +145,19 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
             wire = stack.enter_context(Process([sys.executable, "-m", "unitylink.experiments.wire", path]))
             path = wire.line()
         if name in OURS:
-            link = connect(f"serial:{path}?fifo={litex.FIFO_BYTES}&{OURS[name]}")
+            place = f"udp://{path}" if datagrams else f"serial:{path}"
+            link = connect(f"{place}?fifo={litex.FIFO_BYTES}&{OURS[name]}")
             ours = Ours(stack.enter_context(link))
             ours.check()
             yield ours, wire
         else:
-            script = run.checkout / "bench" / "litex" / "peer.py"
-            command: list[str | Path] = [litex.environment(run), script, THEIRS[name], path]
+            command: list[str | Path] = [litex.environment(run), scripts / "peer.py", THEIRS[name], path]
             yield Theirs(stack.enter_context(Process(command))), wire
 
 
 def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
     """Return a row for each peer: times, bytes, and what it makes of a frozen device and a flipped bit."""
-    names = (*OURS, *THEIRS)
+    names = [name for name in (*OURS, *THEIRS) if name not in DATAGRAMS]
     taken: dict[str, dict[str, list[Sequence[int]]]] = {
         name: {operation: [] for operation in OPERATIONS} for name in names
     }
@@ -179,22 +199,22 @@ def spoiled(run: Run, name: str) -> dict[str, Any]:
             one.series(operation, calls)
             counted[operation] = [int(part) / calls for part in wire.ask("bytes").split()]
         wire.ask("flip")
-        flipped = _attempt(one)
-        after = _attempt(one)
+        flipped = attempt(one)
+        after = attempt(one)
         wire.ask("freeze")
-        frozen = _attempt(one)
+        frozen = attempt(one)
         return {"bytes": counted, "flipped": flipped, "after": after, "frozen": frozen}
 
 
-def _attempt(one: Peer) -> dict[str, Any]:
-    """Read once: what came of it, and how long that took."""
+def attempt(one: Peer, word: int = ADDRESS, right: int = EXPECTED) -> dict[str, Any]:
+    """Read a word once: what came of it, and how long that took."""
     start = time.perf_counter()
     try:
-        said = one.attempt()
+        said = one.attempt(f"read {word}")
     except Silence:
         return {"outcome": "hangs", "detail": f"no answer after {PATIENCE_S:g} s", "time_s": PATIENCE_S}
     taken_s = time.perf_counter() - start
-    if said == str(EXPECTED):
+    if said == str(right):
         return {"outcome": "right", "detail": "", "time_s": taken_s}
     if said.isdecimal():
         return {"outcome": "wrong, unnoticed", "detail": f"{int(said):#x}", "time_s": taken_s}

@@ -182,8 +182,8 @@ def peers(measured: dict[str, Any]) -> list[Block]:
         ),
         Table(
             "What a read gives when one bit of the answer is flipped, what the next read gives, and what a "
-            "read "
-            "does when the device answers no more.",
+            "read does when the device answers no more: RemoteClient ends after four seconds with 0 and no "
+            "error (docs/faults.md has more such faults).",
             ["client", "a flipped bit", "the read after it", "a frozen device"],
             [
                 [row["name"], *(_outcome(row[name]) for name in ("flipped", "after", "frozen"))]

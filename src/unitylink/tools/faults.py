@@ -79,6 +79,21 @@ def _profiles(_: click.Context, __: click.Parameter, value: str) -> tuple[str, .
     return (value,)
 
 
+def _beside_litex(as_json: bool) -> int:
+    """Run both; fail if ours did badly."""
+    from unitylink.experiments import markdown
+    from unitylink.experiments.peer_faults import beside, section
+    from unitylink.tools.bench.figure import Run
+    from unitylink.tools.bench.programs import find_checkout
+
+    results = beside(Run(False, find_checkout(), lambda text: click.echo(text, err=True)))
+    if as_json:
+        print_json(results)
+    else:
+        click.echo(markdown(section(results)), nl=False)
+    return int(any(row["ours"]["bad"] for row in results["rows"]))
+
+
 @click.command()
 @click.option(
     "--seed", default=1, show_default=True, help="Where the histories begin; the same gives the same."
@@ -96,8 +111,14 @@ def _profiles(_: click.Context, __: click.Parameter, value: str) -> tuple[str, .
     help="Requests in flight.",
 )  # fmt: skip
 @click.option("--jobs", default=1, show_default=True, type=click.IntRange(1, 64), help="Histories at a time.")
+@click.option(
+    "--beside", type=click.Choice(("litex",)),
+    help="Instead let the released package of another and ours meet the same faults; a minute and a half.",
+)  # fmt: skip
 @json_option("the counts")
-def command(chosen: tuple[str, ...], messages: int, jobs: int, as_json: bool, **options: Any) -> int:
+def command(
+    chosen: tuple[str, ...], messages: int, jobs: int, beside: str | None, as_json: bool, **options: Any
+) -> int:
     """Try the engine on a wire that does everything wrong.
 
     Each value is written once, and the device's own record says what it has executed: nothing may be executed
@@ -113,7 +134,10 @@ def command(chosen: tuple[str, ...], messages: int, jobs: int, as_json: bool, **
       unitylink faults
       unitylink faults --profile resets --messages 1000000 --jobs 2
       unitylink faults --protocol classic --profile bursts
+      unitylink faults --beside litex
     """
+    if beside:
+        return _beside_litex(as_json)
     share = -(-messages // len(chosen))
     options["window"] = int(options["window"])
     whole = (History(profile=profile, messages=share, **options) for profile in chosen)

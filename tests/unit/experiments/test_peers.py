@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pty
 import tty
@@ -10,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.experiments import peers
-from unitylink.experiments.wire import Wire
+from unitylink.experiments import peer_faults, peers
+from unitylink.experiments.wire import Pty, Wire
 from unitylink.tools.bench.figure import Run
 
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 HERE = Run(True, Path(), lambda text: None)
 
 
@@ -21,19 +23,27 @@ def test_a_wire_carries_counts_flips_and_freezes() -> None:
     (host, program), (device, board) = pty.openpty(), pty.openpty()
     for end in (program, board):
         tty.setraw(end)
-    wire = Wire(host, device)
+    wire = Wire(Pty(host), Pty(device))
     os.write(program, b"#R:12\n")
-    wire.from_host()
+    wire.turn([])
     assert os.read(board, 99) == b"#R:12\n"
-    for command, came in (("thaw", b"abc"), ("flip", b"acc"), ("thaw", b"abc")):
+    assert wire.obey("settle 0") == "ok"
+    for command, came in (("thaw", b"abc"), ("flip", b"`bc"), ("cut", b"bc"), ("late 0.01", b"abc")):
         assert wire.obey(command) == "ok"
         os.write(board, b"abc")
-        wire.from_device()
+        wire.turn([])
+        assert wire.obey("settle 10") == "ok"
         assert os.read(program, 99) == came
-    assert wire.obey("bytes") == "6 9" and wire.obey("bytes") == "0 0"
+    assert wire.obey("lose device") == "ok" and wire.obey("settle 0") == "busy"
+    os.write(program, b"#R:12\n")
+    assert wire.obey("settle 10") == "ok"
+    os.write(program, b"#")
+    wire.turn([])
+    assert os.read(board, 99) == b"#"
+    assert wire.obey("bytes") == "13 12" and wire.obey("bytes") == "0 0"
     wire.obey("freeze")
     os.write(board, b"abc")
-    wire.from_device()
+    wire.turn([])
     assert wire.obey("bytes") == "0 0"
     assert wire.obey("melt") == "no command 'melt'"
     for end in (host, program, device, board):
@@ -59,3 +69,9 @@ def test_what_is_not_here_is_told(tmp_path: Path) -> None:
     told = _measured(lambda: [{"path": str(native(tmp_path, "bench_uartbone"))}])
     assert told["rows"] == [] and "make bench" in told["failure"]
     assert "Not measured: " in str(table(told)[0])
+
+
+def test_the_page_claims_nothing_bad_of_ours() -> None:
+    rows = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))["rows"]
+    assert [row["fault"] for row in rows] == [fault.name for fault in peer_faults.FAULTS]
+    assert not any(row["ours"]["bad"] for row in rows)
