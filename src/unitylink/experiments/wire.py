@@ -28,7 +28,9 @@ from collections import deque
 from typing import Protocol
 
 _CHUNK = 65536
-_QUIET_S = 0.02  # a message on a pty ends here: some write it in pieces, and a fault is to meet the whole
+# A message on a pty ends after so long, or when the other side or a command comes: some clients write one in
+# pieces, and a fault is to meet the whole, but not what is sent again because of it.
+_QUIET_S = 0.02
 FAULTS = ("flip", "cut", "lose", "late")
 
 
