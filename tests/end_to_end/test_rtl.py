@@ -138,7 +138,7 @@ def address_of(url: str) -> tuple[str, int]:
     ("example", "arguments", "said"),
     [
         ("walker18", ["--cycles", "1"], "The walker is there."),
-        ("pa10", ["--pace", "4", "--spec", "pa10.ul"], "Both arms are home again."),
+        ("pa10", ["--pace", "1", "--spec", "pa10.ul"], "Both arms are home again."),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
 )
