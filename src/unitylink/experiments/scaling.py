@@ -14,7 +14,7 @@ from typing import Any
 
 from unitylink.tools.bench.programs import twin
 
-from .software_cost import thread_s
+from .software_cost import on_processors, thread_s
 
 REGISTERS = (10, 100, 1000, 5000)
 LINKS = (1, 2, 4, 8, 16, 32)
@@ -52,31 +52,26 @@ def scaling(*, rounds: int, window_s: float, memory_s: float, count: int = 100) 
 
 def registers_s(number: int, *, rounds: int, count: int) -> float:
     """Return the seconds of a read, spread over the registers of a spec with so many."""
-    with _words(number, 1) as turn:
+    with on_processors(sorted(os.sched_getaffinity(0))[:1]), _words(number, 1) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_s(number: int, *, rounds: int, count: int) -> float:
     """Return the seconds of a read, in turns over so many links in one process."""
-    with _words(1, number) as turn:
+    with on_processors(sorted(os.sched_getaffinity(0))[:1]), _words(1, number) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_wall_s(number: int, cores: Sequence[int], rounds: int, count: int) -> float:
     """Return the wall time of such a read with the process on `cores`, boards and all."""
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, cores)
-    try:
-        with _words(1, number) as turn:
-            samples = []
-            for _ in range(rounds):
-                start = time.perf_counter()
-                for _ in range(count):
-                    next(turn).read()
-                samples.append((time.perf_counter() - start) / count)
-            return median(samples)
-    finally:
-        os.sched_setaffinity(0, before)
+    with on_processors(cores), _words(1, number) as turn:
+        samples = []
+        for _ in range(rounds):
+            start = time.perf_counter()
+            for _ in range(count):
+                next(turn).read()
+            samples.append((time.perf_counter() - start) / count)
+        return median(samples)
 
 
 def publishes(groups: int, hz: int, window_s: float) -> dict[str, float]:
