@@ -9,6 +9,7 @@ library ieee;
 
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
+use work.serial_crc_pkg.all;
 
 entity frame_receiver_formal is
   port (
@@ -57,21 +58,6 @@ architecture properties of frame_receiver_formal is
   signal was_size    : natural range 0 to 255;
   signal taken       : natural range 0 to 255 := 0;
   signal rewound     : std_ulogic := '0';  -- since the frame stands
-
-  -- One bit after the other, as the polynomial is written down.
-  function serial_crc(state : crc16_t; data : byte_t) return crc16_t is
-    variable rest : crc16_t := state;
-    variable feed : std_ulogic;
-  begin
-    for place in 0 to 7 loop
-      feed := rest(0) xor data(place);
-      rest := '0' & rest(15 downto 1);
-      if feed = '1' then
-        rest := rest xor std_ulogic_vector(to_unsigned(frame_crc16_polynomial_c, 16));
-      end if;
-    end loop;
-    return rest;
-  end function;
 
 begin
 

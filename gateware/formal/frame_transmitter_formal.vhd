@@ -9,6 +9,7 @@ library ieee;
 
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
+use work.serial_crc_pkg.all;
 
 entity frame_transmitter_formal is
   port (
@@ -41,20 +42,6 @@ architecture properties of frame_transmitter_formal is
   signal last_1, last_2, last_3 : byte_t;
   signal crc          : crc16_t;             -- of all but the last three
   signal checked      : std_ulogic;          -- which are its check
-
-  function serial_crc(state : crc16_t; value : byte_t) return crc16_t is
-    variable rest : crc16_t := state;
-    variable feed : std_ulogic;
-  begin
-    for place in 0 to 7 loop
-      feed := rest(0) xor value(place);
-      rest := '0' & rest(15 downto 1);
-      if feed = '1' then
-        rest := rest xor std_ulogic_vector(to_unsigned(frame_crc16_polynomial_c, 16));
-      end if;
-    end loop;
-    return rest;
-  end function;
 
 begin
 

@@ -52,13 +52,13 @@ def scaling(*, rounds: int, window_s: float, memory_s: float, count: int = 100) 
 
 def registers_s(number: int, *, rounds: int, count: int) -> float:
     """Return the seconds of a read, spread over the registers of a spec with so many."""
-    with on_processors(sorted(os.sched_getaffinity(0))[:1]), _words(number, 1) as turn:
+    with on_processors(), _words(number, 1) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_s(number: int, *, rounds: int, count: int) -> float:
     """Return the seconds of a read, in turns over so many links in one process."""
-    with on_processors(sorted(os.sched_getaffinity(0))[:1]), _words(1, number) as turn:
+    with on_processors(), _words(1, number) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 

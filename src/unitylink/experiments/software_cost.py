@@ -39,7 +39,7 @@ def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
     does that.
     """
     with ExitStack() as stack:
-        stack.enter_context(on_processors(sorted(os.sched_getaffinity(0))[:1]))
+        stack.enter_context(on_processors())
         descriptor = stack.enter_context(_descriptor())
         calls: list[Callable[[], object]] = [
             lambda: _exchange(descriptor, b"#R:10\n"),
@@ -106,10 +106,10 @@ def thread_s(call: Callable[[], object], count: int) -> float:
 
 
 @contextmanager
-def on_processors(processors: Iterable[int]) -> Iterator[None]:
-    """Keep this thread, and the threads it starts meanwhile, on these processors."""
+def on_processors(processors: Iterable[int] | None = None) -> Iterator[None]:
+    """Keep this thread, and the threads it starts meanwhile, on these processors, or on one."""
     allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, processors)
+    os.sched_setaffinity(0, {min(allowed)} if processors is None else processors)
     try:
         yield
     finally:

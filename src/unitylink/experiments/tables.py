@@ -78,8 +78,7 @@ def links(rows: list[dict[str, Any]]) -> Table:
     names = list(rows[0]["latencies_s"])
     return Table(
         "Latency of one request after another, in us. What is read in many words goes classic in one "
-        "request, "
-        "and framed in lists of up to 60 words.",
+        "request, and framed in lists of up to 60 words.",
         ["link", "gateware", "sends by", "FIFO", *names],
         [
             [
@@ -101,8 +100,7 @@ def bursts(rows: list[dict[str, Any]]) -> Table:
     return Table(
         "Reads sent together without send-immediate, FIFOs of 256 bytes: the rate of the replies by the "
         "gateware's time stamps, the same without pauses, and replies between two pauses. A framed session "
-        "has "
-        "32 requests in flight at most.",
+        "has 32 requests in flight at most.",
         ["link", "gateware", "requests", "reply rate", "without pauses", "between pauses"],
         [
             [
@@ -121,10 +119,9 @@ def bursts(rows: list[dict[str, Any]]) -> Table:
 def write_bursts(rows: list[dict[str, Any]]) -> Table:
     return Table(
         "30 writes sent together, FIFOs of 256 bytes, by when they took effect: the paper has 19.9 us, "
-        "1.315 us "
-        "and 56.6 Mb/s, with send-immediate 19.03 us, 1.159 us and 62.5 Mb/s. A post has no answer: nothing "
-        "goes back, and nothing holds it up. 30 answers of 10 bytes do not fit the FIFO while the chip is "
-        "held.",
+        "1.315 us and 56.6 Mb/s, with send-immediate 19.03 us, 1.159 us and 62.5 Mb/s. A post has no "
+        "answer: nothing goes back, and nothing holds it up. 30 answers of 10 bytes do not fit the "
+        "FIFO while the chip is held.",
         ["gateware", "request", "send-immediate", "first effect", "period", "effective rate"],
         [
             [

@@ -9,14 +9,13 @@ HELLO, which every device answers and which changes nothing in the session that 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from .bare import against_bare
 from .board import FIRST_VALUE
 from .figure import BenchError, Figure, Run
-from .programs import Process, native, twin
-from .timing import in_turns, times
+from .programs import twin
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link, Words
@@ -49,32 +48,18 @@ def measure_cycle(run: Run) -> Figure:
 
 
 def _measured(run: Run, name: str, how: str, call: Callable[[Link], Callable[[], Words]]) -> Figure:
-    from unitylink import connect
+    def side(link: Link) -> tuple[Callable[[], object], list[str]]:
+        exchange = call(link)
+        if list(exchange()) != [FIRST_VALUE + address for address in READS]:
+            raise BenchError("the twin does not hold what was put there")
+        before = link.statistics().requests
+        exchange()
+        if link.statistics().requests != before + 1:
+            raise BenchError("an exchange is not one message")
+        return exchange, ["--frame", HELLO]
 
     with twin("pty", clock_hz=CLOCK_HZ) as board:
-        url = board.line()
-        slave = os.open(url.partition(":")[2].partition("?")[0], os.O_RDWR | os.O_NOCTTY)
-        try:
-            with connect(f"{url}{'&' if '?' in url else '?'}protocol=framed") as link:
-                exchange = call(link)
-                if list(exchange()) != [FIRST_VALUE + address for address in READS]:
-                    raise BenchError("the twin does not hold what was put there")
-                before = link.statistics().requests
-                exchange()
-                if link.statistics().requests != before + 1:
-                    raise BenchError("an exchange is not one message")
-                options = ["--frame", HELLO, "--descriptor", str(slave)]
-                with Process([native(run.checkout, "bench_round_trip"), *options], pass_fds=[slave]) as bare:
-                    bare.series("200")
-                    times(exchange, 200)
-                    result = in_turns(
-                        lambda count: times(exchange, count),
-                        lambda count: bare.series(str(count)),
-                        rounds=run.rounds(101),
-                        count=200 if not run.quick else 50,
-                    )
-        finally:
-            os.close(slave)
+        result = against_bare(run, board.line(), "framed", side)
     return Figure(
         name,
         f"{WORDS} reads and {WORDS} writes {how} / bare C++ round trip, pty",
