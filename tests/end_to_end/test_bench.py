@@ -47,6 +47,6 @@ def test_figure_yields_a_number(name: str, program: Callable[[str], Path]) -> No
     (figure,) = report.figures
     assert figure.name == name
     assert isfinite(figure.measured)
-    assert figure.measured > 0
+    assert figure.measured > 0 or figure.difference
     assert figure.title in report.text()
     assert any(name in message for message in said)

@@ -16,7 +16,8 @@ class Figure:
 
     `limit` is what was asked, an upper bound if `at_most`, else a lower one. `details` are the absolute
     numbers behind it, name (with unit) to value. `complaint` says why the number does not count (messages
-    were lost, the source fell behind): such a figure is not met whatever its number.
+    were lost, the source fell behind): such a figure is not met whatever its number. A `difference` is one of
+    two measurements, which differ by chance, too: where a run is short it may come out below zero.
 
     >>> Figure("sync-read", "sync read over a bare round trip", 1.30, True, 1.12, "x").met
     True
@@ -30,6 +31,7 @@ class Figure:
     unit: str
     details: Mapping[str, float] = field(default_factory=dict)
     complaint: str = ""
+    difference: bool = False
 
     @property
     def met(self) -> bool:

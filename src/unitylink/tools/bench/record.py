@@ -76,4 +76,5 @@ def measure(run: Run) -> Figure:
         "% of a core",
         {"samples": samples, "bytes": long["bytes"], "start and first second s": short_cpu_s},
         complaint,
+        difference=True,
     )

@@ -155,7 +155,7 @@ def _added(run: Run, name: str, title: str, which: str) -> Figure:
     added = sorted(ours - bare for bare, ours in pairs)
     bare, ours = (median(column) for column in zip(*pairs, strict=True))
     details = {"node us": ours, "bare us": bare, "lowest us": added[0], "highest us": added[-1]}
-    return Figure(name, title, 100, True, median(added), "us", details)
+    return Figure(name, title, 100, True, median(added), "us", details, difference=True)
 
 
 def measure_ros1_delay(run: Run) -> Figure:
