@@ -9,7 +9,8 @@
 -- Generics  writable has a character an address, address 0 first: "0110" is four words of which 1 and 2 may be written.
 --           '-' is a hole: there is no word at this address, and none of its ports is used.
 --           snapshot true: a read gives the words as they were in the clock before cyc rose. A read-many or a publish
---           then has one moment for all its words, over every slave that does so.
+--           then has one moment for all its words, over every slave that does so. A word that is written while cyc is
+--           high is live from then on, until cyc falls: who writes sees what was written.
 -- Latency   ack or err one clock after strobe: 2 clocks an access.
 -- Errors    err for an address that does not exist, a write of one that is not writable, and a write with a byte left out
 --           by sel (a register is written whole or not at all). Nothing changes then.
@@ -93,12 +94,17 @@ begin
   end generate;
 
   frozen : if snapshot generate
+    signal thawed : flags_t := (others => '0'); -- written since cyc rose
+  begin
     process (clock) is
     begin
       if rising_edge(clock) then
-        if wishbone_m2s.cyc = '0' then
-          seen <= read_words;
-        end if;
+        for address in read_words'range loop
+          thawed(address) <= wishbone_m2s.cyc and may_write(address) and (thawed(address) or written(address));
+          if wishbone_m2s.cyc = '0' or thawed(address) = '1' or written(address) = '1' then
+            seen(address) <= read_words(address);
+          end if;
+        end loop;
       end if;
     end process;
   end generate;

@@ -209,6 +209,18 @@ begin
       read_expect(0, masked(x"9ABCDEF0"));
       read_expect(3, masked(x"0F1E2D3C"));
     end if;
+    -- But what the block itself writes, and nothing else: the words beside it stay as they were.
+    write_ok(1, masked(x"13579BDF"));
+    pause(1);
+    read_expect(1, masked(x"13579BDF"));
+    write_ok(1, masked(x"2468ACE0"));
+    write_ok(2, masked(x"55AA55AA"));
+    read_expect(1, masked(x"2468ACE0"));
+    pause(1);
+    read_expect(2, masked(x"55AA55AA"));
+    if snapshot then
+      read_expect(3, model(3));
+    end if;
     in_block := false;
     read(0);
     pause(2);

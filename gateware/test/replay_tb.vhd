@@ -22,6 +22,7 @@ library ieee;
 use std.textio.all;
 use work.bench_pkg.all;
 use work.frame_layout_pkg.all;
+use work.register_pkg.all;
 use work.wishbone_pkg.all;
 
 entity replay_tb is
@@ -49,6 +50,7 @@ entity replay_tb is
     clock_hz      : positive := 50_000_000;
     recorded      : natural  := 1;       -- memory as in the recordings
     bad_base      : natural  := 0;       -- see bench_memory
+    registers     : natural  := 0;       -- so many words from 0 on are a register_slave, frozen while the bus is held
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
     physical      : string   := "none";  -- or behind "ft245_async" or "ft245_sync" and a model of its chip
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
@@ -98,6 +100,8 @@ architecture bench of replay_tb is
   signal events   : std_ulogic_vector(groups - 1 downto 0) := (others => '0');
   signal wishbone_m2s : wishbone_m2s_t;
   signal wishbone_s2m : wishbone_s2m_t;
+  signal memory_m2s   : wishbone_m2s_t;
+  signal memory_s2m   : wishbone_s2m_t;
 
   file answers : text open write_mode is answers_file;
 
@@ -192,7 +196,35 @@ begin
   memory : entity work.bench_memory
     generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, bad_base => bad_base,
                  waits => bus_waits, stall_percent => bus_stall_percent, seed => seed + 2000)
-    port map (clock => clock, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+    port map (clock => clock, wishbone_m2s => memory_m2s, wishbone_s2m => memory_s2m);
+
+  with_registers : if registers > 0 generate
+    signal words         : word_vector_t(0 to registers - 1);
+    signal registers_m2s : wishbone_m2s_t;
+    signal registers_s2m : wishbone_s2m_t;
+    signal here          : std_ulogic;
+  begin
+    here <= '1' when unsigned(wishbone_m2s.adr) < registers else '0';
+
+    split : process (all)
+    begin
+      memory_m2s        <= wishbone_m2s;
+      memory_m2s.stb    <= wishbone_m2s.stb and not here;
+      registers_m2s     <= wishbone_m2s;
+      registers_m2s.stb <= wishbone_m2s.stb and here;
+    end process;
+
+    wishbone_s2m <= registers_s2m when here = '1' else memory_s2m;
+
+    slave : entity work.register_slave
+      generic map (writable => (0 to registers - 1 => '1'), data_width => data_width, snapshot => true)
+      port map (
+        clock => clock, reset => reset, wishbone_m2s => registers_m2s, wishbone_s2m => registers_s2m,
+        read_words => words, write_words => words, written => open, was_read => open);
+  else generate
+    memory_m2s   <= wishbone_m2s;
+    wishbone_s2m <= memory_s2m;
+  end generate;
 
   listen : process (clock)
     variable random : random_t;

@@ -79,6 +79,8 @@ def frames_of(answer: bytes, epoch: int = EPOCH) -> list[Frame]:
     return [frame for frame in frames if frame is not None]
 
 
+REGISTERS = 6  # words from 0 on, of a slave that freezes them while the bus is held
+
 RUNS = [  # seed, window, generics
     (0, 8, {}),
     (1, 2, {"stall_percent": 30}),
@@ -88,6 +90,7 @@ RUNS = [  # seed, window, generics
     (5, 32, {"fifo_words": 16, "stall_percent": 20}),
     (6, 128, {}),
     (7, 2, {"protocol": "framed", "stall_percent": 10}),
+    *((seed, 8, {"registers": REGISTERS}) for seed in range(8, 14)),
 ]
 
 
@@ -97,7 +100,9 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     framed_alone = generics.get("protocol") == "framed"
     settings = Settings(a, d, window=window, features=0x1E if framed_alone else 0x1F, safe=SAFE)
     reference = reference_of(settings)
-    steps = [step for step in Scenario(seed, settings) if step]
+    # Of few words, so that lists come back to words which they have written.
+    addresses = REGISTERS if "registers" in generics else 64
+    steps = [step for step in Scenario(seed, settings, addresses=addresses) if step]
     memory = [Frame(p.REQUEST_KIND_READ, field((n, 2), (n, a))).encode(EPOCH) for n in range(BAD)]
     expected = [reference.feed(step) for step in steps]
     again = opening(reference._nonce + 1)

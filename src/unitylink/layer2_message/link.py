@@ -195,8 +195,9 @@ class Link:
         """Return a context manager that collects operations, and does them together, in order, at its end.
 
         `atomic` holds the bus from the first to the last, in one message: DeviceMismatch where that is not
-        possible. Within one message no operation begins before all of it has been checked. Gateware that
-        freezes its registers while the bus is held shows an atomic batch what stood there before it.
+        possible. Within one message no operation begins before all of it has been checked. An operation finds
+        what those before it have written; all else that an atomic batch reads is of one moment where the
+        gateware freezes its registers while the bus is held.
 
             with link.batch() as batch:
                 batch.write(0x20, 5)
