@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What others do on a wire: `peer.py uart|server|script PTY` or `peer.py udp|server-udp HOST:PORT`.
+"""What others do on a wire: `peer.py uart|server|script PTY` or `peer.py udp|packets|server-udp HOST:PORT`.
 
 uart: LiteX's CommUART. server: its RemoteClient over Etherbone to its litex_server, which has the port.
 udp, server-udp: the same with its CommUDP instead, which is Etherbone on the wire.
+packets: CommUDP, but scattered reads go in one packet, put together with LiteX's own classes.
 script: what one writes with pyserial, on the classic protocol, without a timeout's handling or a checksum.
 
 Lines on standard input, an answer each. "times OPERATION COUNT" gives the time of each call in ns; "read
@@ -54,6 +55,30 @@ class Litex:
         for address in WRITES:
             self.client.write(4 * address, number)
         return [self.client.read(4 * address) for address in READS]
+
+
+class Packets(Litex):
+    """Etherbone at its best: what its packets can and CommUDP does not offer, many addresses in a read.
+
+    Writes stay a packet each: a record writes words that lie together, and a packet for LiteX's gateware has
+    one record.
+    """
+
+    def cycle(self, number: int) -> list[int]:
+        from litex.tools.remote.etherbone import EtherbonePacket, EtherboneReads, EtherboneRecord
+
+        for address in WRITES:
+            self.client.write(4 * address, number)
+        record = EtherboneRecord(addr_size=4)
+        record.reads = EtherboneReads(addr_size=4, addrs=[4 * address for address in READS])
+        record.rcount = len(READS)
+        packet = EtherbonePacket(32)
+        packet.records = [record]
+        packet.encode()
+        self.client.socket.sendto(packet.bytes, (self.client.server, self.client.port))
+        answer = EtherbonePacket(32, self.client.socket.recvfrom(8192)[0])
+        answer.decode()
+        return answer.records.pop().writes.get_datas()
 
 
 class Script:
@@ -153,8 +178,8 @@ def main() -> None:
         from litex.tools.remote.comm_uart import CommUART
 
         peer = Litex(CommUART(place))
-    elif kind == "udp":
-        peer = Litex(comm_udp(place))
+    elif kind in ("udp", "packets"):
+        peer = (Litex if kind == "udp" else Packets)(comm_udp(place))
     else:
         peer = Script(place)
     print("ready", flush=True)

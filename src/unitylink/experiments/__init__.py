@@ -9,7 +9,7 @@ from typing import Any
 
 from .document import html, markdown
 from .report import TITLE, pictures, report
-from .results import run_all
+from .results import PARTS, run_all
 
 
 def write(out: Path, results: dict[str, Any]) -> None:
@@ -26,4 +26,4 @@ def write(out: Path, results: dict[str, Any]) -> None:
         (out / name).write_text(text, encoding="utf-8")
 
 
-__all__ = ["markdown", "pictures", "report", "run_all", "write"]
+__all__ = ["PARTS", "markdown", "pictures", "report", "run_all", "write"]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Others on the same kind of wire, in the same run: LiteX's clients and a plain pyserial script, beside ours.
 
-Each has an instant device of its own in another process, behind a pty: ours and the script the twin, LiteX
-its protocol's far end (`bench/native/bench_uartbone.cpp`, on UDP `bench/litex/board.py`). For the bytes and
-the faults `wire.py` stands between. LiteX is its released package in an environment of its own.
+Each has an instant device of its own in another process, behind a pty or on UDP: ours and the script the
+twin, LiteX its protocol's far end (`bench/native/bench_uartbone.cpp`, on UDP `bench/litex/board.py`). For the
+bytes and the faults `wire.py` stands between. LiteX is its released package in an environment of its own.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from statistics import median, quantiles
@@ -39,10 +40,18 @@ THEIRS = {
     "LiteX CommUART": "uart",
     "LiteX RemoteClient, litex_server": "server",
     "LiteX CommUDP": "udp",
+    "Etherbone packets, reads in one": "packets",
     "LiteX RemoteClient, litex_server, UDP": "server-udp",
 }
-DATAGRAMS = {"Unity-Link, framed, UDP", "LiteX CommUDP", "LiteX RemoteClient, litex_server, UDP"}
-PATIENCE_S = 6.0  # RemoteClient takes four for a read of a device that is frozen
+PTY, UDP = "pty", "UDP"
+DATAGRAMS = {
+    "Unity-Link, framed, UDP",
+    "LiteX CommUDP",
+    "Etherbone packets, reads in one",
+    "LiteX RemoteClient, litex_server, UDP",
+}
+FIRST = {PTY: "Unity-Link, framed", UDP: "Unity-Link, framed, UDP"}  # what the others of the wire are over
+PATIENCE_S = 12.0  # RemoteClient takes four for a read of a device that is frozen, CommUDP ten
 _SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
 
 
@@ -157,7 +166,7 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
 
 def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
     """Return a row for each peer: times, bytes, and what it makes of a frozen device and a flipped bit."""
-    names = [name for name in (*OURS, *THEIRS) if name not in DATAGRAMS]
+    names = [*OURS, *THEIRS]
     taken: dict[str, dict[str, list[Sequence[int]]]] = {
         name: {operation: [] for operation in OPERATIONS} for name in names
     }
@@ -169,16 +178,31 @@ def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
                     series = one.series(operation, max(2, round(count * _SPAN[operation])))
                     if number >= 0:  # the first makes it warm
                         taken[name][operation].append(series)
-    rows = []
-    for name in names:
-        run.say(f"peers: {name}, bytes and faults")
-        figures = {each: _figures(taken[name][each], taken[names[0]][each]) for each in OPERATIONS}
-        rows.append({"name": name, **figures, **spoiled(run, name)})
-    return rows
+    run.say("peers: bytes and faults")
+    others = spoiled(run, names)
+    return [
+        {
+            "name": name,
+            **{each: _figures(taken[name][each], taken[FIRST[wire]][each]) for each in OPERATIONS},
+            **others[name],
+        }
+        for wire in FIRST
+        for name in names
+        if wire_of(name) == wire
+    ]
+
+
+def wire_of(name: str) -> str:
+    """Return the kind of wire a peer is on.
+
+    >>> wire_of("LiteX CommUDP"), wire_of("LiteX CommUART")
+    ('UDP', 'pty')
+    """
+    return UDP if name in DATAGRAMS else PTY
 
 
 def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) -> dict[str, float]:
-    """Return the times of all rounds, and their ratio to those of the first peer, taken within each round."""
+    """Return the times of all rounds, and their ratio to the first peer of the wire within each round."""
     every = [time_ns for series in rounds for time_ns in series]
     return {
         "p50_s": median(every) * 1e-9,
@@ -187,23 +211,28 @@ def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) ->
     }
 
 
-def spoiled(run: Run, name: str) -> dict[str, Any]:
+def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return the bytes of each operation, and what a read gives on a flipped bit and on a frozen device."""
-    with peer(run, name, spoiled=True) as (one, wire):
-        assert wire is not None
-        one.series("read", 2)
-        wire.ask("bytes")
-        counted = {}
-        for operation in OPERATIONS:
-            calls = 2
-            one.series(operation, calls)
-            counted[operation] = [int(part) / calls for part in wire.ask("bytes").split()]
-        wire.ask("flip")
-        flipped = attempt(one)
-        after = attempt(one)
-        wire.ask("freeze")
-        frozen = attempt(one)
-        return {"bytes": counted, "flipped": flipped, "after": after, "frozen": frozen}
+    told: dict[str, dict[str, Any]] = {}
+    with ExitStack() as stack:
+        peers = {name: stack.enter_context(peer(run, name, spoiled=True)) for name in names}
+        for name, (one, wire) in peers.items():
+            assert wire is not None
+            one.series("read", 2)
+            wire.ask("bytes")
+            counted = {}
+            for operation in OPERATIONS:
+                calls = 2
+                one.series(operation, calls)
+                counted[operation] = [int(part) / calls for part in wire.ask("bytes").split()]
+            wire.ask("flip")
+            told[name] = {"bytes": counted, "flipped": attempt(one), "after": attempt(one)}
+            wire.ask("freeze")
+        with ThreadPoolExecutor(len(peers)) as pool:  # each only waits: some for ten seconds
+            frozen = pool.map(attempt, [one for one, _ in peers.values()])
+        for name, outcome in zip(peers, frozen, strict=True):
+            told[name]["frozen"] = outcome
+    return told
 
 
 def attempt(one: Peer, word: int = ADDRESS, right: int = EXPECTED) -> dict[str, Any]:

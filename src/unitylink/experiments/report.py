@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from . import tables
@@ -22,7 +23,8 @@ CONVENTIONS = (
     "the FPGA, in all others from the PC. "
     "Request -> effect ends at the output of a bus register. The rate of a write burst is its bits over "
     "the first latency and n periods. "
-    "A publish limit is the highest rate without loss."
+    "A publish limit is the highest rate without loss. The paper's standard deviations (sd) are over its "
+    "runs; the model has none. Gateware of ours has 256 bytes of FIFO each way unless a table says otherwise."
 )
 MODEL = (
     "The link is a model, not a board: nothing here was measured on USB. The model has a clock of its own, "
@@ -31,24 +33,23 @@ MODEL = (
     "What the PC of 2012 cost is not modelled."
 )
 PEERS = (
-    "LiteX is its released package 2024.12: CommUART, which has the port itself, and RemoteClient, which "
-    "speaks "
-    "Etherbone to litex_server, which has the port; both at their best call for a block. Neither UARTBone "
-    "nor "
-    "Etherbone acknowledges a write or carries a checksum, so a write is one that is read back. "
-    "RemoteClient's write followed by a read waits some 40 ms for TCP's delayed acknowledgement (Nagle's "
-    "algorithm). The script is what one writes with pyserial on the classic protocol: 20 lines, no "
-    "checksum. Ours "
-    "writes 18 words and reads 18 by an exchange group, "
-    "which is one frame each way; on the classic protocol by pipelined requests. "
-    "Absolute times are this machine's; the ratios say more."
+    "LiteX is its released package 2024.12: CommUART has the port itself; CommUDP speaks Etherbone in "
+    "datagrams; RemoteClient speaks Etherbone to litex_server, which has the port or the network. Each at "
+    "its best call for a block. Etherbone packets are CommUDP with what its packets can and it does not "
+    "offer: scattered addresses in one read, put together with LiteX's own classes. The device at the far "
+    "end is ours and takes packets of any length; LiteX's gateware holds 16 words unless told otherwise. "
+    "Neither UARTBone nor Etherbone acknowledges a write or carries a checksum, so a write is one that is "
+    "read back. RemoteClient's write followed by a read waits some 40 ms for TCP's delayed "
+    "acknowledgement (Nagle's algorithm). The script is what one writes with pyserial on the classic "
+    "protocol: 20 lines, no checksum. Ours writes 18 words and reads 18 by an exchange group, which is "
+    "one frame each way; on the classic protocol by pipelined requests. Absolute times are this "
+    "machine's; the ratios say more."
 )
 ROS = (
     "Section VI.C measured 1.8 kHz from Unity-Link to ROS and 0.3 kHz the other way, its subscriptions being "
     "synchronous writes. ROS 1 is that of Debian, with rosmaster; ROS 2 is cyclonedds, the middleware "
     "under it. "
-    "Node and bare peer take turns; on a busy machine a share may still lie above 1. Alone: "
-    "`unitylink bench --only ros1-out --only ros1-in --only dds-out --only dds-in`."
+    "Node and bare peer take turns; on a busy machine a share may still lie above 1."
 )
 MISSING = (
     "A board: all of this is simulated, or measured on one PC. Of the paper's Fig. 4, a picture without "
@@ -58,10 +59,10 @@ MISSING = (
 
 
 def report(results: dict[str, Any]) -> list[Block]:
-    """Return the report of `results`."""
+    """Return the report of `results`, which may be those of some parts only."""
     form = " --quick" if results["quick"] else ""
     machine = ", ".join(f"{name} {value}" for name, value in results["machine"].items())
-    told = {name: tables.value(cost_s, "s") for name, cost_s in results["software_cost"].items()}
+    parts = [name for name in _SECTIONS if name in results["parts"]]
     return [
         Heading(1, TITLE),
         Paragraph(
@@ -72,6 +73,29 @@ def report(results: dict[str, Any]) -> list[Block]:
         Paragraph(f"Version {results['version']}; {machine}; nothing is drawn at random."),
         Paragraph(MODEL),
         Paragraph(CONVENTIONS),
+        *(
+            block
+            for part in parts
+            for block in (
+                *_SECTIONS[part](results),
+                Paragraph(f"These figures alone: `unitylink experiments{form} --only {part}`."),
+            )
+        ),
+        *(_claims(results) if len(parts) == len(_SECTIONS) else ()),
+        Heading(2, "What the model assumes"),
+        Table(
+            "Every parameter of the FT232H in asynchronous FT245 mode.",
+            ["parameter", "value", "where it comes from"],
+            [[row["name"], row["value"], row["source"]] for row in results["assumptions"]],
+        ),
+        Heading(2, "What is not here"),
+        Paragraph(MISSING),
+    ]
+
+
+def _table_one(results: dict[str, Any]) -> list[Block]:
+    told = {name: tables.value(cost_s, "s") for name, cost_s in results["software_cost"].items()}
+    return [
         Heading(2, "Table I"),
         *(
             tables.compared(
@@ -92,96 +116,138 @@ def report(results: dict[str, Any]) -> list[Block]:
         Heading(2, "The same with our gateware and both protocols"),
         tables.ours(results["ours"]),
         Figure(
-            "Latencies of synchronous reads and writes (the paper's Fig. 3): its own, the model of its "
-            "system, "
-            "and the model with our gateware, protocol and stack. Whole microframes of USB hide the rest: "
-            "what "
-            "our gateware saves is in the columns GW, and what asks for no answer (posts, publishes) waits "
-            "for none.",
+            "Latencies of synchronous reads (R) and writes (W), with send-immediate (SI) and without (the "
+            "paper's Fig. 3): its own with their standard deviations, the model of its system, and the model "
+            "with our gateware, protocol and stack. GW is the gateware alone, link the ideal one of 67.1e6 "
+            "bit/s with it. Whole microframes of USB hide the rest: what our gateware saves is in the "
+            "columns GW, and what asks for no answer (posts, publishes) waits for none.",
             LATENCIES,
         ),
-        Heading(2, "Level 1: the gateware"),
-        tables.gateware(results["gateware"]),
+    ]
+
+
+def _gateware(results: dict[str, Any]) -> list[Block]:
+    return [Heading(2, "Level 1: the gateware"), tables.gateware(results["gateware"])]
+
+
+def _links(results: dict[str, Any]) -> list[Block]:
+    return [
         Heading(2, "Level 2: other links, other settings"),
         tables.links(results["links"]),
         tables.bursts(results["bursts"]),
         tables.write_bursts(results["write_bursts"]),
+    ]
+
+
+def _publishing(results: dict[str, Any]) -> list[Block]:
+    return [
         Heading(2, "Publishing"),
         Figure(
             "Highest rate of publishes against their size (the paper's Fig. 4): 50e6/(20+16n) for the "
             "gateware of 2012, 50e6/(10+8n) for our core, 67.1e6 bit/s over the bytes of a message for the "
             "ideal link; the chip's model takes a packet of 510 bytes a microframe in the long run, and a "
-            "burst "
-            "of up to 1276 bytes at the link's rate, which chip and FIFO hold. The full stack is measured, "
-            "at "
-            "up to twice the ideal link's rate; the paper's own points are a picture without numbers.",
+            "burst of up to 1276 bytes at the link's rate, which chip and FIFO hold. The full stack is "
+            "measured, at up to twice the ideal link's rate; the paper's own points are a picture without "
+            "numbers.",
             PUBLISHES,
         ),
         tables.publish_delays(results["publish_delays"]),
         tables.sustained(results["publish"]["sustained"]),
         tables.publishes(results["publish"]),
+    ]
+
+
+def _peers(results: dict[str, Any]) -> list[Block]:
+    return [
         Heading(2, "Others on the same kind of wire"),
         Paragraph(PEERS),
         *tables.peers(results["peers"]),
-        Heading(2, "ROS"),
-        Paragraph(ROS),
-        *tables.ros(results["ros"]),
-        Heading(2, "Scaling"),
-        *tables.scaling(results["scaling"]),
-        Heading(2, "What a user writes for the walker"),
-        *tables.simplicity(results["simplicity"]),
+    ]
+
+
+def _ros(results: dict[str, Any]) -> list[Block]:
+    return [Heading(2, "ROS"), Paragraph(ROS), *tables.ros(results["ros"])]
+
+
+def _scaling(results: dict[str, Any]) -> list[Block]:
+    return [Heading(2, "Scaling"), *tables.scaling(results["scaling"])]
+
+
+def _simplicity(results: dict[str, Any]) -> list[Block]:
+    return [Heading(2, "What a user writes for the walker"), *tables.simplicity(results["simplicity"])]
+
+
+def _claims(results: dict[str, Any]) -> list[Block]:
+    return [
         Heading(2, "What the README claims"),
         Table(
             "Each claim, the figure of this run, and the section or page that shows it.",
             ["claim", "figure", "where"],
             claims(results),
         ),
-        Heading(2, "What the model assumes"),
-        Table(
-            "Every parameter of the FT232H in asynchronous FT245 mode.",
-            ["parameter", "value", "where it comes from"],
-            [[row["name"], row["value"], row["source"]] for row in results["assumptions"]],
-        ),
-        Heading(2, "What is not here"),
-        Paragraph(MISSING),
     ]
 
 
+# In the order of the report.
+_SECTIONS: dict[str, Callable[[dict[str, Any]], list[Block]]] = {
+    "table-one": _table_one,
+    "gateware": _gateware,
+    "links": _links,
+    "publishing": _publishing,
+    "peers": _peers,
+    "ros": _ros,
+    "scaling": _scaling,
+    "simplicity": _simplicity,
+}
+
+
 def pictures(results: dict[str, Any]) -> dict[str, str]:
-    """Return the figures: file name to SVG."""
+    """Return the figures of the parts that are there: file name to SVG."""
+    made = {"table-one": (LATENCIES, _latency_bars), "publishing": (PUBLISHES, _publish_lines)}
+    return {name: draw(results) for part, (name, draw) in made.items() if part in results["parts"]}
+
+
+def _publish_lines(results: dict[str, Any]) -> str:
     publish = results["publish"]
     lines = dict(publish["limits_hz"])
     for protocol in LINK_HZ:
         taken = [row["rate_hz"] or None for row in publish["sustained"] if row["protocol"] == protocol]
         lines[f"full stack, {protocol}"] = taken
-    return {
-        LATENCIES: _latency_bars(results),
-        PUBLISHES: log_lines(publish["words"], lines, "words in a message", "messages per second"),
-    }
+    return log_lines(publish["words"], lines, "words in a message", "messages per second")
 
 
 def _latency_bars(results: dict[str, Any]) -> str:
     groups: list[str] = []
-    series: dict[str, list[float]] = {"paper": [], "model of it": [], CLASSIC: [], FRAMED: []}
+    series: dict[str, list[float | None]] = {"paper": [], "model of it": [], CLASSIC: [], FRAMED: []}
+    deviations: list[float | None] = []
     for kind in _KINDS:
         request, _, immediate = kind.partition(":")
         for row, name, key in (
             ("Unity GW", "GW", "gateware_s"),
+            ("FTDI FT245", "link", "ideal_s"),
             ("Low-level python", "script", "script_s"),
             ("Unity-SW", "stack", "stack_s"),
         ):
-            if immediate and name == "GW":
-                continue  # the gateware knows no difference
+            if immediate and name in ("GW", "link"):
+                continue  # these know no difference
             cell = next(
-                c
-                for c in results["table_one"]
-                if (c["table"], c["row"], c["quantity"]) == (kind, row, "latency")
+                (
+                    c
+                    for c in results["table_one"]
+                    if (c["table"], c["row"]) == (kind, row) and c["quantity"].startswith("latency")
+                ),
+                {"paper": None, "model": None, "sd": None},  # of a write the paper tells no ideal latency
             )
             groups.append(f"{kind} {name}".replace("Read", "R").replace("Write", "W"))
-            series["paper"].append(cell["paper"] * 1e6)
-            series["model of it"].append(cell["model"] * 1e6)
+            series["paper"].append(_us(cell["paper"]))
+            series["model of it"].append(_us(cell["model"]))
+            deviations.append(_us(cell["sd"]))
             sends = "all" if immediate else "never"
             for our in results["ours"]:
                 if (our["request"], our["send_immediate"]) == (request.lower(), sends):
-                    series[our["gateware"]].append(our[key] * 1e6)
-    return log_bars(groups, series, "latency in us")
+                    series[our["gateware"]].append(_us(our[key]))
+    return log_bars(groups, series, "latency in us", {"paper": deviations})
+
+
+def _us(time_s: float | None) -> float | None:
+    return None if time_s is None else time_s * 1e6

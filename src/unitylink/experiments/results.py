@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import asdict, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import unitylink
@@ -37,62 +37,124 @@ from .software_cost import SoftwareCost
 from .sustained import LINK_HZ, sustained
 from .table_one import CELLS, TEXT, Cell
 
-FORMAT = 2
+FORMAT = 3
 
 
-def run_all(*, quick: bool, soak_s: float, say: Callable[[str], None]) -> dict[str, Any]:
-    """Run everything; `quick` repeats the measured part less often. The modelled part is the same in both.
+@dataclass(frozen=True)
+class Wanted:
+    """How long to take: `quick` repeats what is measured less often, memory is watched for `soak_s`."""
 
-    Memory is watched for `soak_s`.
+    quick: bool
+    soak_s: float
+    say: Callable[[str], None]
+
+    @property
+    def run(self) -> Run:
+        return Run(self.quick, find_checkout(), self.say)
+
+
+def run_all(
+    *, quick: bool, soak_s: float, say: Callable[[str], None], only: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Run PARTS, or `only` those; `quick` repeats the measured ones less often.
+
+    The modelled part is the same in both. Memory is watched for `soak_s`.
+
+    >>> run_all(quick=True, soak_s=1.0, say=print, only=["simplicity"])["simplicity"]["paper"]["VHDL, copied"]
+    what a user writes
+    32
     """
-    say("level 1: the gateware")
-    gateware = [asdict(figures) for figures in level_one.all_figures()]
-    say("level 3: what this host's software costs")
-    cost = software_cost.measure(rounds=11 if quick else 101)
-    say("level 2: the byte stream, through the model of the chip")
-    figures = model_figures(cost)
-    say("level 2: other links")
-    links = [row for link in LINKS for row in _link_rows(link, quick=quick)]
-    say("publishing: what the full stack takes")
-    taken = [
-        asdict(sustained(protocol, words, window_s=0.3 if quick else 2.0))
-        for protocol in LINK_HZ
-        for words in WORDS
-    ]
-    say("peers: LiteX and a script on the same kind of wire")
-    others = _measured(
-        lambda: peers.compare(Run(quick, find_checkout(), say), rounds=5 if quick else 41, count=100)
-    )
-    say("scaling")
-    grown = scaling(rounds=5 if quick else 51, window_s=0.5 if quick else 5.0, memory_s=soak_s)
-    say("ROS")
-    topics = ros_rates.rates(quick=quick, say=say)
-    return {
+    wanted = Wanted(quick, soak_s, say)
+    results: dict[str, Any] = {
         "format": FORMAT,
         "quick": quick,
         "version": unitylink.__version__,
         "machine": machine(),
         "seeds": [],  # nothing in the model is drawn at random
         "assumptions": assumptions(),
-        "gateware": gateware,
+        "parts": [name for name in PARTS if not only or name in only],
+    }
+    for name in results["parts"]:
+        say(PARTS[name].title)
+        results.update(PARTS[name].measure(wanted))
+    return results
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a run that can be had alone; what it measures goes into the results."""
+
+    title: str
+    measure: Callable[[Wanted], dict[str, Any]]
+
+
+def _gateware(_: Wanted) -> dict[str, Any]:
+    return {"gateware": [asdict(figures) for figures in level_one.all_figures()]}
+
+
+def _table_one(wanted: Wanted) -> dict[str, Any]:
+    cost = software_cost.measure(rounds=11 if wanted.quick else 101)
+    figures = model_figures(cost)
+    return {
         "software_cost": asdict(cost),
         "table_one": [_compared(cell, figures) for cell in CELLS],
         "text": [_compared(cell, figures) for cell in TEXT],
-        "links": links,
         "ours": _ours(cost),
+    }
+
+
+def _links(wanted: Wanted) -> dict[str, Any]:
+    return {
+        "links": [row for link in LINKS for row in _link_rows(link, quick=wanted.quick)],
         "bursts": _read_bursts(),
         "write_bursts": _write_bursts(),
+    }
+
+
+def _publishing(wanted: Wanted) -> dict[str, Any]:
+    taken = [
+        asdict(sustained(protocol, words, window_s=0.3 if wanted.quick else 2.0))
+        for protocol in LINK_HZ
+        for words in WORDS
+    ]
+    return {
         "publish_delays": [
             asdict(publish_delay(FT245_ASYNC, gateware, sends))
             for gateware in GATEWARES
             for sends in SEND_IMMEDIATE
         ],
-        "peers": others,
-        "scaling": grown,
-        "ros": topics,
         "publish": {"words": list(WORDS), "limits_hz": limits(), "sustained": taken},
-        "simplicity": {"paper": PAPER, "ours": simplicity()},
     }
+
+
+def _peers(wanted: Wanted) -> dict[str, Any]:
+    rounds = 5 if wanted.quick else 41
+    return {"peers": _measured(lambda: peers.compare(wanted.run, rounds=rounds, count=100))}
+
+
+def _ros(wanted: Wanted) -> dict[str, Any]:
+    return {"ros": ros_rates.rates(quick=wanted.quick, say=wanted.say)}
+
+
+def _scaling(wanted: Wanted) -> dict[str, Any]:
+    rounds, window_s = (5, 0.5) if wanted.quick else (51, 5.0)
+    return {"scaling": scaling(rounds=rounds, window_s=window_s, memory_s=wanted.soak_s)}
+
+
+def _simplicity(_: Wanted) -> dict[str, Any]:
+    return {"simplicity": {"paper": PAPER, "ours": simplicity()}}
+
+
+PARTS = {
+    "gateware": Part("level 1: the gateware", _gateware),
+    "table-one": Part("Table I: the model of the chip, and what this host's software costs", _table_one),
+    "links": Part("level 2: other links", _links),
+    "publishing": Part("publishing: what the full stack takes", _publishing),
+    "peers": Part("peers: LiteX and a script on the same kind of wire", _peers),
+    "scaling": Part("scaling", _scaling),
+    "ros": Part("ROS", _ros),
+    "simplicity": Part("what a user writes", _simplicity),
+}
 
 
 def _compared(cell: Cell, figures: dict[str, float]) -> dict[str, Any]:

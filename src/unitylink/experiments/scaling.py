@@ -137,7 +137,7 @@ def _publishing(groups: int, hz: int) -> Iterator[Any]:
     spec = _spec("".join(f"   @w{n} = {n:#x}: READ(PUBLISH(1,1,GROUP=g{n}));\n" for n in range(groups)))
     with (
         twin("tcp", base_hz=hz, groups=groups, clock_hz=1_000_000_000) as board,
-        connect(board.line()) as link,
+        connect(f"{board.line()}?timeout=5") as link,
     ):
         tree = load_spec_objects(spec, link)
         with tree.publishing():

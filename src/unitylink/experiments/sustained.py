@@ -78,7 +78,7 @@ def offer(protocol: str, words: int, rate_hz: float, *, window_s: float) -> Tria
     spec, rate_hz = _spec(words), round(rate_hz)
     with (
         Board(configuration=_configuration(rate_hz), endpoint="tcp") as board,
-        connect(f"{board.url}?protocol={protocol}&gateware=corrected") as link,
+        connect(f"{board.url}?protocol={protocol}&gateware=corrected&timeout=5") as link,
     ):
         tree = load_spec_objects(spec, link)
         with tree.record() as recording, tree.publishing():

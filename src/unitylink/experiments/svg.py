@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
+from types import MappingProxyType
 
 COLOURS = ("#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2", "#9c755f", "#222222")
 WIDTH, HEIGHT = 900, 400
@@ -14,8 +15,15 @@ _NAMES = 4  # in a row of the legend
 _NUMBER = 24  # wide; over a narrower bar it stands upright
 
 
-def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]], label: str) -> str:
+def log_bars(
+    groups: Sequence[str],
+    series: Mapping[str, Sequence[float | None]],
+    label: str,
+    deviations: Mapping[str, Sequence[float | None]] = MappingProxyType({}),
+) -> str:
     """Draw bars in groups; None leaves a bar out. Values are positive.
+
+    `deviations` of a series are drawn from so much below the bar's end to as much above it.
 
     >>> log_bars(["a"], {"x": [1.0]}, "us").startswith("<svg")
     True
@@ -25,14 +33,20 @@ def log_bars(groups: Sequence[str], series: Mapping[str, Sequence[float | None]]
     parts = _frame(label, low, high)
     slot = (WIDTH - LEFT - RIGHT) / len(groups)
     bar = slot * 0.8 / len(series)
-    for index, (colour, row) in enumerate(zip(_cycle(len(series)), series.values(), strict=True)):
-        for group, value in enumerate(row):
+    for index, (colour, (name, row)) in enumerate(zip(_cycle(len(series)), series.items(), strict=True)):
+        spread = deviations.get(name, [None] * len(row))
+        for group, (value, deviation) in enumerate(zip(row, spread, strict=True)):
             if value is None:
                 continue
             x, top = LEFT + group * slot + slot * 0.1 + index * bar, _height(value, low, high)
             size = f'width="{bar - 2:.1f}" height="{HEIGHT - BOTTOM - top:.1f}"'
             parts.append(f'<rect x="{x:.1f}" y="{top:.1f}" {size} fill="{colour}"/>')
             middle = x + bar / 2 - 1
+            if deviation is not None:
+                y = [_height(value + sign * deviation, low, high) for sign in (-1, 1)]
+                parts.append(f'<path d="M{middle:.1f} {y[0]:.1f}V{y[1]:.1f}" stroke="black"/>')
+                parts += [f'<path d="M{middle - 3:.1f} {end:.1f}h6" stroke="black"/>' for end in y]
+                top = y[1]
             if bar < _NUMBER:
                 turn = f' transform="rotate(-90 {middle + 3:.1f} {top - 4:.1f})"'
                 parts.append(_text(middle + 3, top - 4, _short(value), size=9, anchor="start", turn=turn))

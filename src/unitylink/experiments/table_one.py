@@ -8,7 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of the paper; `model` names the figure beside it, `cause` says why the two differ."""
+    """A number of the paper; `model` names the figure beside it, `cause` says why the two differ.
+
+    `sd` is the paper's standard deviation, where it tells one.
+    """
 
     table: str
     row: str
@@ -17,6 +20,7 @@ class Cell:
     unit: str
     model: str
     cause: str
+    sd: float | None = None
 
 
 HOST = (
@@ -49,23 +53,25 @@ STAMPS = "the model's requests come at 67.1e6 bit/s without a gap, so that their
 HELD = "the model's first reply lies in the chip before that is held, beside the 252 bytes in the FIFO"
 BURST = f"{OUT}; {FASTER}"
 
+EFFECT = "request -> effect"
+
 CELLS = (
     Cell("Read", "Unity GW", "latency", 1.14e-6, "s", "read_gateware_s", EXACT),
     Cell("Read", "Unity GW", "throughput (i)", 85.7e6, "bit/s", "read_gateware_request_hz", EXACT),
     Cell("Read", "Unity GW", "throughput (o)", 200.0e6, "bit/s", "read_gateware_reply_hz", EXACT),
     Cell("Read", "FTDI FT245", "latency (ideal)", 3.524e-6, "s", "read_ideal_s", EXACT),
     Cell("Read", "FTDI FT245", "throughput (i,o)", 67.1e6, "bit/s", "link_hz", ASSUMED),
-    Cell("Read", "Low-level python", "latency", 974e-6, "s", "read_script_s", HOST),
+    Cell("Read", "Low-level python", "latency", 974e-6, "s", "read_script_s", HOST, sd=120e-6),
     Cell("Read", "Low-level python", "throughput (i+o)", 164.3e3, "bit/s", "read_script_hz", HOST),
     Cell("Read", "Low-level python*", "throughput (i)*", 889.8e3, "bit/s", "read_burst_received_hz", SCRIPT),
-    Cell("Read", "Unity-SW", "latency", 1072e-6, "s", "read_stack_s", STACK),
+    Cell("Read", "Unity-SW", "latency", 1072e-6, "s", "read_stack_s", STACK, sd=17.5e-6),
     Cell("Read", "Unity-SW", "throughput (i+o)", 149.2e3, "bit/s", "read_stack_hz", STACK),
     Cell("Read:SI", "Unity GW", "latency", 1.14e-6, "s", "read_gateware_s", EXACT),
     Cell("Read:SI", "Unity GW", "throughput (i)", 85.7e6, "bit/s", "read_gateware_request_hz", EXACT),
     Cell("Read:SI", "Unity GW", "throughput (o)", 200.0e6, "bit/s", "read_gateware_reply_hz", EXACT),
     Cell("Read:SI", "FTDI FT245", "latency (ideal)", 3.524e-6, "s", "read_ideal_s", EXACT),
     Cell("Read:SI", "FTDI FT245", "throughput (i,o)", 67.1e6, "bit/s", "link_hz", ASSUMED),
-    Cell("Read:SI", "Low-level python", "latency", 223.6e-6, "s", "read_script_si_s", HOST),
+    Cell("Read:SI", "Low-level python", "latency", 223.6e-6, "s", "read_script_si_s", HOST, sd=9.06e-6),
     Cell("Read:SI", "Low-level python", "throughput (i+o)", 715.6e3, "bit/s", "read_script_si_hz", HOST),
     Cell(
         "Read:SI",
@@ -76,29 +82,38 @@ CELLS = (
         "read_burst_si_received_hz",
         ONE_PACKET,
     ),
-    Cell("Read:SI", "Unity-SW", "latency", 652e-6, "s", "read_stack_si_s", STACK),
+    Cell("Read:SI", "Unity-SW", "latency", 652e-6, "s", "read_stack_si_s", STACK, sd=11.7e-6),
     Cell("Read:SI", "Unity-SW", "throughput (i+o)", 245.6e3, "bit/s", "read_stack_si_hz", STACK),
     Cell("Write", "Unity GW", "latency", 1.26e-6, "s", "write_gateware_s", EXACT),
-    Cell("Write", "Unity GW", "request -> effect", 0.84e-6, "s", "write_gateware_effect_s", APPROXIMATE),
+    Cell("Write", "Unity GW", EFFECT, 0.84e-6, "s", "write_gateware_effect_s", APPROXIMATE),
     Cell("Write", "Unity GW", "throughput (i)", 151.3e6, "bit/s", "write_gateware_request_hz", EXACT),
     Cell("Write", "Unity GW", "throughput (o)", 54.1e6, "bit/s", "write_gateware_reply_hz", EXACT),
     Cell("Write", "FTDI FT245", "throughput (i,o)", 67.1e6, "bit/s", "link_hz", ASSUMED),
-    Cell("Write", "Low-level python", "latency", 971e-6, "s", "write_script_s", HOST),
-    Cell("Write", "Low-level python", "request -> effect", 19.9e-6, "s", "write_burst_first_s", OUT),
+    Cell("Write", "Low-level python", "latency", 971e-6, "s", "write_script_s", HOST, sd=76.81e-6),
+    Cell("Write", "Low-level python", EFFECT, 19.9e-6, "s", "write_burst_first_s", OUT, sd=3.77e-6),
     Cell("Write", "Low-level python", "throughput (i+o)", 156.5e3, "bit/s", "write_script_hz", HOST),
     Cell("Write", "Low-level python*", "period (burst)*", 1.315e-6, "s", "write_burst_period_s", TURNS),
     Cell(
         "Write", "Low-level python*", "throughput (o)*, 30 writes", 56.6e6, "bit/s", "write_burst_hz", BURST
     ),
-    Cell("Write", "Unity-SW", "latency", 1058e-6, "s", "write_stack_s", STACK),
+    Cell("Write", "Unity-SW", "latency", 1058e-6, "s", "write_stack_s", STACK, sd=16.64e-6),
     Cell("Write", "Unity-SW", "throughput (i+o)", 143.7e3, "bit/s", "write_stack_hz", STACK),
     Cell("Write:SI", "Unity GW", "latency", 1.26e-6, "s", "write_gateware_s", EXACT),
-    Cell("Write:SI", "Unity GW", "request -> effect", 0.84e-6, "s", "write_gateware_effect_s", APPROXIMATE),
+    Cell("Write:SI", "Unity GW", EFFECT, 0.84e-6, "s", "write_gateware_effect_s", APPROXIMATE),
     Cell("Write:SI", "Unity GW", "throughput (i)", 151.3e6, "bit/s", "write_gateware_request_hz", EXACT),
     Cell("Write:SI", "Unity GW", "throughput (o)", 54.1e6, "bit/s", "write_gateware_reply_hz", EXACT),
     Cell("Write:SI", "FTDI FT245", "throughput (i,o)", 67.1e6, "bit/s", "link_hz", ASSUMED),
-    Cell("Write:SI", "Low-level python", "latency", 221.74e-6, "s", "write_script_si_s", HOST),
-    Cell("Write:SI", "Low-level python", "request -> effect", 19.03e-6, "s", "write_burst_si_first_s", OUT),
+    Cell("Write:SI", "Low-level python", "latency", 221.74e-6, "s", "write_script_si_s", HOST, sd=5.89e-6),
+    Cell(
+        "Write:SI",
+        "Low-level python",
+        EFFECT,
+        19.03e-6,
+        "s",
+        "write_burst_si_first_s",
+        OUT,
+        sd=3.07e-6,
+    ),
     Cell("Write:SI", "Low-level python", "throughput (i+o)", 685.5e3, "bit/s", "write_script_si_hz", HOST),
     Cell(
         "Write:SI", "Low-level python*", "period (burst)*", 1.159e-6, "s", "write_burst_si_period_s", FASTER
@@ -112,7 +127,7 @@ CELLS = (
         "write_burst_si_hz",
         BURST,
     ),
-    Cell("Write:SI", "Unity-SW", "latency", 553e-6, "s", "write_stack_si_s", STACK),
+    Cell("Write:SI", "Unity-SW", "latency", 553e-6, "s", "write_stack_si_s", STACK, sd=34.86e-6),
     Cell("Write:SI", "Unity-SW", "throughput (i+o)", 274.9e3, "bit/s", "write_stack_si_hz", STACK),
 )
 

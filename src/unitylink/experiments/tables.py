@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from .document import Block, Paragraph, Table
+from .peers import wire_of
 from .sustained import LINK_HZ
 
 
@@ -37,7 +38,7 @@ def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
             [
                 row["row"],
                 row["quantity"],
-                value(row["paper"], row["unit"]),
+                value(row["paper"], row["unit"]) + (f" (sd {value(row['sd'], 's')})" if row["sd"] else ""),
                 value(row["model"], row["unit"]),
                 f"{100 * row['difference']:+.1f} %",
                 row["cause"],
@@ -49,8 +50,8 @@ def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
 
 def gateware(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "Clocks at 50 MHz, 32-bit words and 8-bit addresses through both FIFOs, bit rates at the steady "
-        "period. "
+        "Clocks at 50 MHz, 32-bit words and 8-bit addresses through both FIFOs, which are never full here, "
+        "bit rates at the steady period. "
         "2012: the twin, which has that gateware's clocks. Ours: the generated VHDL of a spec of two words, "
         "compiled and run clock by clock, with both protocols on its port. The paper's Table I has 57 and 28 "
         "for the read, 63 and 37 for the write. A frame always has its checksum.",
@@ -77,8 +78,9 @@ def clocks(count: int | None) -> str:
 def links(rows: list[dict[str, Any]]) -> Table:
     names = list(rows[0]["latencies_s"])
     return Table(
-        "Latency of one request after another, in us. What is read in many words goes classic in one "
-        "request, and framed in lists of up to 60 words.",
+        "Latency of one request after another, in us, by the bytes of FIFO each way. What is read in many "
+        "words goes classic in one request, and framed in lists of up to 60 words; a frame always has its "
+        "checksum.",
         ["link", "gateware", "sends by", "FIFO", *names],
         [
             [
@@ -152,17 +154,17 @@ def peers(measured: dict[str, Any]) -> list[Block]:
         return [Paragraph(f"Not measured: {measured['failure']}")]
     return [
         Table(
-            "Times of a call, p50 / p99 in us, and in brackets over ours on frames, within a round. Each "
-            "has a device of its "
-            "own that "
-            "answers at once, in another process behind a pty; all take turns.",
-            ["client", *_OPERATIONS.values()],
+            "Times of a call, p50 / p99 in us, and in brackets over ours on frames and the same wire, within "
+            "a round. Each has a device of its own that answers at once, in another process behind a pty or "
+            "on UDP; all take turns.",
+            ["wire", "client", *_OPERATIONS.values()],
             [
                 [
+                    wire_of(row["name"]),
                     row["name"],
                     *(
                         f"{row[name]['p50_s'] * 1e6:.0f} / {row[name]['p99_s'] * 1e6:.0f} "
-                        f"({row[name]['ratio']:.3g} x)"
+                        f"({_ratio(row[name]['ratio'])} x)"
                         for name in _OPERATIONS
                     ),
                 ]
@@ -170,7 +172,8 @@ def peers(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
         Table(
-            "Bytes on the wire, to the device + back.",
+            "Bytes on the wire, to the device + back; on UDP what is in the datagrams, each of which has a "
+            "head of 28 bytes more and Ethernet's.",
             ["client", *_OPERATIONS.values()],
             [
                 [row["name"], *("{:.0f} + {:.0f}".format(*row["bytes"][name]) for name in _OPERATIONS)]
@@ -180,7 +183,8 @@ def peers(measured: dict[str, Any]) -> list[Block]:
         Table(
             "What a read gives when one bit of the answer is flipped, what the next read gives, and what a "
             "read does when the device answers no more: RemoteClient ends after four seconds with 0 and no "
-            "error (docs/faults.md has more such faults).",
+            "error (docs/faults.md has more such faults). On a network the checksums of Ethernet and UDP "
+            "find most flipped bits before that; here the bit flips behind them, as in a buffer.",
             ["client", "a flipped bit", "the read after it", "a frozen device"],
             [
                 [row["name"], *(_outcome(row[name]) for name in ("flipped", "after", "frozen"))]
@@ -188,6 +192,10 @@ def peers(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
     ]
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.3g}" if ratio < 1000 else f"{ratio:.0f}"
 
 
 def _outcome(told: dict[str, Any]) -> str:
@@ -241,7 +249,9 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
     return [
         *blocks,
         Table(
-            "Wall time of that read with the process, boards and all, on one core and on two.",
+            "Wall time of that read with the process, boards and all, on one core and on two: a caller and a "
+            "board on one core hand over, on two each wakes the other's core from its sleep, which on a "
+            "virtual machine costs more than all else.",
             ["links", *map(str, links)],
             [
                 [f"{number} core{'s' if number > 1 else ''}"]

@@ -26,7 +26,10 @@ from .failure import Failure
     type=click.FloatRange(min=1),
     help="How long memory is watched while publishes come.  [default: 60, with --quick 3]",
 )
-def command(out: Path, quick: bool, soak: float | None) -> int:
+@click.option(
+    "--only", metavar="PART", multiple=True, help="Only this part of the report; may be given several times."
+)
+def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...]) -> int:
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
     Writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own, so
@@ -34,14 +37,20 @@ def command(out: Path, quick: bool, soak: float | None) -> int:
     clocks are those of its VHDL, compiled the first time, which takes GHDL and Verilator.
 
     \b
+    Parts: gateware, table-one, links, publishing, peers, scaling, ros, simplicity.
+
+    \b
     Examples:
       unitylink experiments --out build/experiments
       unitylink experiments --quick
+      unitylink experiments --only peers
     """
-    from unitylink.experiments import run_all, write
+    from unitylink.experiments import PARTS, run_all, write
 
+    if unknown := [name for name in only if name not in PARTS]:
+        raise Failure(f"--only {unknown[0]}: there is no such part", f"there are: {', '.join(PARTS)}")
     soak_s = soak if soak is not None else 3.0 if quick else 60.0
-    results = run_all(quick=quick, soak_s=soak_s, say=lambda text: click.echo(text, err=True))
+    results = run_all(quick=quick, soak_s=soak_s, say=lambda text: click.echo(text, err=True), only=only)
     try:
         write(out, results)
     except OSError as error:

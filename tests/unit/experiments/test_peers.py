@@ -50,15 +50,24 @@ def test_a_wire_carries_counts_flips_and_freezes() -> None:
         os.close(end)
 
 
-@pytest.mark.parametrize(
-    ("name", "flipped"), [("Unity-Link, framed", "right"), ("Unity-Link, classic", "wrong, unnoticed")]
-)
-def test_a_checksum_makes_the_difference(name: str, flipped: str) -> None:
-    row = peers.spoiled(HERE, name)
-    assert row["flipped"]["outcome"] == flipped
-    assert row["after"]["outcome"] == "right"
-    assert row["frozen"]["outcome"] == "error" and "LinkTimeout" in row["frozen"]["detail"]
-    assert row["bytes"]["read"] == ([10, 14] if "framed" in name else [8, 14])
+def test_a_checksum_makes_the_difference() -> None:
+    outcomes = {
+        "Unity-Link, framed": ("right", [10, 14]),
+        "Unity-Link, classic": ("wrong, unnoticed", [8, 14]),
+        "Unity-Link, framed, UDP": ("right", [12, 16]),
+    }
+    for name, row in peers.spoiled(HERE, list(outcomes)).items():
+        assert (row["flipped"]["outcome"], row["bytes"]["read"]) == outcomes[name]
+        assert row["after"]["outcome"] == "right"
+        assert row["frozen"]["outcome"] == "error" and "LinkTimeout" in row["frozen"]["detail"]
+
+
+def test_each_kind_of_wire_has_one_of_ours_that_the_others_are_over() -> None:
+    assert {peers.wire_of(first): first for first in peers.FIRST.values()} == peers.FIRST
+    assert set(peers.FIRST.values()) <= peers.OURS.keys()
+    assert peers.OURS.keys() | peers.THEIRS.keys() > peers.DATAGRAMS
+    figures = peers._figures([[20, 40], [30, 30]], [[10, 10], [20, 20]])
+    assert figures["ratio"] == pytest.approx(2.25)  # within each round: 3 and 1.5
 
 
 def test_what_is_not_here_is_told(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
-from unitylink.experiments import pictures, report, ros_rates, scaling, software_cost, write
+from unitylink.experiments import PARTS, markdown, pictures, report, ros_rates, scaling, software_cost, write
 from unitylink.experiments.claims import CLAIMS
 from unitylink.experiments.document import Heading
 from unitylink.experiments.model_figures import model_figures
@@ -115,6 +115,29 @@ def test_every_bullet_of_the_readme_that_claims_something_is_covered() -> None:
         if not bullet.startswith(told_how) and not any(words in bullet for words in covered)
     ]
     assert missing == [], "give each a row in experiments/claims.py"
+
+
+def test_a_part_alone_has_its_section_its_pictures_and_no_claims(tmp_path: Path) -> None:
+    one = CliRunner().invoke(command, ["--only", "simplicity", "--out", str(tmp_path)])
+    assert one.exit_code == 0, one.output
+    page = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "--only simplicity`" in page and "What the README claims" not in page and "## Table I" not in page
+    assert not list(tmp_path.glob("*.svg"))
+    assert set(pictures({**RESULTS, "parts": ["publishing"]})) == {"experiments-publishes.svg"}
+    wrong = CliRunner().invoke(command, ["--only", "ross"])
+    assert wrong.exit_code == 1 and "--only ross: there is no such part" in wrong.output
+
+
+def test_every_part_has_a_section_and_every_section_its_command() -> None:
+    assert RESULTS["parts"] == list(PARTS)
+    page = markdown(report(RESULTS))
+    assert all(f"--only {part}`" in page for part in PARTS)
+
+
+def test_the_paper_s_deviations_are_drawn() -> None:
+    assert sum(cell.sd is not None for cell in CELLS) == 10
+    drawn = pictures(RESULTS)["experiments-latencies.svg"].count("h6")
+    assert drawn == 2 * sum(cell.sd is not None for cell in CELLS if cell.quantity == "latency")
 
 
 def test_what_was_not_measured_is_said(tmp_path: Path) -> None:
