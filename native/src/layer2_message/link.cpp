@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run().
+// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run(), link_listening.cpp on lead().
 #include "layer2_message/link.hpp"
 
 #include <algorithm>
@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::size_t terminal_chunk = 4095;  // a pseudo-terminal gives no more at a time, so less than this means empty
 constexpr int reads_per_turn_max = 16;
-constexpr std::uint64_t reader_patience_ns = 1'000'000;
 constexpr std::uint64_t interruption_patience_ns = 100'000'000;
 constexpr std::uint64_t farewell_ns = 200'000'000;
 constexpr const char* closed_here = "closed by this program";
@@ -127,6 +126,7 @@ void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
   }
   --callers_;
   last_call_ns_ = engine_->now_ns();
+  last_caller_ = std::this_thread::get_id();
   hand_over();
 }
 
@@ -243,6 +243,9 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
 // To all who wait for publishes: there are new ones, or there will be none any more.
 void Link::announce() noexcept {
   published_.notify_all();
+  if (leading_) {
+    wake();  // a leader that polls would not hear of it before its own deadline
+  }
   for (const int descriptor : notified_) {
     signal(descriptor);
   }
@@ -255,49 +258,6 @@ void Link::fail(Status status, const std::string& reason) noexcept {
   }
   turn_.notify_all();
   announce();
-  wake();  // a leader that polls would not hear of it before its own deadline
-}
-
-// ---- the reader that stands in while nobody waits
-
-void Link::start_reader() {
-  const std::scoped_lock guard(reader_mutex_);
-  {
-    const std::scoped_lock lock(mutex_);
-    if (reader_wanted_ || engine_->ended()) {
-      return;
-    }
-    reader_wanted_ = true;
-  }
-  reader_ = std::thread([this] { read_loop(); });
-}
-
-void Link::stop_reader() {
-  const std::scoped_lock guard(reader_mutex_);
-  {
-    const std::scoped_lock lock(mutex_);
-    reader_wanted_ = false;
-    wake();
-    idle_.notify_all();
-  }
-  if (reader_.joinable()) {
-    reader_.join();
-  }
-}
-
-void Link::read_loop() noexcept {
-  Lock lock(mutex_);
-  while (reader_wanted_ && !engine_->ended()) {
-    if (leading_ || callers_ > 0 || now_ns() - last_call_ns_ < reader_patience_ns) {
-      idle_.wait_for(lock, std::chrono::nanoseconds(reader_patience_ns));  // where there was one call there may be more
-    } else {
-      reader_leading_ = true;
-      lead(lock, Engine::no_deadline);
-      reader_leading_ = false;
-      hand_over();
-    }
-  }
-  hand_over();
 }
 
 // ---- the end
@@ -350,8 +310,8 @@ void Link::disown() noexcept {
   if (reader_.joinable()) {
     reader_.detach();
   }
-  leading_ = reader_leading_ = reader_wanted_ = false;
-  followers_ = callers_ = 0;
+  leading_ = reader_leading_ = reader_rests_ = reader_wanted_ = false;
+  followers_ = callers_ = listeners_ = 0;
   notified_.clear();
   reason_ = "it belongs to the process that this one was forked from; open another here";
   engine_->forget(Status::closed);

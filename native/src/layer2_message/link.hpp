@@ -200,6 +200,9 @@ class Link {
   void fail(Status status, const std::string& reason) noexcept;
   void start_reader();
   void stop_reader();
+  void stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_t until_ns) noexcept;
+  template <typename Ready>
+  void listen(Lock& lock, std::uint64_t timeout_ns, Ready ready);
   void read_loop() noexcept;
 
   // requests (link_requests.cpp)
@@ -239,8 +242,8 @@ class Link {
 
   std::mutex mutex_;                     // all below, up to the next mutex
   std::condition_variable turn_;         // followers: something was finished, or the role is free
-  std::condition_variable published_;
-  std::condition_variable idle_;         // the reader, while callers read for themselves
+  std::condition_variable published_;    // those who wait for publishes, while somebody else reads
+  std::condition_variable idle_;         // the reader, while others read for themselves
   ClassicEngine classic_;
   std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
   Engine* engine_ = &classic_;           // the one of the two that is used
@@ -254,10 +257,14 @@ class Link {
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;
-  bool reader_leading_ = false;
+  bool reader_leading_ = false;          // the leader waits for no answer
+  bool reader_rests_ = false;            // until who waits for publishes has gone
   unsigned followers_ = 0;               // wait for turn_
   unsigned callers_ = 0;                 // wait for answers, leading or not
   std::uint64_t last_call_ns_ = 0;
+  std::thread::id last_caller_;
+  unsigned listeners_ = 0;               // wait for publishes, leading or not
+  std::uint64_t last_listened_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
   bool reader_wanted_ = false;

@@ -334,24 +334,6 @@ std::size_t Link::drain(std::uint32_t id, std::span<double> times_s, std::span<s
   return ring.drain(times_s.first(std::min(times_s.size(), values.size() / ring.words())), values);
 }
 
-bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
-  Lock lock(mutex_);
-  if (find(id) == nullptr) {
-    return false;
-  }
-  const std::shared_ptr<Subscription> subscription = subscriptions_[group_of(id)];
-  published_.wait_until(lock, until, [&] { return subscription->ring.size() > 0 || !subscription->open || engine_->ended(); });
-  return subscription->ring.size() > 0;
-}
-
-std::uint64_t Link::wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
-  Lock lock(mutex_);
-  published_.wait_until(lock, until, [&] { return engine_->statistics().publishes != seen || engine_->ended(); });
-  return engine_->statistics().publishes;
-}
-
 void Link::notify_publishes(int descriptor) {
   const std::scoped_lock lock(mutex_);
   notified_.push_back(descriptor);
