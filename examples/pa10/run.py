@@ -12,7 +12,6 @@ Ends with 1 where an arm did not get home or the hands did not stay together.
 from __future__ import annotations
 
 import argparse
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,6 +53,7 @@ class Pair:
     """Both arms in radians, whichever of the two specs describes them."""
 
     def __init__(self, spec: Spec, links: dict[str, Link]) -> None:
+        self.link = links[SIDES[0]]  # keeps the time
         self.nodes: list[Node] = []
         for side in SIDES:
             root = f"{side}_arm" if len(spec.roots) == 2 else None
@@ -93,12 +93,12 @@ def drive(pair: Pair, pace: float) -> Run:
     pair.write(pair.set_points, np.stack([REST, REST]))
     wait_until(pair, np.stack([REST, REST]))
     pair.positions.on_publish(lambda time_s, values: samples.append((time_s, values)))
-    start = due = time.monotonic()
+    start = due = pair.link.now_s()
     for joints in demonstration(PERIOD_S, pace):
-        due = max(due + PERIOD_S, time.monotonic())  # who is late moves slower, and does not jump
-        time.sleep(max(0.0, due - time.monotonic()))
+        due = max(due + PERIOD_S, pair.link.now_s())  # who is late moves slower, and does not jump
+        pair.link.sleep_until(due)
         pair.write(pair.set_points, joints)
-        asked_s.append(time.monotonic() - start)
+        asked_s.append(pair.link.now_s() - start)
         asked.append(joints)
     snapshot = wait_until(pair, asked[-1])
     reports = [report for node in pair.nodes for report in node.publisher.reports()]
@@ -119,18 +119,20 @@ def drive(pair: Pair, pace: float) -> Run:
 
 def wait_until(pair: Pair, target: Array) -> Snapshot:
     """Return a snapshot of both arms when all joints are at `target`, or the time is over."""
-    deadline = time.monotonic() + SETTLE_S
+    deadline = pair.link.now_s() + SETTLE_S
     while True:
         snapshot = pair.positions.snapshot()
-        if np.abs(pair.angles_in(snapshot) - target).max() < 0.002 or time.monotonic() >= deadline:
+        if np.abs(pair.angles_in(snapshot) - target).max() < 0.002 or pair.link.now_s() >= deadline:
             return snapshot
-        time.sleep(PERIOD_S)
+        pair.link.sleep_until(pair.link.now_s() + PERIOD_S)
 
 
 def tell(run: Run) -> bool:
     """Print what happened; return whether both arms are home and the hands stayed together."""
     asked = run.asked_at_publishes()
     together = np.abs(hands_apart(asked) - HANDS_APART) < 1e-3  # as asked: on the circle
+    if not together.any():
+        raise LinkTimeout(f"none of {len(asked)} publishes came while the hands went around", item="pa10")
     gap_mm = 1e3 * hands_apart(run.measured)[together]
     rate_hz = (len(run.measured_s) - 1) / (run.measured_s[-1] - run.measured_s[0])
     final_mrad = 1e3 * np.abs(run.measured[-1] - run.asked[-1]).max()

@@ -86,7 +86,7 @@ def make_robot(link: Link, folder: Path) -> Scara:
     return robot
 
 
-def drive(robot: Scara) -> Run:
+def drive(robot: Scara, link: Link) -> Run:
     """Stream the demonstration's set-points, and keep what is published."""
     parts = (robot.j1, robot.j2, robot.j3, robot.j4)
     set_points = ValueGroup([part.pos_sp for part in parts], "set-points")
@@ -99,18 +99,17 @@ def drive(robot: Scara) -> Run:
     samples: list[tuple[float, Snapshot]] = []
     with robot.publishing():
         robot.on_publish(lambda time_s, values: samples.append((time_s, values)))
-        start = time.monotonic()
-        due = start
+        start = due = link.now_s()
         for phase, positions in demonstration(PERIOD_S):
-            phases.append((phase, time.monotonic() - start))
+            phases.append((phase, link.now_s() - start))
             print(f"  {phases[-1][1]:5.2f} s  {phase}", flush=True)
             for position in positions:
                 due += PERIOD_S
-                time.sleep(max(0.0, due - time.monotonic()))
+                link.sleep_until(due)
                 set_points.write([j.counts(p) for j, p in zip(JOINTS, position, strict=True)])
-                asked_s.append(time.monotonic() - start)
+                asked_s.append(link.now_s() - start)
                 asked.append(position)
-        snapshot = wait_until_there(robot, asked[-1])
+        snapshot = wait_until_there(robot, link, asked[-1])
         reports = robot.publisher.reports()
     if len(samples) < 2:
         raise LinkTimeout(f"{len(samples)} publishes came in {asked_s[-1]:.1f} s", item="scara")
@@ -131,14 +130,14 @@ def positions_in(values: Snapshot) -> Array:
     return np.array([values[f"{joint.name}.cpos"] / joint.counts_per_unit for joint in JOINTS])
 
 
-def wait_until_there(robot: Scara, target: Array) -> Array:
+def wait_until_there(robot: Scara, link: Link, target: Array) -> Array:
     """Return the joint positions of one consistent snapshot, when all are there or the time is over."""
-    deadline = time.monotonic() + SETTLE_S
+    deadline = link.now_s() + SETTLE_S
     while True:
         there = positions_in(robot.snapshot())
-        if np.all(np.abs(there - target) <= TOLERANCE) or time.monotonic() >= deadline:
+        if np.all(np.abs(there - target) <= TOLERANCE) or link.now_s() >= deadline:
             return there
-        time.sleep(PERIOD_S)
+        link.sleep_until(link.now_s() + PERIOD_S)
 
 
 def tell(run: Run) -> bool:
@@ -211,7 +210,7 @@ def main() -> int:
         print(f"protocol: {link.protocol}")
         print(f"TosNet: {network.status()}; nodes in the ring: {nodes}")
         print("moving:")
-        run = drive(robot)
+        run = drive(robot, link)
         if link.board is not None:
             tell_times(link.board, time.monotonic() - started)
     there = tell(run)

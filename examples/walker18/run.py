@@ -11,14 +11,13 @@ Ends with 1 where the walker did not get as far as its steps should have brought
 from __future__ import annotations
 
 import argparse
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from gait import LIFT, STRIDE, Array, angles, feet_at, foot_of, grounded, travelled
 
-from unitylink import LinkTimeout, connect
+from unitylink import Link, LinkTimeout, connect
 from unitylink.layer4_data import Node, Snapshot, ValueGroup, load_spec_objects
 from unitylink.program import run_program
 from unitylink.spec import load
@@ -91,7 +90,7 @@ class Walker:
         return found / 1000 if self.counts else found
 
 
-def walk(node: Node, cycles: int) -> Run:
+def walk(node: Node, link: Link, cycles: int) -> Run:
     """Stand up, walk, stand; keep all that is published."""
     walker = Walker(node)
     samples: list[tuple[float, Snapshot]] = []
@@ -100,18 +99,19 @@ def walk(node: Node, cycles: int) -> Run:
     with node.publishing():
         walker.positions.on_publish(lambda time_s, values: samples.append((time_s, values)))
         walker.write(angles(feet_at(0.25, lift=0.0)))  # the phase at which all feet are below their hips
-        time.sleep(SETTLE_S)
+        start = link.now_s() + SETTLE_S
+        link.sleep_until(start)
         samples.clear()
-        start = due = time.monotonic()
+        due = start
         steps = round(cycles * CYCLE_S / PERIOD_S)
         for step in range(steps + round(SETTLE_S / PERIOD_S)):
-            due = max(due + PERIOD_S, time.monotonic())  # who is late walks slower, and does not jump
-            time.sleep(max(0.0, due - time.monotonic()))
+            due = max(due + PERIOD_S, link.now_s())  # who is late walks slower, and does not jump
+            link.sleep_until(due)
             at = min(step + 1, steps)
             lift = LIFT * min(1.0, at / RISE_STEPS, (steps - at) / RISE_STEPS)  # on all six at both ends
             joints = angles(feet_at(0.25 + at * PERIOD_S / CYCLE_S, lift=lift))
             walker.write(joints)
-            asked_s.append(time.monotonic() - start)
+            asked_s.append(link.now_s() - start)
             asked.append(joints)
         lost = sum(report.lost for report in node.publisher.reports())
     if len(samples) < 2:
@@ -155,7 +155,7 @@ def main() -> int:
     spec = load(file)
     with connect(url) as link:
         print(f"{file.name}: {sum(1 for _ in spec.walk())} words; walking:")
-        run = walk(load_spec_objects(spec, link), options.cycles)
+        run = walk(load_spec_objects(spec, link), link, options.cycles)
     there = tell(run)
     if options.picture:
         from picture import save  # only here: matplotlib is not needed to walk

@@ -138,16 +138,13 @@ def address_of(url: str) -> tuple[str, int]:
     ("example", "arguments", "said"),
     [
         ("walker18", ["--cycles", "1"], "The walker is there."),
-        ("pa10", ["--pace", "4", "--spec", "pa10.ul"], "Both arms are home again."),
+        ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
         ("profile", [], "a step: 32 points in one commit, 32 samples"),
     ],
 )
 def test_examples_move_on_the_gateware(example: str, arguments: list[str], said: str) -> None:
     command = [sys.executable, ROOT / "examples" / example / "run.py", "--rtl", *arguments]
-    for _ in range(5):  # compiled gateware runs in real time: a machine that is busy may starve a try
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
-        if done.returncode == 0:
-            break
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
     assert (done.returncode, done.stderr) == (0, "")
     assert said in done.stdout
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
@@ -21,15 +20,9 @@ constexpr std::uint64_t second_ns = 1'000'000'000;
 constexpr std::uint64_t lead_ns = 200'000;
 constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can bring it work
 constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a sign
-constexpr std::uint64_t lag_most_ns = 100'000'000; // beyond this the device clock slips
+constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;  // beyond this the others have waited in vain: the device clock slips
 constexpr std::uint64_t linger_ns = 500'000'000;   // for the answers to a client that sends no more but still reads
 constexpr std::size_t chunk = 16384;
-
-std::uint64_t now_ns() noexcept {
-  timespec time{};
-  ::clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<std::uint64_t>(time.tv_sec) * second_ns + static_cast<std::uint64_t>(time.tv_nsec);
-}
 
 // In two parts: clock_hz times nanoseconds overflows within a day.
 Clock clocks(std::uint64_t ns, std::uint32_t clock_hz) noexcept {
@@ -63,7 +56,8 @@ void Board::set_plant(PlantHook hook) {
 }
 
 void Board::start() {
-  start_ns_ = now_ns();
+  started_ns_ = real_ns();
+  start_ns_ = RobotTime::here().now_ns(started_ns_);
   thread_ = std::thread([this] { serve(); });
 }
 
@@ -80,7 +74,14 @@ void Board::wake() {
   [[maybe_unused]] const ssize_t written = ::write(wake_, &one, sizeof one);
 }
 
-Clock Board::real_clock() const noexcept { return clocks(now_ns() - start_ns_, configuration().clock_hz) - slip_; }
+Clock Board::clock_now() const noexcept { return clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_; }
+
+std::uint64_t Board::due_ns(Clock clock) const noexcept {
+  return clock == never ? RobotTime::idle : start_ns_ + nanoseconds(clock + slip_, configuration().clock_hz);
+}
+
+// All that is due before is done: whoever shares the time may go on.
+void Board::tell_due() { follower_.due(due_ns(std::min(device_->next_event(), plant_next_))); }
 
 std::unique_lock<std::mutex> Board::enter() {
   board_waits_.wait(true);
@@ -115,16 +116,17 @@ void Board::serve() {
       forget_output();
     }
     const bool more = feed();
-    const Clock real = real_clock();
-    Clock target = real + lead_;
+    const Clock now = clock_now();
+    Clock target = now + lead_;
     if (fed_) {  // what came in is worked on at once, however far ahead the device already was, within reason
-      target = std::max(target, std::min(device_->clock() + lead_, real + 4 * lead_));
+      target = std::max(target, std::min(device_->clock() + lead_, now + 4 * lead_));
     }
     const Clock wanted = in_time(target);
     target = within_reach(wanted);
     step_plant(lock, target);
     device_->run_until(target);
     flush();
+    tell_due();
     if (stop_ || more || target < wanted || device_->next_event() <= target) {
       let_in(lock);
     } else {
@@ -132,9 +134,10 @@ void Board::serve() {
     }
   }
   endpoint_.reset();  // the client sees the board go
+  follower_.due(RobotTime::idle);
 }
 
-// `target`, or what is left of it when the machine was too busy: what is due must not pile up.
+// `target`, or what is left of it when the others have waited for this board in vain: what is due must not pile up.
 Clock Board::in_time(Clock target) {
   const Clock due = std::min(plant_next_, device_->next_event());
   const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
@@ -166,6 +169,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
     if (!goes_on) {
       plant_next_ = never;
     }
+    tell_due();
   }
 }
 
@@ -183,15 +187,15 @@ bool Board::feed() {
     forget_output();
   }
   if (endpoint_->ended() && (!lingered || !device_->input_empty())) {
-    linger_until_ = real_clock() + clocks(linger_ns, configuration().clock_hz);
-  } else if (lingered && real_clock() >= linger_until_ && !output_blocked_) {
+    linger_until_ = clock_now() + clocks(linger_ns, configuration().clock_hz);
+  } else if (lingered && clock_now() >= linger_until_ && !output_blocked_) {
     endpoint_->dismiss();
     forget_output();
   }
   if (taken.result != Endpoint::Result::done) {
     return false;
   }
-  device_->run_until(std::min(within_reach(real_clock()), plant_next_));  // not past what the plant has still to do
+  device_->run_until(std::min(within_reach(clock_now()), plant_next_));  // not past what the plant has still to do
   for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
     device_->receive(byte);
   }
@@ -253,10 +257,9 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
   }
   std::uint64_t pause_ns = never;
   if (next != never) {
-    const Clock real = next + slip_;
-    const std::uint64_t due_ns = start_ns_ + nanoseconds(real - std::min(real, lead_), configuration().clock_hz);
-    const std::uint64_t now = now_ns();
-    pause_ns = std::max(pause_least_ns, due_ns > now ? due_ns - now : 0);
+    const std::uint64_t due = due_ns(next - std::min(next, lead_));
+    const std::uint64_t now = RobotTime::here().now_ns();
+    pause_ns = std::max(pause_least_ns, due > now ? due - now : 0);
   }
   if (endpoint_->must_look() || endpoint_->ended()) {
     pause_ns = std::min(pause_ns, look_ns);
@@ -349,7 +352,11 @@ void Board::damage_cycle() {
 BoardStatistics Board::statistics() {
   const auto lock = enter();
   statistics_.device = device_->statistics();
-  return statistics_;
+  BoardStatistics told = statistics_;
+  const std::uint64_t real = real_ns();
+  const std::uint64_t robot = RobotTime::here().now_ns(real) - start_ns_;
+  told.time_slipped_s += static_cast<double>(real - started_ns_ - std::min(real - started_ns_, robot)) / static_cast<double>(second_ns);
+  return told;
 }
 
 std::string Board::failure() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that lives: a thread that serves it on an endpoint while its clock follows the real one.
+// A device that lives: a thread that serves it on an endpoint while its clock follows the time of all virtual boards in this process.
 #pragma once
 
 #include <atomic>
@@ -13,6 +13,7 @@
 #include "device/endpoint.hpp"
 #include "device/served_device.hpp"
 #include "device/tosnet.hpp"
+#include "layer0_driver/robot_time.hpp"
 
 namespace unitylink::device {
 
@@ -79,7 +80,9 @@ class Board {
   void flush();
   void forget_output();
   void wake();
-  [[nodiscard]] Clock real_clock() const noexcept;
+  void tell_due();
+  [[nodiscard]] std::uint64_t due_ns(Clock clock) const noexcept;
+  [[nodiscard]] Clock clock_now() const noexcept;
 
   std::mutex mutex_;
   std::atomic<bool> board_waits_ = false;
@@ -95,7 +98,9 @@ class Board {
   bool output_blocked_ = false;
   bool fed_ = false;                  // the device has just got bytes
   bool at_rest_ = true;               // the last byte sent ended a message
-  std::uint64_t start_ns_ = 0;
+  std::uint64_t start_ns_ = 0;       // robot time
+  std::uint64_t started_ns_ = 0;     // real time
+  RobotTime::Follower follower_{RobotTime::here()};
   Clock slip_ = 0;
   Clock lead_ = 0;
   Clock linger_until_ = 0;            // when a client that sends no more is let go

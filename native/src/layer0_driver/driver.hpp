@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "layer0_driver/robot_time.hpp"
 #include "layer0_driver/status.hpp"
 #include "layer0_driver/url.hpp"
 
@@ -37,6 +38,8 @@ class Driver {
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // How long one byte takes on the wire, 0 where that does not limit (tcp, udp, pseudo-terminals).
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
+  // The time at the other end: the real one, or that of the virtual boards of this process.
+  [[nodiscard]] virtual std::uint64_t now_ns() const noexcept { return real_ns(); }
   // Messages end with this byte from now on: a driver whose chip gathers bytes hands on what it has when one comes.
   virtual void messages_end_with(std::uint8_t) noexcept {}
   // Why the last transfer said closed, in the operating system's words.

@@ -2,6 +2,8 @@
 // Which driver a URL names.
 #include <cerrno>
 #include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "layer0_driver/capturing_driver.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
@@ -14,6 +16,20 @@
 namespace unitylink {
 namespace {
 
+// To a virtual board in this process, whose time the link has too.
+class LocalDriver final : public DescriptorDriver {
+ public:
+  using DescriptorDriver::DescriptorDriver;
+  [[nodiscard]] std::uint64_t now_ns() const noexcept override { return RobotTime::here().now_ns(); }
+};
+
+// Whether this process made the pair of sockets, one end of which it is.
+bool made_here(int descriptor) noexcept {
+  ucred maker{};
+  socklen_t size = sizeof maker;
+  return ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &maker, &size) == 0 && maker.pid == ::getpid();
+}
+
 // The driver takes the descriptor over: closing it is how the other side learns that the link has ended.
 Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
   std::uint64_t number = 0;
@@ -24,7 +40,11 @@ Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
   if (::fcntl(descriptor, F_SETFD, FD_CLOEXEC) != 0) {
     return {Status::not_found, "link URL '" + url.text + "': no descriptor " + url.path + " is open in this process"};
   }
-  driver = std::make_unique<DescriptorDriver>(descriptor);
+  if (made_here(descriptor)) {
+    driver = std::make_unique<LocalDriver>(descriptor);
+  } else {
+    driver = std::make_unique<DescriptorDriver>(descriptor);
+  }
   return {};
 }
 

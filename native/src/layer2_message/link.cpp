@@ -32,10 +32,7 @@ void signal(int descriptor) noexcept {
 
 }  // namespace
 
-std::uint64_t Link::now_ns() noexcept {
-  return static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
-}
+std::uint64_t Link::now_ns() const noexcept { return driver_->now_ns(); }
 
 Link::Link(std::unique_ptr<Driver> driver, const LinkOptions& options)
     : options_(options),
@@ -140,7 +137,8 @@ void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
     wake();
   }
   ++followers_;
-  turn_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(until_ns)));
+  const std::uint64_t now = now_ns();  // may be slower than the real time: then it waits again
+  turn_.wait_for(lock, std::chrono::nanoseconds(until_ns - std::min(until_ns, now)));
   --followers_;
 }
 

@@ -176,7 +176,8 @@ class Link {
   // Asked by threads that wait for an answer, about ten times a second, with no lock held; true makes them give their request up.
   static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
-  [[nodiscard]] static std::uint64_t now_ns() noexcept;
+  // The time of deadlines and publishes, in which robots move: the real one, or that of the virtual boards in this process.
+  [[nodiscard]] std::uint64_t now_ns() const noexcept;
 
  private:
   struct Subscription;

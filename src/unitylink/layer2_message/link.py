@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import asyncio
-import atexit
-import os
+import time
 import warnings
-import weakref
 from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -23,28 +21,11 @@ from .device import Clock, DeadMan, Description, Health
 from .engine import Words, open_engine
 from .exchange_group import ExchangeGroup, Word
 from .mailbox import LoopMailbox
+from .open_links import forget, remember
 from .subscription import Subscription
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-
-_open: weakref.WeakSet[Link] = weakref.WeakSet()
-
-
-def _close_all() -> None:
-    """Leave no device publishing, and no thread behind, when the program ends without close()."""
-    for link in list(_open):
-        link.close()
-
-
-def _disown_all() -> None:
-    """Leave the links to the parent: a forked child has its descriptors but none of its threads."""
-    for link in list(_open):
-        link._disown()
-
-
-os.register_at_fork(after_in_child=_disown_all)
 
 
 class Link:
@@ -81,11 +62,7 @@ class Link:
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._on_close: list[Callable[[], None]] = []
         self._unclosed = True
-        _open.add(self)
-        atexit.unregister(
-            _close_all
-        )  # the last to be registered is the first to run: before an in-process board goes
-        atexit.register(_close_all)
+        remember(self)
 
     # ---- one word
 
@@ -319,6 +296,28 @@ class Link:
         words = tuple(int(address) for address in addresses)
         return Subscription(self, identity, words, divisor)
 
+    # ---- its time
+
+    def now_s(self) -> float:
+        """Return the time in which publishes are stamped and deadlines count: `time.monotonic()`.
+
+        Of a `sim:` or `rtl:` link it is robot time: the same, but it waits while this machine is too busy to
+        run the virtual boards of the process, so that they stay together (docs/rtl-simulation.md).
+        """
+        return self._native.now_s()
+
+    def sleep_until(self, time_s: float) -> None:
+        """Sleep until `now_s()` is `time_s`: how a program keeps the pace of the robot.
+
+        >>> due_s = link.now_s()                                             # doctest: +SKIP
+        >>> for target in path:                                              # doctest: +SKIP
+        ...     due_s += 0.02
+        ...     link.sleep_until(due_s)
+        ...     set_points.write(target)
+        """
+        while (left_s := time_s - self.now_s()) > 0:
+            time.sleep(left_s)
+
     # ---- the device itself
 
     def read_control(self, address: int, count: int = 1) -> Words:
@@ -396,7 +395,7 @@ class Link:
 
     def close(self) -> None:
         """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
-        _open.discard(self)
+        forget(self)
         first, self._unclosed = self._unclosed, False
         self._native.close()
         if first:
@@ -419,8 +418,9 @@ class Link:
         """Call `action` when the link is closed: for what was made for it, such as an in-process board."""
         self._on_close.append(action)
 
-    def _disown(self) -> None:
-        _open.discard(self)
+    def disown(self) -> None:
+        """Leave the link to the process that this one was forked from."""
+        forget(self)
         self._unclosed = False
         self._native.disown()
         self._callbacks.disown()

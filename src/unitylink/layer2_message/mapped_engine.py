@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import fields
 from typing import Any
 
@@ -256,6 +257,9 @@ class MappedEngine:
 
     def missing(self, id: int) -> int:
         return 0
+
+    def now_s(self) -> float:
+        return time.monotonic()
 
     def clock(self) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0

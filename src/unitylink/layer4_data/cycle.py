@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import TracebackType
@@ -145,7 +144,7 @@ class _Part:
                 say(str(error))
 
     def run(self, timeout_s: float | None) -> tuple[float, list[int]]:
-        started = time.monotonic()
+        started = self.link.now_s()
         for hardware, values in self._committed.items():
             hardware.write_many(
                 [address for value in values for address in value.relative_addresses],
@@ -164,7 +163,7 @@ class _Part:
                 self.link.write_many(self._outputs, words, timeout_s=timeout_s)
             for addresses, atomic in portions(self._reads, False) if self._reads else ():
                 read += self.link.read_many(addresses, atomic=atomic, timeout_s=timeout_s).tolist()
-        return (started + time.monotonic()) / 2, read
+        return (started + self.link.now_s()) / 2, read
 
     def close(self) -> None:
         if self._exchange is not None:

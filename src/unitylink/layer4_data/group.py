@@ -7,7 +7,6 @@ import asyncio
 import math
 import re
 import threading
-import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -88,7 +87,7 @@ class ValueGroup:
         self._check_snapshot(consistent)
 
         def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
-            started = time.monotonic()
+            started = link.now_s()
             words: list[int] = []
             for addresses, atomic in portions(list(values.values()), consistent):
                 read = link.read_many(
@@ -99,7 +98,7 @@ class ValueGroup:
                     timeout_s=timeout_s,
                 )
                 words += read.tolist()
-            return (started + time.monotonic()) / 2, words
+            return (started + link.now_s()) / 2, words
 
         try:
             fetched = at_once([partial(fetch, link, values) for link, values in self._by_link.items()])
@@ -112,7 +111,7 @@ class ValueGroup:
         self._check_snapshot(consistent)
 
         async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
-            started = time.monotonic()
+            started = link.now_s()
             words: list[int] = []
             for addresses, atomic in portions(list(values.values()), consistent):
                 read = await link.read_many_async(
@@ -123,7 +122,7 @@ class ValueGroup:
                     timeout_s=timeout_s,
                 )
                 words += read.tolist()
-            return (started + time.monotonic()) / 2, words
+            return (started + link.now_s()) / 2, words
 
         try:
             fetched = await _all(fetch(link, values) for link, values in self._by_link.items())

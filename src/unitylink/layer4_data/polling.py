@@ -45,7 +45,7 @@ class Poller:
         checked, period_s = self._plan.checked, 1 / self._plan.rate_hz
         due = time.monotonic()
         while not self._stop.wait(max(0.0, due - time.monotonic())):
-            started = time.monotonic()
+            started = link.now_s()
             try:
                 words = link.read_many(
                     addresses, atomic=atomic, checked=checked, repeat=self._plan.repeatable
@@ -57,7 +57,7 @@ class Poller:
                 self.lost += 1
                 logger.warning("%s: %s", self._plan.values[0].path, error)
             else:
-                self._deliver((started + time.monotonic()) / 2, words)
+                self._deliver((started + link.now_s()) / 2, words)
             due += period_s
             late = int((time.monotonic() - due) / period_s)
             if late > 0:

@@ -183,6 +183,9 @@ class FakeLink:
         self.lose_write_reply: set[int] = set()  # executed, but the reply is lost
         self.fail: dict[int, Exception] = {}
 
+    def now_s(self) -> float:
+        return time.monotonic()
+
     def read(
         self,
         address: int,

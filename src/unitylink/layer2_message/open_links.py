@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The links that are open: what becomes of them when the program ends, or forks."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import weakref
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .link import Link
+
+_open: weakref.WeakSet[Link] = weakref.WeakSet()
+
+
+def remember(link: Link) -> None:
+    """Close `link` when the program ends without close()."""
+    _open.add(link)
+    # The last to be registered is the first to run: before an in-process board goes.
+    atexit.unregister(_close_all)
+    atexit.register(_close_all)
+
+
+def forget(link: Link) -> None:
+    """Leave `link` alone: it is closed, or another process's."""
+    _open.discard(link)
+
+
+def _close_all() -> None:
+    """Leave no device publishing, and no thread behind."""
+    for link in list(_open):
+        link.close()
+
+
+def _disown_all() -> None:
+    """Leave the links to the parent: a forked child has its descriptors but none of its threads."""
+    for link in list(_open):
+        link.disown()
+
+
+os.register_at_fork(after_in_child=_disown_all)
