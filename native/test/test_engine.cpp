@@ -44,6 +44,28 @@ TEST_CASE("the first fence gets through to a device that publishes, is in mid-me
   CHECK(bench.engine->statistics().garbage_bytes == 8);
 }
 
+TEST_CASE("a fence that nobody answers may have gone into a frame that noise began: the next one ends it") {
+  using namespace std::string_literals;
+  Bench bench;
+  bench.begin();
+  Exchange read = reading(1);
+  bench.submit(read);
+  bench.sent();
+  bench.wait(101 * ms);
+  CHECK(bench.sent() == "!$RLC*9B\n");
+  bench.wait(101 * ms);
+  CHECK(bench.sent() == "\0!$RLC*9B\n"s);
+  bench.answer(cnf);
+  CHECK(bench.sent() == "#R:01\n");
+  bench.answer("#S_R:00000011\n");
+  CHECK(read.value == 0x11);
+  Exchange other = reading(2);
+  bench.submit(other);
+  bench.sent();
+  bench.answer("?f4\n");
+  CHECK(bench.sent() == "!$RLC*9B\n");
+}
+
 TEST_CASE("gateware without RLC, and a datalink without checksums") {
   Bench bench;
   Exchange first;

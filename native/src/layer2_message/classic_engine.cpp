@@ -135,6 +135,9 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
 
 void ClassicEngine::encode_fence() noexcept {
   pending_begin_ = pending_end_ = 0;
+  if (fence_unanswered_) {  // noise, or a host that went away, may have begun a frame there: it swallows all up to the next 00
+    pending_[pending_end_++] = static_cast<std::uint8_t>(frame::delimiter);
+  }
   pending_[pending_end_++] = fence_opener;
   const std::span<std::uint8_t> room(pending_.data() + pending_end_, pending_.size() - pending_end_);
   ClassicEncoder encoder(room, decoder_.sum(), !plain_fence_);

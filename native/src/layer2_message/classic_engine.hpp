@@ -91,6 +91,7 @@ class ClassicEngine final : public Engine {
   std::uint32_t fences_sent_ = 0;     // since the last answered one
   std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have swallowed them
   bool fence_hastened_ = false;
+  bool fence_unanswered_ = false;     // the last one was, for all its time
   bool publishes_checked_ = false;
   std::uint8_t fence_code_ = 0;       // the last ?xx heard while fencing
   std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come

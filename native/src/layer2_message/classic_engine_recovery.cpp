@@ -124,6 +124,7 @@ void ClassicEngine::fence_passed() noexcept {
   last_answer_ns_ = now_ns_;
   state_ = State::ready;
   fences_sent_ = fences_hastened_ = 0;
+  fence_unanswered_ = false;
   fence_code_ = 0;
   if (Exchange* first = waiting_.front(); first != nullptr && first->operation == Operation::resynchronise) {
     waiting_.pop_front();
@@ -136,6 +137,7 @@ void ClassicEngine::fence_passed() noexcept {
 void ClassicEngine::fence_failed() noexcept {
   statistics_.timeouts += 1;
   state_ = State::fence_due;
+  fence_unanswered_ = true;
   if (!reported_) {
     plain_fence_ = false;  // "?f1" may have been noise; if not it is found out again
   }

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import socket
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -30,6 +31,17 @@ def test_who_answers_neither_is_told_so_in_the_words_of_the_first_question() -> 
     ours, theirs = socket.socketpair()
     with theirs, pytest.raises(LinkTimeout, match="the device has never answered"):
         Link(f"fd:{ours.detach()}?timeout=0.05&attempts=1")
+
+
+@pytest.mark.parametrize("protocol", ["classic", "framed", "auto"])
+def test_what_a_host_left_in_the_middle_of_a_frame_is_ended(protocol: str) -> None:
+    with Board(endpoint="tcp") as board:
+        where = urlsplit(board.url)
+        with socket.create_connection((where.hostname, where.port)) as gone:
+            gone.sendall(b"\0\x83\1\2")
+        with Link(f"{board.url}?protocol={protocol}&timeout=0.3") as link:
+            link.write(0x10, 5)
+            assert link.read(0x10) == 5
 
 
 @pytest.mark.parametrize(("endpoint", "check_bytes"), [("fd", 3), ("udp", 5)])
