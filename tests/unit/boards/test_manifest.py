@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -32,8 +33,9 @@ def test_boards_that_come_along_are_whole(name: str) -> None:
     assert board.family in FAMILIES
     assert board.pins_from and board.flash.keys() <= PACKAGES.keys() and board.flash
     assert board.baud_hz <= board.baud_hz_most and board.baud_hz * 8 <= board.design_hz
-    assert len({board.pins[pin].site for pin in (board.clock_pin, board.rx, board.tx)}) == 3
-    fixed = {board.pins[pin].site for pin in (board.clock_pin, board.rx, board.tx)}
+    given = [*(pin for pin, _ in board.fixed_pins), *chain(*board.link_pins.values()), *board.released]
+    fixed = {board.pins[pin].site for pin in given}
+    assert len(fixed) == len(given) >= 3
     for role in ROLES:
         sites = [board.pins[pin].site for pin in board.roles[role]]
         assert len(sites) >= 2 and len(set(sites)) == len(sites) and not fixed & set(sites), role
@@ -63,6 +65,7 @@ def test_a_folder_of_ones_own(tmp_path: Path) -> None:
         ('active = "low"', 'active = "lwo"', r"pins.BTN_N.active: is 'lwo'; did you mean low\?"),
         ('physical = "uart"', 'physical = "ft245"', "link.physical: is 'ft245'; "),
         ('physical = "uart"', 'physical = "ft245_async"', "link.rx: there is no such key; "),
+        ('physical = "uart"', 'physical = "ft245_sync"', "link.rx: there is no such key; "),
         ("[chip]", "[chip", "board.toml: .*line 9"),
         ("title =", "notes = 3\ntitle =", "board.toml"),
     ],
@@ -71,6 +74,12 @@ def test_mistakes_are_told_with_their_key(tmp_path: Path, before: str, after: st
     assert before in GOOD
     with pytest.raises(BoardError, match=message):
         own(tmp_path, GOOD.replace(before, after, 1))
+
+
+def test_a_synchronous_chip_gives_its_clock_on_a_pin(tmp_path: Path) -> None:
+    text = (resource_folder("boards") / "ecp5-ft2232h" / "board.toml").read_text(encoding="utf-8")
+    with pytest.raises(BoardError, match=r"link\.pins\.ft245_clkout: has no pin"):
+        own(tmp_path, text.replace('ft245_clkout = ["FIFO_CLK"]', "ft245_clkout = []"))
 
 
 def test_boards_that_are_not_there() -> None:
