@@ -77,10 +77,10 @@ void PumpedDriver::hand_on(std::span<const std::uint8_t> bytes) {
   }
 }
 
-std::size_t PumpedDriver::fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns) {
-  pollfd waiting{far_, POLLIN, 0};
+std::size_t PumpedDriver::fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns, int other) {
+  std::array<pollfd, 2> waiting{{{far_, POLLIN, 0}, {other, POLLIN, 0}}};
   const timespec time{static_cast<std::time_t>(patience_ns / 1'000'000'000), static_cast<long>(patience_ns % 1'000'000'000)};
-  if (::ppoll(&waiting, 1, &time, nullptr) <= 0) {
+  if (::ppoll(waiting.data(), waiting.size(), &time, nullptr) <= 0 || waiting[0].revents == 0) {
     return 0;
   }
   const ssize_t count = ::recv(far_, room.data(), room.size(), MSG_DONTWAIT);

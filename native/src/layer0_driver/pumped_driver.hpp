@@ -38,8 +38,8 @@ class PumpedDriver : public DescriptorDriver {
   // The port has gone; reason() is `why` from now on.
   void ended(const std::string& why);
   void hand_on(std::span<const std::uint8_t> bytes);
-  // What the link wants sent, as soon as there is anything; 0 after `patience_ns`.
-  [[nodiscard]] std::size_t fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns);
+  // What the link wants sent, as soon as there is anything; 0 after `patience_ns`, or as soon as `other` can be read.
+  [[nodiscard]] std::size_t fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns, int other = -1);
   // The threads have ended, or are the parent's (`ours` is false): the port is let go.
   virtual void let_go(bool ours) noexcept = 0;
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <vector>
 
+#include "layer0_driver/gpio_line.hpp"
 #include "layer0_driver/pumped_driver.hpp"
 #include "layer0_driver/spi_port.hpp"
 
@@ -18,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t speed_hz_default = 10'000'000;
 constexpr std::uint64_t poll_ns_default = 1'000'000;
+constexpr std::uint64_t poll_ns_beside_line = 100'000'000;
 constexpr std::size_t message_bytes = 1024;    // of the link's, in a transfer
 constexpr std::size_t look_bytes = 32;         // of filler behind them: an answer to one read comes within these
 constexpr std::size_t filler_bytes_most = 1024;  // as much again while the slave goes on speaking; spidev takes 4096 in all
@@ -25,11 +27,12 @@ constexpr std::chrono::milliseconds linger{1};  // how long answers are looked f
 constexpr std::uint8_t filler = 0;
 
 // One thread clocks: what the link has to say, and zeros behind it for what the slave has. A zero is filler between messages only, so
-// nothing is clocked while a message of the link's is cut.
+// nothing is clocked while a message of the link's is cut. A line on which the slave says that it has something spares looking for it.
 class SpiDriver final : public PumpedDriver {
  public:
-  SpiDriver(std::unique_ptr<SpiPort> port, const SocketPair& pair, std::uint64_t byte_time_ns, std::uint64_t poll_ns)
-      : PumpedDriver(pair), port_(std::move(port)), byte_time_ns_(byte_time_ns), poll_ns_(poll_ns) {
+  SpiDriver(std::unique_ptr<SpiPort> port, std::unique_ptr<GpioLine> line, const SocketPair& pair, std::uint64_t byte_time_ns,
+            std::uint64_t poll_ns)
+      : PumpedDriver(pair), port_(std::move(port)), line_(std::move(line)), byte_time_ns_(byte_time_ns), poll_ns_(poll_ns) {
     start([this] { clock_all(); });
   }
   ~SpiDriver() override { SpiDriver::close(); }
@@ -38,7 +41,10 @@ class SpiDriver final : public PumpedDriver {
   void messages_end_with(std::uint8_t end) noexcept override { end_ = end; }
 
  private:
-  void let_go(bool) noexcept override { port_.reset(); }  // in a forked child too: it is the child's copy of the descriptor
+  void let_go(bool) noexcept override {  // in a forked child too: it is the child's copy of the descriptors
+    port_.reset();
+    line_.reset();
+  }
 
   void clock_all() {
     std::vector<std::uint8_t> out(message_bytes + filler_bytes_most), in(out.size());
@@ -46,8 +52,9 @@ class SpiDriver final : public PumpedDriver {
     bool whole = true;  // the last message of the link's
     Clock::time_point busy_until = Clock::now();
     while (running()) {
-      const bool busy = Clock::now() < busy_until;
-      const std::size_t count = fetch(std::span(out).first(message_bytes), busy && whole ? 0 : poll_ns_);
+      const bool busy = line_ ? line_->high() : Clock::now() < busy_until;
+      const std::size_t count =
+          fetch(std::span(out).first(message_bytes), busy && whole ? 0 : poll_ns_, line_ && whole ? line_->descriptor() : -1);
       if (count > 0) {
         whole = out[count - 1] == end_;
       }
@@ -84,6 +91,7 @@ class SpiDriver final : public PumpedDriver {
   }
 
   std::unique_ptr<SpiPort> port_;
+  std::unique_ptr<GpioLine> line_;  // of the slave's `waiting`; may be none
   std::uint64_t byte_time_ns_;
   std::uint64_t poll_ns_;
   std::atomic<std::uint8_t> end_ = '\n';
@@ -92,7 +100,7 @@ class SpiDriver final : public PumpedDriver {
 
 }  // namespace
 
-bool is_spi_option(std::string_view name) noexcept { return name == "speed_hz" || name == "poll"; }
+bool is_spi_option(std::string_view name) noexcept { return name == "speed_hz" || name == "poll" || name == "waiting"; }
 
 Outcome open_spi(const Url& url, std::unique_ptr<Driver>& driver) {
   const auto wrong = [&](const std::string& why) { return Outcome{Status::bad_url, "link URL '" + url.text + "': " + why}; };
@@ -100,7 +108,8 @@ Outcome open_spi(const Url& url, std::unique_ptr<Driver>& driver) {
   if (const std::string* text = url.option("speed_hz"); text != nullptr && (!parse_number(*text, 1'000'000'000, speed_hz) || speed_hz < 1000)) {
     return wrong("speed_hz=" + *text + " is not a clock rate in Hz such as 10000000");
   }
-  std::uint64_t poll_ns = poll_ns_default;
+  const std::string* place = url.option("waiting");
+  std::uint64_t poll_ns = place == nullptr ? poll_ns_default : poll_ns_beside_line;
   if (const std::string* text = url.option("poll"); text != nullptr && !parse_seconds(*text, poll_ns)) {
     return wrong("poll=" + *text + " is not a time in seconds from 1e-6 to 3600");
   }
@@ -108,11 +117,17 @@ Outcome open_spi(const Url& url, std::unique_ptr<Driver>& driver) {
   if (Outcome outcome = SpiPort::open(url.path, static_cast<std::uint32_t>(speed_hz), port); !outcome.ok()) {
     return outcome;
   }
+  std::unique_ptr<GpioLine> line;
+  if (place != nullptr) {
+    if (Outcome outcome = GpioLine::open(*place, line); !outcome.ok()) {
+      return outcome.status == Status::bad_url ? wrong(outcome.text) : outcome;
+    }
+  }
   SocketPair pair;
   if (Outcome outcome = make_socket_pair(pair); !outcome.ok()) {
     return outcome;
   }
-  driver = std::make_unique<SpiDriver>(std::move(port), pair, 8'000'000'000 / speed_hz, poll_ns);
+  driver = std::make_unique<SpiDriver>(std::move(port), std::move(line), pair, 8'000'000'000 / speed_hz, poll_ns);
   return {};
 }
 

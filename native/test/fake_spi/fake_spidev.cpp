@@ -3,6 +3,7 @@
 //   device=/dev/spidev0.0   file=FILE (opened in its place)     port=5555   the board: TCP on this machine
 //   exchange=1       the board is clocked too: it answers each byte with one
 //   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
+//   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place), whose line 25 is the board's `waiting`
 //   unplug=1000      after so many bytes transfers fail          refuse=22   what setting the speed answers
 #include <arpa/inet.h>
 #include <cerrno>
@@ -14,6 +15,7 @@
 #include <deque>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <linux/gpio.h>
 #include <linux/spi/spidev.h>
 #include <map>
 #include <netinet/tcp.h>
@@ -29,6 +31,7 @@ namespace {
 struct Port {
   std::map<std::string, std::string> settings;
   int descriptor = -1, board = -1;
+  int chip = -1, line = -1;  // of GPIO; the line is a copy of the board's socket, which can be read when there is more
   std::deque<std::uint8_t> coming;  // of the board's, from the last whole message on
   std::size_t whole = 0;            // bytes of `coming` in whole messages
   std::uint8_t next = 0;            // the byte on miso when the next transfer begins
@@ -140,18 +143,41 @@ Function real(const char* name) {
 
 int open_instead(const char* name, const char* path, int flags, mode_t mode) {
   Port& p = port();
-  const bool ours = p.settings["device"] == path;
+  const bool gpio = p.settings["gpiochip"] == path;
+  const bool ours = p.settings["device"] == path || gpio;
   const int descriptor = real<int (*)(const char*, int, ...)>(name)(ours ? p.settings["file"].c_str() : path, flags, mode);
-  if (ours && descriptor >= 0 && p.descriptor < 0) {
+  if (gpio) {
+    p.chip = descriptor;
+  } else if (ours && descriptor >= 0 && p.descriptor < 0) {
     p.descriptor = descriptor;
     connect_board();
   }
   return descriptor;
 }
 
+int ask_chip(gpio_v2_line_request& request) {
+  Port& p = port();
+  constexpr std::uint64_t wanted = GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING;
+  const bool right = request.num_lines == 1 && request.offsets[0] == 25 && request.config.flags == wanted;
+  if (!right || p.line >= 0) {
+    errno = right ? EBUSY : EINVAL;
+    return -1;
+  }
+  request.fd = p.line = ::dup(p.board);
+  return 0;
+}
+
 }  // namespace
 
 extern "C" {
+
+ssize_t read(int descriptor, void* bytes, size_t count) {
+  if (descriptor >= 0 && descriptor == port().line) {  // what happened on the line: the level says it all
+    errno = EAGAIN;
+    return -1;
+  }
+  return real<ssize_t (*)(int, void*, size_t)>("read")(descriptor, bytes, count);
+}
 
 int open(const char* path, int flags, ...) {
   va_list arguments;
@@ -169,6 +195,12 @@ int open64(const char* path, int flags, ...) {
 }
 int close(int descriptor) {
   Port& p = port();
+  if (descriptor >= 0 && descriptor == p.chip) {
+    p.chip = -1;
+  }
+  if (descriptor >= 0 && descriptor == p.line) {
+    p.line = -1;
+  }
   if (descriptor >= 0 && descriptor == p.descriptor) {
     p.descriptor = -1;
     p.log("transfers " + std::to_string(p.transfers) + " bytes " + std::to_string(p.bytes));
@@ -182,6 +214,14 @@ int ioctl(int descriptor, unsigned long request, ...) {
   void* const argument = va_arg(arguments, void*);
   va_end(arguments);
   Port& p = port();
+  if (descriptor >= 0 && descriptor == p.chip && request == GPIO_V2_GET_LINE_IOCTL) {
+    return ask_chip(*static_cast<gpio_v2_line_request*>(argument));
+  }
+  if (descriptor >= 0 && descriptor == p.line && request == GPIO_V2_LINE_GET_VALUES_IOCTL) {
+    gather();
+    static_cast<gpio_v2_line_values*>(argument)->bits = p.whole > 0 || p.next != 0;
+    return 0;
+  }
   if (descriptor < 0 || descriptor != p.descriptor) {
     return real<int (*)(int, unsigned long, ...)>("ioctl")(descriptor, request, argument);
   }

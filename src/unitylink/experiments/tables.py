@@ -249,9 +249,9 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
     return [
         *blocks,
         Table(
-            "Wall time of that read with the process, boards and all, on one core and on two: a caller and a "
-            "board on one core hand over, on two each wakes the other's core from its sleep, which on a "
-            "virtual machine costs more than all else.",
+            "Wall time of that read with the process, boards and all, on one core and on two: on one, caller "
+            "and board hand over; on two each wakes the other's core, which costs most where that sleeps "
+            "deeply, as on an idle virtual machine.",
             ["links", *map(str, links)],
             [
                 [f"{number} core{'s' if number > 1 else ''}"]

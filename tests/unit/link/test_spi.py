@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 from collections.abc import Callable, Iterator
@@ -51,6 +52,36 @@ def test_words_both_ways_and_publishes(
     log = (tmp_path / "spi.log").read_text().splitlines()
     assert log[:3] == ["mode 0", "bits 8", "speed_hz 20000000"]
     assert log[-1].startswith("transfers ")
+
+
+def test_a_wire_says_that_the_board_has_something(spi_client: SpiClient, board: Board) -> None:
+    """Without it the second publish would come with the next look: ten minutes later."""
+    code = MOVE.replace("fifo=256", "fifo=256&poll=600&waiting=/dev/gpiochip0:25").replace(
+        "{protocol}", "auto"
+    )
+    said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0")
+    assert said.splitlines() == ["True", "framed 0 0 0"]
+
+
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ("/dev/gpiochip0:26", "DeviceMismatch: GPIO line /dev/gpiochip0:26: the chip has no such line"),
+        ("/dev/gpiochip7:25", "LinkNotFound: GPIO line /dev/gpiochip7:25: there is no such port; gpiodetect"),
+        ("/dev/null:25", "LinkNotFound: GPIO line /dev/null:25: /dev/null is not a GPIO chip"),
+        ("25", "UrlError: link URL .* waiting=25 is not a line of a GPIO chip such as /dev/gpiochip0:25"),
+        (":25", "UrlError: link URL .* waiting=:25 is not a line"),
+    ],
+)
+def test_a_wire_that_is_not_there(spi_client: SpiClient, board: Board, line: str, error: str) -> None:
+    code = f"""
+        from unitylink import UnityLinkError, connect
+        try:
+            connect("spi:/dev/spidev0.0?waiting={line}")
+        except UnityLinkError as error:
+            print(type(error).__name__, error, sep=": ")
+    """
+    assert re.match(error, spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0"))
 
 
 def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None:
