@@ -10,8 +10,9 @@ namespace unitylink {
 namespace {
 
 constexpr std::uint64_t call_patience_ns = 250'000;      // where there was one call there may soon be another
-constexpr std::uint64_t reader_patience_ns = 1'000'000;  // with one who waited for publishes, and does something with them
-constexpr std::uint64_t reader_rest_ns = 10'000'000;     // who has waited for so long is not looked after any more
+constexpr std::uint64_t leader_patience_ns = 1'000'000;  // with one who reads, and may leave without a word
+constexpr std::uint64_t reader_patience_ns = 4'000'000;  // with one who waited for publishes, and does something with them
+constexpr std::uint64_t reader_rest_ns = 20'000'000;     // who has waited for so long is not looked after any more
 
 }  // namespace
 
@@ -45,7 +46,7 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   const std::uint64_t now = now_ns();
   const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
   if (leading_ || callers_ > 0 || now < call_ns) {
-    const std::uint64_t look_ns = std::min(until_ns, now < call_ns ? call_ns : now + reader_patience_ns);
+    const std::uint64_t look_ns = std::min(until_ns, now < call_ns ? call_ns : now + leader_patience_ns);
     elsewhere.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(look_ns)));
     return;
   }

@@ -95,8 +95,8 @@ class Subscription:
 
         With `gather_s` the thread may rest so long between two looks, so that a fast stream does not wake it
         for each publish; it does while all callbacks of the link allow it, and then for the shortest.
-        With `arrays` all that has come is offered first, as from `drain`: where `arrays(times, words)` is
-        True, it has taken all of it.
+        With `arrays` several that have come together are offered first, as from `drain`: where
+        `arrays(times, words)` is True, it has taken all of it.
         What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
         A port that is gone ends the calls; that is logged too.
         """
@@ -166,7 +166,7 @@ class Subscription:
             return
         arrays = self._arrays
         times, values = self.drain()
-        if arrays is not None and len(times):
+        if arrays is not None and len(times) > 1:  # one alone is sooner told as it is
             try:
                 if arrays(times, values):
                     return

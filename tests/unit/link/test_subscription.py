@@ -86,23 +86,30 @@ def test_the_callback_thread_rests_while_all_may_wait(
     assert rests.empty()
 
 
-def test_what_has_come_is_offered_as_arrays_first(link: Link, device: Any) -> None:
+def test_several_that_have_come_are_offered_as_arrays_first(link: Link, device: Any) -> None:
     got: queue.SimpleQueue[object] = queue.SimpleQueue()
+    go_on = threading.Event()
     taken = [False, True]
+
+    def each(time_s: float, words: tuple[int, ...]) -> None:
+        got.put(words)
+        go_on.wait(10)
 
     def arrays(times: Any, words: Any) -> bool:
         got.put(words.tolist())
         return taken.pop()
 
     subscription = link.subscribe([1, 2], divisor=10)
-    subscription.on_publish(lambda time_s, words: got.put(words), arrays=arrays)
+    subscription.on_publish(each, arrays=arrays)
     row = (device.memory[1], device.memory[2])
-    for _ in range(2):
+    for after in ([], [row, row], []):  # they are taken, then refused; at last it raises, which stops nothing
+        go_on.clear()
         device.publish(subscription.group)
-        assert got.get(timeout=10) == [list(row)]
-    assert got.get(timeout=10) == row  # the second was refused
-    device.publish(subscription.group)  # the third raises, which stops nothing
-    assert got.get(timeout=10) == [list(row)]
+        assert got.get(timeout=10) == row  # one alone is not offered
+        publish(device, subscription, 2)
+        go_on.set()
+        assert got.get(timeout=10) == [list(row), list(row)]
+        assert [got.get(timeout=10) for _ in after] == after
     subscription.on_publish(lambda time_s, words: got.put(words))
     device.publish(subscription.group)
     assert got.get(timeout=10) == row

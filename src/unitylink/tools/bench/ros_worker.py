@@ -4,8 +4,8 @@
 PLANE is ros1 or dds. A line on standard input asks for a window of so many seconds; the answer is what was
 counted in it: "COUNT SECONDS CPU_SECONDS". `bare-out` and `source` publish as fast as they can,
 `joints-source` 1000 a second, all the time; `node-out`, `node-in` and `joints` are nodes, the twin in their
-process. `bare-ping` publishes what time it is 500 times a second, `node-ping` has the gateware publish it;
-`pong` answers with the median delay in us, too.
+process. `bare-ping` publishes what time it is 500 times a second, in `node-ping` the gateware does, in whose
+thread the time is taken: `pong` answers with the median delay in us, too.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from unitylink.layer4_data import Node, load_spec_objects
 from unitylink.ros import Interface, Topic, plan_interface
 from unitylink.ros.node import RobotNode
 from unitylink.ros.plane import Port
-from unitylink.simulate import Board, BoardConfiguration
+from unitylink.simulate import Board, BoardConfiguration, Plant, Registers
 from unitylink.spec import compile_text
 from unitylink.spec.model import Spec
 
@@ -62,9 +62,23 @@ def plane_of(name: str, interface: Interface) -> Any:
     return DdsPlane(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
 
 
-def node(plane: Any, spec: Spec, base_hz: int) -> tuple[RobotNode, Board]:
-    """Return a node, connected, and the twin in this process."""
-    board = Board(spec, configuration=BoardConfiguration.for_spec(spec, base_hz=base_hz, baud_hz=50_000_000))
+class Ping:
+    """A plant with a clock, which makes an event each time it has set it."""
+
+    period_s = PING_S
+
+    def attach(self, spec: Spec | None, registers: Registers) -> None:
+        self._registers = registers
+
+    def step(self, time_s: float) -> None:
+        self._registers[0x0] = now_us()
+        self._registers.event(0)
+
+
+def node(plane: Any, spec: Spec, base_hz: int, plant: Plant | None = None) -> RobotNode:
+    """Return a node, connected to a twin in this process."""
+    settings = BoardConfiguration.for_spec(spec, base_hz=base_hz, baud_hz=50_000_000)
+    board = Board(spec, configuration=settings, plant=plant)
 
     def build(link: Link) -> Node:
         return load_spec_objects(spec, link)
@@ -73,7 +87,7 @@ def node(plane: Any, spec: Spec, base_hz: int) -> tuple[RobotNode, Board]:
         plan_interface(spec, standard=True), plane, lambda: Link(board.url), build, services=False
     )
     made.keeper.up.wait(30)
-    return made, board
+    return made
 
 
 def now_us() -> int:
@@ -134,13 +148,7 @@ def main() -> None:
         port, make = advertise(topic), plane.maker(topic.type, ("data",))
         every(PING_S, lambda: port.send(make(now_us())))
     elif role == "node-ping":
-        _, board = node(plane, spec, 1000)
-
-        def ping() -> None:
-            board.registers[0x0] = now_us()
-            board.event("tick")
-
-        every(PING_S, ping)
+        node(plane, spec, 1000, Ping())
     elif role in ("bare-out", "source", "joints-source"):
         topic = {"bare-out": OUT, "source": IN, "joints-source": interface.commanded[-1]}[role]
         threading.Thread(target=_flood, args=(plane, topic, joints), daemon=True).start()
@@ -149,7 +157,7 @@ def main() -> None:
     elif role == "joints-sink":
         plane.subscribe(interface.published[-1], count, depth=4096)
     else:
-        made, _ = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
+        made = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
         if role != "node-out":  # of which is counted what it sends
             read = lambda: made.accepted  # noqa: E731
     if name == "dds":
