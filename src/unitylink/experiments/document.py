@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -93,19 +94,28 @@ def html(blocks: Sequence[Block], title: str) -> str:
     )
 
 
+def _with_code(text: str) -> str:
+    """Write what stands between backticks as code.
+
+    >>> _with_code("`a <b`, c")
+    '<code>a &lt;b</code>, c'
+    """
+    return re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+
+
 def _html(block: Block) -> str:
     if isinstance(block, Heading):
         return f"<h{block.level}>{escape(block.text)}</h{block.level}>"
     if isinstance(block, Paragraph):
-        return f"<p>{escape(block.text)}</p>"
+        return f"<p>{_with_code(block.text)}</p>"
     if isinstance(block, Code):
         return f"<pre>{escape(block.text)}</pre>"
     if isinstance(block, Figure):
-        caption = escape(block.caption)
-        image = f'<img src="{escape(block.name)}" alt="{caption}">'
+        caption = _with_code(block.caption)
+        image = f'<img src="{escape(block.name)}" alt="{escape(block.caption)}">'
         return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
     head = "".join(f"<th>{escape(name)}</th>" for name in block.headers)
     rows = "\n".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in block.rows
+        "<tr>" + "".join(f"<td>{_with_code(cell)}</td>" for cell in row) + "</tr>" for row in block.rows
     )
-    return f"<table><caption>{escape(block.caption)}</caption><tr>{head}</tr>\n{rows}</table>"
+    return f"<table><caption>{_with_code(block.caption)}</caption><tr>{head}</tr>\n{rows}</table>"

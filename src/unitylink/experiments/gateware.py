@@ -25,7 +25,7 @@ _QUIET_CLOCKS = (
 )
 _LOOK_CLOCKS = 20  # how late the first byte of a publish may be seen
 _START_UP_CLOCKS = 1000  # tables are cleared behind a reset
-_OPENING_CLOCKS = 20_000
+_OPENING_CLOCKS, _OPENING_STEPS = 20_000, 100
 
 
 class Gateware(ABC):
@@ -187,9 +187,11 @@ class FramedGateware(OurGateware):
         for byte in b"\0" + frame(kind, payload, p.FRAME_OPEN_EPOCH):
             while not self.receive(byte):
                 self.run_until(self.clock + 1)
-        self.run_until(self.clock + _OPENING_CLOCKS)
-        answer = bytes(self.take() for _ in range(self.waiting)).rstrip(b"\0")
-        got, told = plain_client().unframe(answer, p.FRAME_OPEN_EPOCH)
+        answer = b""
+        for _ in range(_OPENING_STEPS):  # a small FIFO holds less than an answer
+            self.run_until(self.clock + _OPENING_CLOCKS // _OPENING_STEPS)
+            answer += bytes(self.take() for _ in range(self.waiting))
+        got, told = plain_client().unframe(answer.rstrip(b"\0"), p.FRAME_OPEN_EPOCH)
         if got != wanted:
             raise UnityLinkError(f"the gateware answered {answer.hex(' ')} where a session was to begin")
         return bytes(told)

@@ -231,7 +231,9 @@ def _link_rows(link: LinkParameters, *, quick: bool) -> list[dict[str, Any]]:
     cases: list[tuple[str, int, list[Exchange]]] = [
         ("2012", 16, classic),
         ("2012", 256, classic),
+        (CLASSIC, 16, classic),
         (CLASSIC, 256, classic),
+        (FRAMED, 16, framed),
         (FRAMED, 256, framed),
     ]
     rows = []

@@ -17,6 +17,8 @@ from click.testing import CliRunner
 from unitylink.experiments import PARTS, markdown, pictures, report, ros_rates, scaling, software_cost, write
 from unitylink.experiments.claims import CLAIMS
 from unitylink.experiments.document import Heading
+from unitylink.experiments.gateware import GATEWARES
+from unitylink.experiments.link_parameters import LINKS
 from unitylink.experiments.model_figures import model_figures
 from unitylink.experiments.software_cost import SoftwareCost
 from unitylink.experiments.table_one import CELLS, TEXT
@@ -132,6 +134,11 @@ def test_every_part_has_a_section_and_every_section_its_command() -> None:
     assert RESULTS["parts"] == list(PARTS)
     page = markdown(report(RESULTS))
     assert all(f"--only {part}`" in page for part in PARTS)
+
+
+def test_every_gateware_has_small_and_large_fifos_on_every_link() -> None:
+    cases = {(row["link"], row["gateware"], row["fifo"]) for row in RESULTS["links"]}
+    assert cases == {(link.name, name, fifo) for link in LINKS for name in GATEWARES for fifo in (16, 256)}
 
 
 def test_the_paper_s_deviations_are_drawn() -> None:
