@@ -137,9 +137,13 @@ void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
     wake();
   }
   ++followers_;
-  const std::uint64_t now = now_ns();  // may be slower than the real time: then it waits again
-  turn_.wait_for(lock, std::chrono::nanoseconds(until_ns - std::min(until_ns, now)));
+  wait(lock, turn_, until_ns);
   --followers_;
+}
+
+// Perhaps not as long: now_ns() may be slower than the real time, and then whoever waits looks, and waits again.
+void Link::wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept {
+  news.wait_for(lock, std::chrono::nanoseconds(until_ns - std::min(until_ns, now_ns())));
 }
 
 bool Link::interrupted(Lock& lock) noexcept {

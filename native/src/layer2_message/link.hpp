@@ -192,6 +192,7 @@ class Link {
   // the wire (link.cpp)
   void run(std::span<Exchange> exchanges, std::uint64_t until_ns = Engine::no_deadline);
   void turn(Lock& lock, std::uint64_t until_ns) noexcept;
+  void wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept;
   void flush(std::uint64_t now) noexcept;
   void lead(Lock& lock, std::uint64_t until_ns) noexcept;
   [[nodiscard]] static bool interrupted(Lock& lock) noexcept;

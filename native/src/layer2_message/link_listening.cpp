@@ -47,7 +47,7 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
   if (leading_ || callers_ > 0 || now < call_ns) {
     const std::uint64_t look_ns = std::min(until_ns, now < call_ns ? call_ns : now + leader_patience_ns);
-    elsewhere.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(look_ns)));
+    wait(lock, elsewhere, look_ns);
     return;
   }
   reader_leading_ = true;
