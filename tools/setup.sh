@@ -14,8 +14,12 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=.venv
 mkdir -p build
-exec 9>build/.lock
-flock 9                                   # two makes at once must not build into each other
+case "${1:-}" in                          # two makes at once must not do the same; different things they may
+  native | ros2) exec 9>"build/.lock-$1" ;;
+  rtl | ros | system | boards | formal) exec 9>build/.lock-system ;;
+  *) exec 9>build/.lock ;;
+esac
+flock 9
 
 stop() { printf 'unitylink: %s\n' "$1" >&2; exit 1; }
 
@@ -50,6 +54,14 @@ group() {                                 # the stamp makes the second run free
   requirements "$1"
   pip install -r "build/group-$1.txt" || stop "could not install the '$1' packages (see above); is a package index reachable?"
   touch "$stamp"
+}
+
+strict_objects() {                        # where the library of .venv was built, if that was with warnings as errors
+  local cache tag
+  tag=$("$venv/bin/python" -c 'import sys; print("cp{}{}".format(*sys.version_info))')
+  for cache in "$PWD/build/$tag"-*/CMakeCache.txt; do
+    if grep -qs '^UNITYLINK_WERROR:[A-Z]*=ON$' "$cache"; then dirname "$cache"; fi
+  done
 }
 
 need_boards() {
@@ -112,7 +124,9 @@ build)
   touch build/.started                     # an edit made during the build must count as newer than it
   group build
   echo "building the native core (about a minute the first time)"
-  PATH="$PWD/$venv/bin:$PATH" pip install --no-build-isolation --editable . || stop "the native core did not build (see above)"
+  strict=()                               # with warnings as errors, for `make test`; then the native tests need not compile the core again
+  [ -z "${UNITYLINK_WERROR:-}" ] || strict=(--config-settings=cmake.define.UNITYLINK_WERROR=ON)
+  PATH="$PWD/$venv/bin:$PATH" pip install --no-build-isolation "${strict[@]}" --editable . || stop "the native core did not build (see above)"
   touch -r build/.started "$venv/.built"
   ;;
 group) group "$2" ;;
@@ -142,12 +156,12 @@ system)
   install_missing
   ;;
 native)
-  touch build/.started
-  group build
-  PATH="$PWD/$venv/bin:$PATH" cmake -S . -B build/native -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON > build/cmake.log 2>&1 \
+  touch build/native.started
+  tools/setup.sh group build
+  PATH="$PWD/$venv/bin:$PATH" cmake -S . -B build/native -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON -DUNITYLINK_OBJECTS="$(strict_objects)" > build/cmake.log 2>&1 \
     || { cat build/cmake.log >&2; stop "cmake failed"; }
   PATH="$PWD/$venv/bin:$PATH" cmake --build build/native > build/native.log 2>&1 || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
-  touch -r build/.started build/native/.built
+  touch -r build/native.started build/native/.built
   ;;
 *) stop "unknown step '$1'" ;;
 esac
