@@ -52,6 +52,7 @@ DATAGRAMS = {
 }
 FIRST = {PTY: "Unity-Link, framed", UDP: "Unity-Link, framed, UDP"}  # what the others of the wire are over
 PATIENCE_S = 12.0  # RemoteClient takes four for a read of a device that is frozen, CommUDP ten
+SERIES_S = 0.5  # the longest of the series a round has of each operation
 _SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
 
 
@@ -167,6 +168,8 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
 def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
     """Return a row for each peer: times, bytes, and what it makes of a frozen device and a flipped bit."""
     names = [*OURS, *THEIRS]
+    some = {operation: max(2, round(count * span)) for operation, span in _SPAN.items()}
+    calls = {name: dict(some) for name in names}
     taken: dict[str, dict[str, list[Sequence[int]]]] = {
         name: {operation: [] for operation in OPERATIONS} for name in names
     }
@@ -175,9 +178,12 @@ def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
         for number in range(-1, rounds):
             for name, one in peers.items():
                 for operation in OPERATIONS:
-                    series = one.series(operation, max(2, round(count * _SPAN[operation])))
-                    if number >= 0:  # the first makes it warm
+                    series = one.series(operation, calls[name][operation])
+                    if number >= 0:
                         taken[name][operation].append(series)
+                    else:  # the first makes it warm, and tells how many calls fit a round
+                        fit = int(SERIES_S / (median(series) * 1e-9))
+                        calls[name][operation] = max(2, min(fit, some[operation]))
     run.say("peers: bytes and faults")
     others = spoiled(run, names)
     return [
