@@ -62,8 +62,8 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     cmake = Path(sys.executable).with_name("cmake")
     install = [cmake, "--install", ROOT / "build" / "native", "--prefix", prefix]
     subprocess.run(install, check=True, capture_output=True)  # for find_package(unitylink)
-    for name in ("scara", "rig"):
-        write(load(SPECS[name]), folder / "src", "ros1")
+    for path in SPECS.values():
+        write(load(path), folder / "src", "ros1")
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("ROS", "CATKIN", "PYTHON", "CMAKE_P"))}
     environment = clean | {
         "PATH": f"{python.parent}:{clean['PATH']}",

@@ -184,6 +184,21 @@ def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
     ros.until((ros.folder / "run.bag").exists)
 
 
+@pytest.mark.parametrize("node", NODES)
+def test_the_walker_needs_nothing_by_hand(ros: Ros, board: MakeBoard, node: str) -> None:
+    """18 joints both ways, of a package that is built and launched as it was generated."""
+    device = board("walker18", "still")
+    device.registers[0x40] = -250 & 0xFFFF
+    launch(ros, "walker18", device.url, node)
+    states = echo(ros, "/walker18/joint_states")
+    assert len(re.findall(r"^ *- leg_\d_(hip|knee|foot)$", states, re.M)) == 18, states
+    assert "position: [-0.25, 0.0," in states
+    ros.publish("/walker18/joint_commands", "sensor_msgs/JointState", "{name: [leg_5_foot], position: [0.5]}")
+    ros.until(lambda: device.registers[0x186] == 500)
+    ros.publish("/walker18/leg_0/command", "walker18_unitylink/LegCommand", "{hip_sp: 0.1, knee_sp: -0.2}")
+    ros.until(lambda: [device.registers[0x44], device.registers[0x45]] == [100, -200 & 0xFFFF])
+
+
 def test_bridge_and_rosbag(ros: Ros, board: MakeBoard) -> None:
     """The walker's 18 joints with nothing generated: recorded by rosbag, read without ROS by rosbags."""
     from rosbags.highlevel import AnyReader
