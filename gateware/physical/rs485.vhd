@@ -20,9 +20,7 @@
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use ieee.numeric_std.all;
   use work.physical_pkg.all;
-  use work.protocol_pkg.all;
 
 entity rs485 is
   generic (
@@ -56,74 +54,14 @@ end entity;
 
 architecture rtl of rs485 is
 
-  subtype byte_t is std_ulogic_vector(7 downto 0);
-  -- A character or an error in place of one: error above data.
-  subtype item_t is std_ulogic_vector(receive_error_t'length + 7 downto 0);
-
-  constant border       : byte_t   := (others => '0');
-  constant to_master    : byte_t   := std_ulogic_vector(to_unsigned(rs485_poll_bit_c, 8)); -- poll 0
-  constant bit_clocks   : positive := (clock_hz + baud_hz - 1) / baud_hz;
-  constant silence_bits : positive := 255; -- of the core, within a message
-
-  type hearing_t is (
-    between,   -- messages: the next byte tells what comes
-    frame,     -- of ours
-    token,     -- its second byte is next
-    end_token, -- both were right, so far
-    skip       -- to the next border
-  );
-
-  type turn_t is (
-    idle,
-    turnaround,
-    begin_border,
-    select_node, select_check, select_border,
-    saying,
-    broken_border, -- the core has left a message unfinished
-    poll_master, poll_check, poll_border,
-    ending -- the last character is on the line
-  );
-
-  -- The characters around the messages, one behind the other.
-  function behind (turn : turn_t) return turn_t is
-  begin
-    case turn is
-      when begin_border                  => return select_node;
-      when select_node                   => return select_check;
-      when select_check                  => return select_border;
-      when select_border                 => return saying;
-      when saying | broken_border        => return poll_master;
-      when poll_master                   => return poll_check;
-      when poll_check                    => return poll_border;
-      when poll_border | ending          => return ending;
-      when idle | turnaround             => return idle;
-    end case;
-  end function;
-
   signal line_valid, line_ready : std_ulogic;
-  signal room                   : std_ulogic;
-  signal line_item              : item_t;
-  signal hearing                : hearing_t := between;
-  signal first                  : byte_t := border;
-  signal selected               : std_ulogic := '0';
-  signal ours                   : std_ulogic; -- the character on line_item is for the core
-  signal polled                 : std_ulogic := '0';
-  signal write_valid            : std_ulogic;
-  signal item_valid, item_ready : std_ulogic;
-  signal item                   : item_t;
-  signal is_byte                : std_ulogic;
-
+  signal line_data              : std_ulogic_vector(7 downto 0);
+  signal line_error             : receive_error_t;
+  signal ours, room             : std_ulogic; -- the character is for the core
   signal said, send             : std_ulogic_vector(8 downto 0); -- the byte; above it: the last of a message
-  signal send_valid, send_take  : std_ulogic;
-  signal turn                   : turn_t := idle;
-  signal inside                 : std_ulogic := '0'; -- a message that goes out
-  signal left                   : natural range 0 to turn_bytes := 0;
-  signal bits_left              : natural range 0 to maximum(silence_bits, turnaround_bits) := 0;
-  signal clocks_left            : natural range 0 to bit_clocks - 1 := 0;
+  signal send_valid, send_ready : std_ulogic;
   signal out_valid, out_ready   : std_ulogic;
-  signal out_data               : byte_t;
-  signal may_say                : std_ulogic;
-  signal driving                : std_ulogic := '0'; -- a register: no spike may take the pair
+  signal out_data               : std_ulogic_vector(7 downto 0);
 
 begin
 
@@ -132,110 +70,24 @@ begin
     port map (
       clock => clock, reset => reset, line => rx_line, line_break => open,
       rx_valid => line_valid, rx_ready => line_ready,
-      rx_data => line_item(7 downto 0), rx_error => line_item(item_t'high downto 8));
+      rx_data => line_data, rx_error => line_error);
 
-  -- What the master says: frames of ours go on, and the border in front of the first.
+  on_the_pair : entity work.rs485_node
+    generic map (
+      bit_clocks => (clock_hz + baud_hz - 1) / baud_hz, turn_bytes => turn_bytes, turnaround_bits => turnaround_bits)
+    port map (
+      clock => clock, reset => reset, node => node, drive => drive,
+      line_valid => line_valid, line_ready => line_ready, line_data => line_data, line_error => line_error,
+      rx_valid => ours, rx_ready => room,
+      send_valid => send_valid, send_ready => send_ready, send_data => send(7 downto 0), send_last => send(8),
+      out_valid => out_valid, out_ready => out_ready, out_data => out_data);
 
-  hear : process (all) is
-    variable whole : boolean;
-  begin
-    whole := line_item(item_t'high downto 8) = no_receive_error;
-    ours  <= '0';
-    case hearing is
-      when between =>
-        if selected = '1' and (not whole or line_item(7) = '1') then
-          ours <= '1';
-        end if;
-      when frame =>
-        ours <= '1';
-      when end_token =>
-        if whole and line_item(7 downto 0) = border and first = "00" & node then
-          ours <= '1';
-        end if;
-      when token | skip =>
-        ours <= '0';
-    end case;
-    if driving = '1' then
-      ours <= '0';
-    end if;
-  end process;
-
-  write_valid <= line_valid and ours;
-  line_ready  <= room or not ours;
-
-  understand : process (clock) is
-    variable whole : boolean;
-    variable byte  : byte_t;
-  begin
-    if rising_edge(clock) then
-      polled <= '0';
-      if line_valid = '1' and line_ready = '1' then
-        whole := line_item(item_t'high downto 8) = no_receive_error;
-        byte  := line_item(7 downto 0);
-        if not whole then
-          hearing <= skip;
-          if hearing /= frame then
-            selected <= '0'; -- it may have been another's token
-          end if;
-        elsif byte = border then
-          hearing <= between;
-          if hearing = end_token then
-            selected <= '0';
-            if first(5 downto 0) = node then
-              selected <= not first(6);
-              polled   <= first(6);
-            end if;
-          elsif hearing = token then
-            selected <= '0';
-          end if;
-        else
-          case hearing is
-            when between =>
-              first   <= byte;
-              hearing <= skip;
-              if byte(7) = '0' then
-                hearing <= token;
-              elsif selected = '1' then
-                hearing <= frame;
-              end if;
-            when token =>
-              hearing <= skip;
-              if byte = token_check(first) then
-                hearing <= end_token;
-              else
-                selected <= '0';
-              end if;
-            when end_token =>
-              hearing  <= skip;
-              selected <= '0';
-            when frame | skip =>
-              null;
-          end case;
-        end if;
-      end if;
-
-      if reset = '1' or driving = '1' then
-        hearing  <= between;
-        selected <= '0';
-        polled   <= '0';
-      end if;
-    end if;
-  end process;
-
-  receive_buffer : entity work.fifo
-    generic map (width => item_t'length, depth => rx_depth)
+  received : entity work.receive_buffer
+    generic map (rx_depth => rx_depth)
     port map (
       clock => clock, reset => reset,
-      write_valid => write_valid, write_ready => room, write_data => line_item,
-      read_valid => item_valid, read_ready => item_ready, read_data => item);
-
-  is_byte    <= '1' when item(item_t'high downto 8) = no_receive_error else '0';
-  rx_valid   <= item_valid and is_byte;
-  rx_data    <= item(7 downto 0);
-  item_ready <= rx_ready or not is_byte;
-  rx_error   <= item(item_t'high downto 8) when item_valid = '1' else no_receive_error;
-
-  -- Our turn.
+      line_valid => ours, line_ready => room, line_data => line_data, line_error => line_error,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error);
 
   said <= tx_last & tx_data;
 
@@ -244,91 +96,7 @@ begin
     port map (
       clock => clock, reset => reset,
       write_valid => tx_valid, write_ready => tx_ready, write_data => said,
-      read_valid => send_valid, read_ready => send_take, read_data => send);
-
-  with turn select out_data <=
-    "00" & node              when select_node,
-    token_check("00" & node) when select_check,
-    send(7 downto 0)         when saying,
-    to_master                when poll_master,
-    token_check(to_master)   when poll_check,
-    border                   when others;
-
-  may_say <= '1' when inside = '1' or left > 0 else '0';
-
-  with turn select out_valid <=
-    '0'                    when idle | turnaround | ending,
-    send_valid and may_say when saying,
-    '1'                    when others;
-
-  send_take <= out_ready and may_say when turn = saying else '0';
-  drive     <= driving;
-
-  take_turns : process (clock) is
-    variable next_bit : boolean;
-  begin
-    if rising_edge(clock) then
-      next_bit := clocks_left = 0;
-      if next_bit then
-        clocks_left <= bit_clocks - 1;
-        if bits_left > 0 then
-          bits_left <= bits_left - 1;
-        end if;
-      else
-        clocks_left <= clocks_left - 1;
-      end if;
-
-      driving <= '1';
-      if turn = idle or (turn = turnaround and bits_left > 1) then
-        driving <= '0';
-      end if;
-
-      case turn is
-        when idle =>
-          bits_left   <= turnaround_bits;
-          clocks_left <= bit_clocks - 1;
-          if polled = '1' then
-            turn <= turnaround;
-          end if;
-        when turnaround =>
-          if next_bit and bits_left = 1 then
-            turn <= begin_border;
-          end if;
-          left   <= turn_bytes;
-          inside <= '0';
-        when saying =>
-          if send_take = '1' and send_valid = '1' then
-            inside    <= not send(8);
-            bits_left <= silence_bits;
-            if left > 0 then
-              left <= left - 1;
-            end if;
-          elsif inside = '0' and out_ready = '1' then -- the last message is nearly out: a late one may join
-            turn <= poll_master;
-          elsif inside = '1' and send_valid = '0' and bits_left = 0 then
-            turn <= broken_border;
-          end if;
-        when ending =>
-          if out_ready = '0' then
-            bits_left   <= 1;
-            clocks_left <= bit_clocks - 1;
-          elsif next_bit then
-            turn <= idle;
-          end if;
-        when others =>
-          if out_ready = '1' then
-            turn <= behind(turn);
-          end if;
-      end case;
-
-      if reset = '1' then
-        turn    <= idle;
-        driving <= '0';
-        inside  <= '0';
-        left    <= 0;
-      end if;
-    end if;
-  end process;
+      read_valid => send_valid, read_ready => send_ready, read_data => send);
 
   transmitter : entity work.uart_tx
     generic map (clock_hz => clock_hz, baud_hz => baud_hz)

@@ -75,10 +75,9 @@ architecture rtl of spi_slave is
   signal came_1, came_2, came_3 : std_ulogic := '0';
 
   signal item_valid, item_room : std_ulogic := '0';
-  signal item                  : std_ulogic_vector(8 downto 0); -- a byte, or above it an overrun
+  signal item_data             : byte_t;
+  signal item_error            : receive_error_t := no_receive_error; -- an overrun in place of the byte
   signal lost                  : std_ulogic := '0';
-  signal got_valid, got_ready  : std_ulogic;
-  signal got                   : std_ulogic_vector(8 downto 0);
 
   signal said, send            : std_ulogic_vector(8 downto 0); -- the byte; above it: the last of a message
   signal room, may_go          : std_ulogic;
@@ -141,13 +140,15 @@ begin
 
       if item_room = '1' then
         item_valid <= new_byte or lost;
-        item       <= lost & came;
+        item_data  <= came;
+        item_error <= (overrun_error_bit => lost, others => '0');
         lost       <= '0'; -- a byte that comes in this clock shares the overrun
       elsif item_valid = '1' then
         lost <= lost or new_byte;
       else
         item_valid <= new_byte;
-        item       <= '0' & came;
+        item_data  <= came;
+        item_error <= no_receive_error;
       end if;
 
       if reset = '1' then
@@ -157,17 +158,12 @@ begin
     end if;
   end process;
 
-  receive_buffer : entity work.fifo
-    generic map (width => 9, depth => rx_depth)
+  received : entity work.receive_buffer
+    generic map (rx_depth => rx_depth)
     port map (
       clock => clock, reset => reset,
-      write_valid => item_valid, write_ready => item_room, write_data => item,
-      read_valid => got_valid, read_ready => got_ready, read_data => got);
-
-  rx_valid  <= got_valid and not got(8);
-  rx_data   <= got(7 downto 0);
-  got_ready <= rx_ready or got(8);
-  rx_error  <= (overrun_error_bit => got_valid and got(8), others => '0');
+      line_valid => item_valid, line_ready => item_room, line_data => item_data, line_error => item_error,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error);
 
   -- To the PC.
 

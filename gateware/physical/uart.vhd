@@ -2,9 +2,9 @@
 --
 -- UART physical layer: an asynchronous line on one side, byte streams with buffers on the other.
 --
---   rx_line --> uart_rx --> fifo --+--> rx_valid/ready/data
---                                  +--> rx_error              in its place between the bytes
---   tx_line <-- uart_tx <-- fifo <----- tx_valid/ready/data
+--   rx_line --> uart_rx --> receive_buffer --+--> rx_valid/ready/data
+--                                            +--> rx_error              in its place between the bytes
+--   tx_line <-- uart_tx <------------ fifo <----- tx_valid/ready/data
 --
 -- Errors    What went wrong travels through the receive buffer with the bytes. rx_error pulses for one clock after every
 --           byte before it was taken and before any behind it is offered, so that the datalink blames the right message.
@@ -48,14 +48,9 @@ end entity;
 
 architecture rtl of uart is
 
-  -- A character or an error in place of one: error above data.
-  subtype item_t is std_ulogic_vector(receive_error_t'length + 7 downto 0);
-
   signal line_valid, line_ready : std_ulogic;
-  signal line_item              : item_t;
-  signal item_valid, item_ready : std_ulogic;
-  signal item                   : item_t;
-  signal is_byte                : std_ulogic;
+  signal line_data              : std_ulogic_vector(7 downto 0);
+  signal line_error             : receive_error_t;
   signal send_valid, send_ready : std_ulogic;
   signal send_data              : std_ulogic_vector(7 downto 0);
 
@@ -66,20 +61,14 @@ begin
     port map (
       clock => clock, reset => reset, line => rx_line, line_break => line_break,
       rx_valid => line_valid, rx_ready => line_ready,
-      rx_data => line_item(7 downto 0), rx_error => line_item(item_t'high downto 8));
+      rx_data => line_data, rx_error => line_error);
 
-  receive_buffer : entity work.fifo
-    generic map (width => item_t'length, depth => rx_depth)
+  received : entity work.receive_buffer
+    generic map (rx_depth => rx_depth)
     port map (
       clock => clock, reset => reset,
-      write_valid => line_valid, write_ready => line_ready, write_data => line_item,
-      read_valid => item_valid, read_ready => item_ready, read_data => item);
-
-  is_byte    <= '1' when item(item_t'high downto 8) = no_receive_error else '0';
-  rx_valid   <= item_valid and is_byte;
-  rx_data    <= item(7 downto 0);
-  rx_error   <= item(item_t'high downto 8) when item_valid = '1' else no_receive_error;
-  item_ready <= rx_ready or not is_byte;
+      line_valid => line_valid, line_ready => line_ready, line_data => line_data, line_error => line_error,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error);
 
   transmit_buffer : entity work.fifo
     generic map (width => 8, depth => tx_depth)

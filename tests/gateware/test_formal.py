@@ -48,10 +48,10 @@ def test_a_quick_block_notices_a_fault(tools: Any, name: str) -> None:
 
 
 def test_a_fault_that_is_none_is_not_noticed(tools: Any) -> None:
-    mutant = tools("blocks").Mutant("fifo.vhd", "loaded <= load or", "loaded <= load  or")
+    mutant = tools("block").Mutant("fifo.vhd", "loaded <= load or", "loaded <= load  or")
     with pytest.raises(ToolError, match="0 times instead of once"):
         tools("prove").catch(block_of(tools, "fifo"), mutant)
-    mutant = tools("blocks").Mutant(
+    mutant = tools("block").Mutant(
         "fifo.vhd", "store <= write_valid and not full", "store <= not full and write_valid"
     )
     with pytest.raises(ToolError, match="fifo: nothing notices"):

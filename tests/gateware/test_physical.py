@@ -40,6 +40,11 @@ def test_uart_both_ways_and_errors_in_their_place(ghdl: Any, parity: str, baud_h
     ghdl.run("uart_tb", parity=parity, baud_hz=baud_hz, bytes=100 if baud_hz == 1_000_000 else 300)
 
 
+@pytest.mark.parametrize("depth", [2, 16])
+def test_receive_buffer(ghdl: Any, depth: int) -> None:
+    ghdl.run("receive_buffer_tb", depth=depth, seed=depth)
+
+
 @pytest.mark.parametrize(
     ("clock_hz", "sck_hz"),
     [(25_000_000, 25_000_000), (50_000_000, 25_000_000), (100_000_000, 25_000_000), (12_000_000, 1_000_000)],
@@ -58,6 +63,11 @@ def test_spi_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
 )
 def test_rs485(ghdl: Any, clock_hz: int, baud_hz: int, rounds: int) -> None:
     ghdl.run("rs485_tb", clock_hz=clock_hz, baud_hz=baud_hz, rounds=rounds, seed=rounds)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_rs485_node(ghdl: Any, seed: int) -> None:
+    ghdl.run("rs485_node_tb", seed=seed)
 
 
 def test_rs485_netlist(ghdl: Any, tmp_path: Path) -> None:

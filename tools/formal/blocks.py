@@ -3,57 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A seeded fault: one text of one VHDL file, which occurs there once, becomes another."""
-
-    file: str  # of gateware/, by its bare name
-    old: str
-    new: str
-
-
-@dataclass(frozen=True)
-class Block:
-    """One property file, gateware/formal/<name>_formal.vhd, and what is asked of the solvers.
-
-    Within `depth` clocks from power-up z3 searches for a violation, within `deep` ABC. Beyond that: with
-    `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC finds an invariant.
-    With neither the proof is shallow and the page says so. Every cover must be reached within `reach` clocks,
-    or else `depth`.
-    """
-
-    name: str
-    what: str
-    depth: int
-    mutants: tuple[Mutant, ...]
-    deep: int = 0
-    reach: int = 0
-    induction: int | None = None
-    pdr: bool = False
-    generics: Mapping[str, int | str | bool] = field(default_factory=dict)
-    not_proven: str = ""  # what a reader may expect and does not get
-    quick: bool = False  # in the short form too, which is a test
-    several_clocks: bool = False  # each an input; depths then count steps, in which any of them may turn
-
-    @property
-    def top(self) -> str:
-        """The entity of the property file."""
-        return f"{self.name}_formal"
-
-    @property
-    def searched(self) -> int:
-        """Clocks from power-up that are searched for a violation."""
-        return max(self.depth, self.deep)
-
-    @property
-    def reached(self) -> int:
-        """Clocks within which every cover must be reached."""
-        return self.reach or self.depth
-
+from block import Block, Mutant
+from physical_blocks import PHYSICAL_BLOCKS
 
 BLOCKS = (
     Block(
@@ -170,37 +121,7 @@ BLOCKS = (
             Mutant("axi_lite_master.vhd", "          given_up <= '1';", "          given_up <= '0';"),
         ),
     ),
-    Block(
-        "uart_tx",
-        "`physical/uart_tx`, 8N1, 4 clocks a bit",
-        depth=12,
-        deep=60,
-        reach=45,
-        pdr=True,
-        not_proven="parity, two stop bits, bits of no whole number of clocks: the benches try them",
-        mutants=(
-            Mutant("uart_tx.vhd", "left = 1 and tick = '1') else", "left = 1) else"),
-            Mutant("uart_tx.vhd", "phase <= to_unsigned(increment, bits + 1);", "phase <= (others => '0');"),
-            Mutant("uart_tx.vhd", "shift <= '1' & shift(9 downto 1);", "shift <= '0' & shift(9 downto 1);"),
-        ),
-    ),
-    Block(
-        "uart_rx",
-        "`physical/uart_rx`, 8N1, 8 clocks a bit",
-        depth=12,
-        deep=110,
-        reach=100,
-        not_proven="frames after the first; parity, fast or slow senders, spikes: the benches try them",
-        mutants=(
-            Mutant(
-                "uart_rx.vhd",
-                "shift    <= level & shift(7 downto 1);",
-                "shift    <= shift(6 downto 0) & level;",
-            ),
-            Mutant("uart_rx.vhd", "error(framing_error_bit) := '1';", "error(framing_error_bit) := '0';"),
-            Mutant("uart_rx.vhd", "all_low  <= '1';", "null;"),
-        ),
-    ),
+    *PHYSICAL_BLOCKS,
     Block(
         "receiver",
         "`datalink/decoder` and `datalink/receiver`, CRC-8, messages of fewer than 5 entries",
@@ -265,22 +186,6 @@ BLOCKS = (
         ),
     ),
     Block(
-        "ft245_async",
-        "`physical/ft245_async` at 50 MHz, buffers of 2 bytes",
-        depth=8,
-        deep=20,
-        reach=20,
-        pdr=True,
-        not_proven="that no byte is lost between chip and buffers: the chip model of the benches tries it",
-        mutants=(
-            Mutant("ft245_async.vhd", "count <= read_clocks - 1;", "count <= 0;"),
-            Mutant("ft245_async.vhd", "flush      <= send_item(8);", "flush      <= '1';"),
-            Mutant(
-                "ft245_async.vhd", "state   <= holding;", "state   <= idle;\n            data_drive <= '0';"
-            ),
-        ),
-    ),
-    Block(
         "tosnet_slave",
         "The commit of `bus/tosnet_slave`, two words, cycles of 5 clocks",
         depth=6,
@@ -301,22 +206,6 @@ BLOCKS = (
         ),
     ),
     Block(
-        "ft245_async_bytes",
-        "`physical/ft245_async`, 50 MHz, buffers of 2 bytes, a chip that gives and takes when it likes",
-        depth=8,
-        deep=18,
-        reach=12,
-        not_proven="times within a clock, and other clocks: the bench's model of the chip checks them",
-        mutants=(
-            Mutant("ft245_async.vhd", "seen_rxf_n = '0' and read_wait = 0 and", "read_wait = 0 and"),
-            Mutant("ft245_async.vhd", "seen_txe_n = '0' and turn_wait = 0", "turn_wait = 0"),
-            Mutant(
-                "ft245_async.vhd", "            data_drive <= '0';\n            state", "            state"
-            ),
-            Mutant("ft245_async.vhd", "flushed <= flush;", "flushed <= '1';"),
-        ),
-    ),
-    Block(
         "async_fifo",
         "`common/async_fifo`, 4 words of a bit, two clocks of any ratio; depths in half clocks",
         depth=8,
@@ -329,24 +218,6 @@ BLOCKS = (
             Mutant("async_fifo.vhd", "when held < depth - margin", "when held <= depth - margin"),
             Mutant("async_fifo.vhd", "load or (loaded and not read_ready)", "load or loaded"),
             Mutant("async_fifo.vhd", "write_grey  <= grey(count);", "write_grey  <= grey(count + 1);"),
-        ),
-    ),
-    Block(
-        "siwu_pulse",
-        "`physical/siwu_pulse`, pulses of 5 clocks",
-        depth=12,
-        deep=40,
-        reach=30,
-        pdr=True,
-        not_proven="times within a clock",
-        mutants=(
-            Mutant("siwu_pulse.vhd", "waits <= waits or due;", "waits <= due;"),
-            Mutant("siwu_pulse.vhd", "if count = gap_clocks then", "if count = 1 then"),
-            Mutant(
-                "siwu_pulse.vhd",
-                "(waits or due) = '1' and count = 0",
-                "(waits or due) = '1' and siwu_n = '1'",
-            ),
         ),
     ),
     Block(

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from blocks import Block, Mutant
+from block import Block, Mutant
 
 from unitylink.errors import ToolError
 from unitylink.gateware import Ghdl, gateware_folder, gateware_sources

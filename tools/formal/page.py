@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from blocks import BLOCKS, Block
+from block import Block
+from blocks import BLOCKS
 
 FOLDER = Path(__file__).resolve().parents[2] / "gateware" / "formal"
 

@@ -13,7 +13,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from blocks import BLOCKS, Block, Mutant
+from block import Block, Mutant
+from blocks import BLOCKS
 from model import model, unreachable
 from page import page, table
 from solvers import always, followed, inductive, reached, violated, violated_at

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is asked about one block, and a fault that its proof must notice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A seeded fault: one text of one VHDL file, which occurs there once, becomes another."""
+
+    file: str  # of gateware/, by its bare name
+    old: str
+    new: str
+
+
+@dataclass(frozen=True)
+class Block:
+    """One property file, gateware/formal/<name>_formal.vhd, and what is asked of the solvers.
+
+    Within `depth` clocks from power-up z3 searches for a violation, within `deep` ABC. Beyond that: with
+    `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC finds an invariant.
+    With neither the proof is shallow and the page says so. Every cover must be reached within `reach` clocks,
+    or else `depth`.
+    """
+
+    name: str
+    what: str
+    depth: int
+    mutants: tuple[Mutant, ...]
+    deep: int = 0
+    reach: int = 0
+    induction: int | None = None
+    pdr: bool = False
+    generics: Mapping[str, int | str | bool] = field(default_factory=dict)
+    not_proven: str = ""  # what a reader may expect and does not get
+    quick: bool = False  # in the short form too, which is a test
+    several_clocks: bool = False  # each an input; depths then count steps, in which any of them may turn
+
+    @property
+    def top(self) -> str:
+        """The entity of the property file."""
+        return f"{self.name}_formal"
+
+    @property
+    def searched(self) -> int:
+        """Clocks from power-up that are searched for a violation."""
+        return max(self.depth, self.deep)
+
+    @property
+    def reached(self) -> int:
+        """Clocks within which every cover must be reached."""
+        return self.reach or self.depth
