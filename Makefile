@@ -56,10 +56,7 @@ demo-ros: $(VENV)/.built
 	@tools/setup.sh ros
 	@tools/demo_ros.sh
 
-test: $(VENV)/.built
-	@tools/setup.sh group test
-	@tools/setup.sh system
-	@tools/setup.sh ros2
+test:
 	@tools/test.sh
 
 unit: $(VENV)/.built

@@ -1,37 +1,75 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The whole proof, in the order in which a failure tells most. A part that cannot run is a failure, not a skip.
+# The whole proof. A part that cannot run is a failure, not a skip. What does not need the other runs beside it, for much of it leaves a
+# processor idle: a download, a robot that moves in real time, a program of one thread.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=.venv/bin
+logs=build/test
+export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
 
-say "checks"
-tools/check.sh
-say "native tests"
-build/native/unitylink_tests
-say "native fuzz loops, short form"
-for fuzzer in build/native/fuzz_*; do
-  "$fuzzer" --seconds 3 --seed 1
-done
-say "faults of the wire, and mistakes that must show there"
-"$bin/unitylink" faults --messages 2000000 --jobs 2 | tail -n 1
-"$bin/unitylink" faults --messages 200000 --jobs 2 --protocol classic | tail -n 1
-"$bin/python" tools/mutants.py --sample 3
-say "demo"
-tools/setup.sh group demo
-"$bin/python" examples/scara/run.py --picture build/scara.png
-[ -s build/scara.png ]
-say "recorded exchanges of the 2012 gateware"
-"$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
-"$bin/unitylink" conformance tests/conformance/classic-transcripts.json --rtl | tail -n 3
+set -m                                    # each in a process group of its own, which can be ended as a whole
+running=()
+beside() {                                # beside NAME...: run these functions beside each other; `join` shows what they said
+  say "$* (beside each other)"
+  for part in "$@"; do
+    ( "$part" ) < /dev/null > "$logs/$part.log" 2>&1 &
+    running+=("$part:$!")
+  done
+}
+join() {
+  local failed=() part
+  for part in "${running[@]}"; do
+    if ! wait "${part#*:}"; then failed+=("${part%:*}"); fi
+    say "${part%:*}"
+    cat "$logs/${part%:*}.log"
+  done
+  running=()
+  [ ${#failed[@]} = 0 ] || { printf '\nfailed: %s\n' "${failed[*]}" >&2; exit 1; }
+}
+trap 'for part in "${running[@]}"; do kill -- "-${part#*:}" 2>/dev/null || true; done' EXIT
+
+system() { tools/setup.sh system; }
+library() {
+  make --no-print-directory build
+  tools/setup.sh group test
+}
+sources() { tools/check.sh sources; }
+packages() {
+  for name in demo wheel docs boards; do tools/setup.sh group "$name"; done
+  "$bin/python" examples/scara/run.py --picture build/scara.png
+  [ -s build/scara.png ]
+}
+ros2() { tools/setup.sh ros2; }
+native() {
+  tools/check.sh native
+  build/native/unitylink_tests
+  local fuzzer fuzzers=()
+  for fuzzer in build/native/fuzz_*; do
+    "$fuzzer" --seconds 6 --seed 1 &
+    fuzzers+=($!)
+  done
+  for fuzzer in "${fuzzers[@]}"; do wait "$fuzzer"; done
+  echo "faults of the wire, and mistakes that must show there"
+  "$bin/unitylink" faults --messages 2000000 --jobs 2 | tail -n 1
+  "$bin/unitylink" faults --messages 200000 --jobs 2 --protocol classic | tail -n 1
+  "$bin/python" tools/mutants.py --sample 3
+}
+recordings() {                            # of the 2012 gateware
+  "$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
+  "$bin/unitylink" conformance tests/conformance/classic-transcripts.json --rtl | tail -n 3
+}
+
+mkdir -p "$logs"
+beside system library
+join
+beside sources native packages ros2 recordings
+join
 say "tests"
-tools/setup.sh group wheel
-tools/setup.sh group docs
-tools/setup.sh group boards
 rm -rf build/coverage
-UNITYLINK_COVERAGE="$PWD/build/coverage" "$bin/python" -m pytest tests -q -n 2 --dist loadgroup
+UNITYLINK_COVERAGE="$PWD/build/coverage" "$bin/python" -m pytest tests -q -n 3 --dist loadgroup
 say "line coverage of the gateware"
 "$bin/python" tools/coverage.py --report
 printf '\nall passed in %d s\n' $((SECONDS - started))

@@ -173,9 +173,7 @@ def _compile(
     # What runs only once need not be fast, and most of a small file's time goes into the headers.
     others = folder / "others.cpp"
     others.write_text("".join(f'#include "{path}"\n' for path in rarely), encoding="utf-8")
-    library_files = [include / name for name in ("verilated.cpp", "verilated_threads.cpp")]
-    jobs = [(path, "-O2") for path in (*every_clock, _HERE / "model.cpp")]
-    jobs += [(path, "-O1") for path in library_files] + [(others, "-O0")]
+    jobs = [(path, "-O2") for path in (*every_clock, _HERE / "model.cpp")] + [(others, "-O0")]
     done = 0
 
     def compile_one(job: tuple[Path, str]) -> str:
@@ -188,8 +186,26 @@ def _compile(
         return str(target)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        runtime = pool.submit(_runtime, tools, include)
         objects = list(pool.map(compile_one, jobs))
-    _run([tools.compiler, *_LINK, *objects, "-o", str(library)])
+    _run([tools.compiler, *_LINK, *objects, str(runtime.result()), "-o", str(library)])
+
+
+def _runtime(tools: _Tools, include: Path) -> Path:
+    """Return what every model needs of Verilator itself, compiled: once, and not with each model."""
+    sources = [include / name for name in ("verilated.cpp", "verilated_threads.cpp")]
+    parts = [tools.versions(), repr((_COMPILE, include))]
+
+    def build(target: Path) -> None:
+        with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:
+            objects = []
+            for source in sources:
+                objects.append(str(Path(work) / f"{source.stem}.o"))
+                _run([tools.compiler, *_COMPILE, f"-I{include}", "-O1", "-c", str(source), "-o", objects[-1]])
+            _run([tools.compiler, "-r", "-nostdlib", *objects, "-o", str(target)])
+
+    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+    return cached(key, build, kind="rtl-runtime", suffix=".o")
 
 
 def _run(command: Sequence[str], folder: Path | None = None) -> str:

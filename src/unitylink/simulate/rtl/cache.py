@@ -16,29 +16,36 @@ from unitylink.resources import cache_folder
 KEPT = 64  # models, the least used of which go; one has 1 to 5 MB
 
 
-def cached(key: str, build: Callable[[Path], None], say: Callable[[str], None] = lambda text: None) -> Path:
+def cached(
+    key: str,
+    build: Callable[[Path], None],
+    say: Callable[[str], None] = lambda text: None,
+    *,
+    kind: str = "rtl",
+    suffix: str = ".so",
+) -> Path:
     """Return the file kept under `key`; if there is none, or it is damaged, `build(path)` makes it.
 
-    Whoever else wants to build waits meanwhile, and then finds it. A file's name has its own checksum, so
-    one that was cut short or changed is seen before it is loaded. Raises ToolError when the folder cannot be
-    written.
+    Each `kind` of file has a folder of its own. Whoever else wants to build waits meanwhile, and then finds
+    it. A file's name has its own checksum, so one that was cut short or changed is seen before it is loaded.
+    Raises ToolError when the folder cannot be written.
     """
-    folder = cache_folder("rtl")
+    folder = cache_folder(kind)
     try:
-        if (kept := _find(folder, key)) is not None:
+        if (kept := _find(folder, key, suffix)) is not None:
             return kept
         folder.mkdir(parents=True, exist_ok=True)
         with _locked(folder / "lock", say):
-            if (kept := _find(folder, key)) is not None:
+            if (kept := _find(folder, key, suffix)) is not None:
                 return kept
             fresh = folder / f".{key}.{os.getpid()}"
             try:
                 build(fresh)
-                kept = folder / f"{key}-{_checksum(fresh)}.so"
+                kept = folder / f"{key}-{_checksum(fresh)}{suffix}"
                 os.replace(fresh, kept)
             finally:
                 fresh.unlink(missing_ok=True)
-            _trim(folder)
+            _trim(folder, suffix)
             return kept
     except OSError as error:
         raise ToolError(
@@ -47,8 +54,8 @@ def cached(key: str, build: Callable[[Path], None], say: Callable[[str], None] =
         ) from error
 
 
-def _find(folder: Path, key: str) -> Path | None:
-    for path in folder.glob(f"{key}-*.so"):
+def _find(folder: Path, key: str, suffix: str) -> Path | None:
+    for path in folder.glob(f"{key}-*{suffix}"):
         if path.stem == f"{key}-{_checksum(path)}":
             with suppress(OSError):  # somebody else's, or just trimmed
                 os.utime(path)
@@ -75,7 +82,7 @@ def _locked(path: Path, say: Callable[[str], None]) -> Iterator[None]:
         yield
 
 
-def _trim(folder: Path) -> None:
-    by_use = sorted(folder.glob("*.so"), key=lambda path: path.stat().st_mtime, reverse=True)
+def _trim(folder: Path, suffix: str) -> None:
+    by_use = sorted(folder.glob(f"*{suffix}"), key=lambda path: path.stat().st_mtime, reverse=True)
     for path in by_use[KEPT:]:
         path.unlink(missing_ok=True)
