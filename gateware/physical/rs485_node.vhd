@@ -3,16 +3,16 @@
 -- A node on an RS-485 pair, character by character: what it hears of the master, and when it speaks. See rs485, which puts
 -- a line and buffers around it.
 --
---   line_valid/ready/data/error --> | hears tokens   | --> rx_valid/ready      those of our own frames; data and error as they are
+--   line_valid/ready/data/error --> | hears tokens   | --> rx_valid/ready      our own frames, as they are
 --                                   |  | polled      |
 --   out_valid/ready/data, drive <-- | takes its turn | <-- send_valid/ready/data/last
 --
 -- Hears     Frames behind a select of this node, and the border in front of the first. While it drives, nothing.
--- Speaks    A turn behind each poll of this node, and at no other time: 00, select, 00, messages, poll 0. Messages end at the first
---           end of one at which none waits or `turn_bytes` have been said; or, the message broken, after `silence_bits`
---           without a byte of it.
--- Latency   Last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks; to the first character a bit more. `drive`
---           falls a bit and a clock behind the one in which the transmitter is ready again.
+-- Speaks    A turn behind each poll of this node, and at no other time: 00, select, 00, messages, poll 0. Messages end at the
+--           first end of one at which none waits or `turn_bytes` have been said; or, the message broken, after
+--           `silence_bits` without a byte of it.
+-- Latency   Last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks; to the first character a bit more.
+--           `drive` falls a bit and a clock behind the one in which the transmitter is ready again.
 -- Errors    A character with an error is part of no token, and ends what was selected, but within a frame of ours.
 -- Pressure  Characters for the core wait for rx_ready, others for nobody. send_ready is high only in a turn.
 -- Reset     Ends a turn at once.
