@@ -37,6 +37,7 @@ entity frame_application is
     reset                 : in  std_ulogic;
     request               : in  frame_request_t;
     take                  : out std_ulogic;
+    take_bytes            : out unsigned(7 downto 0);
     rewind                : out std_ulogic;
     request_done          : out std_ulogic;
     reply                 : out frame_reply_t;
@@ -67,6 +68,9 @@ architecture rtl of frame_application is
   constant address_bits  : positive        := 8 * settings.address_bytes;
   constant data_bytes    : positive        := settings.data_bytes;
 
+  constant once          : byte_t          := byte_t(to_unsigned(shape_once, 8));
+  constant up            : byte_t          := byte_t(to_unsigned(shape_up, 8));
+
   subtype pointer_t is unsigned(bits_for(content'length) - 1 downto 0);
 
   signal instruction  : frame_instruction_t;
@@ -89,6 +93,7 @@ architecture rtl of frame_application is
   signal flags        : byte_t := (others => '0');
   signal marks        : byte_t := (others => '0');
   signal shape        : byte_t := (others => '0');
+  signal passes       : std_ulogic;  -- it is take_item, and takes nothing: all words have one address
   signal pointer      : pointer_t := (others => '0');
 
   signal word_index : pointer_t;
@@ -223,13 +228,7 @@ begin
   -- What is said.
 
   -- A status: of the reply that was kept, of `data`, or of the instruction.
-  state_status : process (all)
-  begin
-    status_now <= number_now(3 downto 0);
-    if number_now(5) = '1' then
-      status_now <= data(3 downto 0);
-    end if;
-  end process;
+  status_now <= data(3 downto 0) when number_now(5) = '1' else number_now(3 downto 0);
 
   speak : process (all)
     variable what : std_ulogic_vector(2 downto 0);
@@ -264,7 +263,15 @@ begin
 
   -- What is asked of the others.
 
-  take         <= does and or instruction(take_f);
+  takes : if lists generate
+    passes     <= to_bit(instruction(take_f) = take_item) and or (shape and once);
+    take       <= does and or instruction(take_f) and not passes;
+    take_bytes <= count when instruction(take_f) = take_many else x"01";
+  else generate
+    take       <= does and or instruction(take_f);
+    take_bytes <= x"01";
+  end generate;
+
   rewind       <= (finishes and instruction(do_rewind)) or begins;
   request_done <= finishes and instruction(do_done);
 
@@ -337,7 +344,7 @@ begin
         elsif instruction(source_f) = from_id then
           id <= id(7 downto 0) & id(15 downto 8);
         end if;
-        if instruction(take_f) = take_address then
+        if instruction(take_f) = take_address or (lists and instruction(take_f) = take_item and passes = '0') then
           address <= address(address_bits - 9 downto 0) & unsigned(request.data);
         end if;
       end if;
@@ -347,7 +354,7 @@ begin
         elsif instruction(do_find_address) = '1' and groups > 0 then
           address <= unsigned(subscription_response.word(address'range));
         elsif instruction(special_f) = address_up and lists then
-          address <= address + 1;
+          address <= address + unsigned'("" & or (shape and up));
         end if;
       end if;
     end if;
@@ -375,7 +382,11 @@ begin
           when set_flags    => flags        <= flags or number_now;
           when clear_flags  => flags        <= flags and not number_now;
           when set_marks    => marks        <= marks or number_now;
-          when load_shape   => shape        <= shape_of(data(7 downto 0));
+          when load_shape   =>
+            shape <= shape_of(data(7 downto 0));
+            if lists then
+              marks <= marks or marks_of(shape_of(data(7 downto 0)));
+            end if;
           when load_count   => count        <= unsigned(data(7 downto 0));
           when load_kept    => count        <= resize(kept_count, 8);
           when load_group   => group_number <= unsigned(data(7 downto 0));

@@ -42,10 +42,10 @@ package frame_assembler_pkg is
     -- posts
     post_other, post_old, post_denied, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
-    list_start, list_op, list_fifo, list_count, list_reads, list_many, list_back, list_total, list_counted, list_once,
-    list_word, list_value, list_mask, list_data, list_access, list_next, list_again, list_more, list_checked, list_plain,
-    list_free, list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_read, run_masked, run_add,
-    run_skip, run_again, run_await, run_next, run_up, list_executed, list_failed, list_unposted,
+    list_start, list_op, list_pass, list_values, list_more, list_masks, list_once, list_reads, list_plain, list_free,
+    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads, run_read,
+    run_next, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed, list_failed,
+    list_unposted,
     -- exchange groups
     define_output, define_outputs, define_input, define_inputs, define_barrier, define_go, define_entry, define_entries,
     exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,

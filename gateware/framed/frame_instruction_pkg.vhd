@@ -38,7 +38,7 @@ package frame_instruction_pkg is
 
   -- What makes it jump.
   constant never           : natural := 0;
-  constant if_missing      : natural := 1;   -- all bytes of the frame are taken
+  constant if_missing      : natural := 1;   -- fewer bytes of the frame are left than one, or take_many takes
   constant if_left_not     : natural := 2;   -- so many are not left: `number`
   constant if_left_other   : natural := 3;   -- so many are not left: lowest byte of `data`
   constant if_not_plain    : natural := 4;   -- if_left_not, or the request is chained or has a barrier
@@ -95,8 +95,10 @@ package frame_instruction_pkg is
   constant take_skip    : std_ulogic_vector(2 downto 0) := "001";
   constant take_data    : std_ulogic_vector(2 downto 0) := "010";
   constant take_first   : std_ulogic_vector(2 downto 0) := "011";  -- to `data`, whose other bytes become zero
+  constant take_many    : std_ulogic_vector(2 downto 0) := "100";  -- nowhere, and `count` bytes at once
   constant take_address : std_ulogic_vector(2 downto 0) := "101";
   constant take_id      : std_ulogic_vector(2 downto 0) := "110";
+  constant take_item    : std_ulogic_vector(2 downto 0) := "111";  -- to the address, where each word of the operation has its own
 
   -- What `data` becomes.
   constant data_stays   : std_ulogic_vector(3 downto 0) := "0000";
@@ -130,14 +132,14 @@ package frame_instruction_pkg is
   constant set_flags    : std_ulogic_vector(4 downto 0) := "00001";  -- those in `number`
   constant clear_flags  : std_ulogic_vector(4 downto 0) := "00010";
   constant set_marks    : std_ulogic_vector(4 downto 0) := "00011";  -- likewise; beginning clears them all
-  constant load_shape   : std_ulogic_vector(4 downto 0) := "00100";  -- of the operation in the lowest byte of `data`
+  constant load_shape   : std_ulogic_vector(4 downto 0) := "00100";  -- of the operation in `data`; its marks, too
   constant load_count   : std_ulogic_vector(4 downto 0) := "00101";  -- from the lowest byte of `data`
   constant load_kept    : std_ulogic_vector(4 downto 0) := "00110";  -- from the length of the reply that was kept
   constant load_group   : std_ulogic_vector(4 downto 0) := "01000";  -- from the lowest byte of `data`
   constant load_size    : std_ulogic_vector(4 downto 0) := "01001";  -- from the highest byte of the word
   constant load_epoch   : std_ulogic_vector(4 downto 0) := "01010";  -- from the lower half of `data`
   constant load_running : std_ulogic_vector(4 downto 0) := "01011";  -- the flag: `data` is not zero
-  constant address_up   : std_ulogic_vector(4 downto 0) := "01110";
+  constant address_up   : std_ulogic_vector(4 downto 0) := "01110";  -- of an operation at rising addresses
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit
   constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place number `pointer` holds its id of before the start

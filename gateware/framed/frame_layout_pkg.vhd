@@ -64,7 +64,8 @@ package frame_layout_pkg is
   constant word_ticks    : natural := 16#4E#;  -- where it starts
   constant word_barrier  : natural := 16#4F#;
   constant word_total    : natural := 16#50#;  -- of a list: words
-  constant word_reads    : natural := 16#51#;  -- and those read
+  constant word_reads    : natural := 16#51#;  -- those read
+  constant word_writes   : natural := 16#55#;  -- and those written
   constant word_done     : natural := 16#52#;  -- and those done, less one
   constant word_mask     : natural := 16#53#;
   constant word_answer   : natural := 16#59#;  -- the status of a list that failed
@@ -96,7 +97,6 @@ package frame_layout_pkg is
   constant mark_repeated  : natural := 1;    -- executed before: nothing is written again
   constant mark_writes    : natural := 2;    -- the list does
   constant mark_fifo      : natural := 4;    -- the list has a read_fifo
-  constant mark_many      : natural := 8;    -- the list reads more words than a reply holds
   constant mark_posting   : natural := 16;   -- it is a post
   constant mark_executing : natural := 32;   -- list or group has been checked
   constant mark_heard     : natural := 128;  -- of a tick: a frame of the session has come since the last one
@@ -114,6 +114,9 @@ package frame_layout_pkg is
   constant shape_none  : natural := 128;  -- there is no such operation
 
   function shape_of(operation : byte_t) return byte_t;
+
+  -- Of its frame: it writes, it has a read_fifo.
+  function marks_of(shape : byte_t) return byte_t;
 
   -- An exchange group: its number of inputs in the lowest byte, of outputs in the next but one above; its word_out_size, 0
   -- if it is not defined; then of each word the bytes, in the highest byte, and the address, which takes a word of its own
@@ -148,6 +151,14 @@ package body frame_layout_pkg is
       when others                        => shape := shape_none;
     end case;
     return byte_t(to_unsigned(shape, 8));
+  end function;
+
+  function marks_of(shape : byte_t) return byte_t is
+    constant reads : std_ulogic := or (shape and byte_t(to_unsigned(shape_reads, 8)));
+    constant fifo  : std_ulogic := or (shape and byte_t(to_unsigned(shape_fifo, 8)));
+  begin
+    return (byte_t(to_unsigned(mark_writes, 8)) and (7 downto 0 => not reads)) or
+           (byte_t(to_unsigned(mark_fifo, 8)) and (7 downto 0 => fifo));
   end function;
 
   constant first_table : natural := 16#80#;

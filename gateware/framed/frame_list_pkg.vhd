@@ -21,124 +21,130 @@ end package;
 
 package body frame_list_pkg is
 
-  -- An operation and the bytes of its next word, as far as to the access; from the first byte on.
+  -- An operation as far as its count. Then its bytes are passed over, where the form is checked or it has been executed before.
   procedure operation(p : inout assembler_t; s : frame_settings_t) is
-    constant most_reads : natural := (s.reply_max - 6) / s.data_bytes;
   begin
     at(p, list_op);
     put(p, take(take_first), if_missing, invalid);
     put(p, also(load_shape));
     put(p, number(shape_none), if_shape, invalid);
-    put(p, number(shape_fifo), if_shape, list_fifo);
-    at(p, list_count);
     put(p, take(take_first), if_missing, invalid);
     put(p, also(load_count, 0), if_low, invalid);
-    put(p, number(mark_executing), if_mark, list_counted);
-    put(p, number(shape_reads), if_shape, list_reads);
-    put(p, also(set_marks, mark_writes));
-    at(p, list_total);
-    put(p, data(data_add) or number(word_total) or times(2));
-    put(p, store(store_data, word_total));
-    at(p, list_counted);
-    put(p, number(shape_once), if_shape, list_once);
-    at(p, list_word);
-    put(p, take(take_address) or times(s.address_bytes), if_missing, invalid);
-    at(p, list_value);
-    put(p, number(shape_reads), if_shape, list_access);
-    put(p, number(shape_mask), if_shape, list_mask);
-    at(p, list_data);
-    take_bytes(p, s.data_bytes, if_missing, invalid);
-    at(p, list_access);
     put(p, number(mark_executing), if_mark, run);
-    at(p, list_next);
-    put(p, act(do_count));
-    put(p, number(shape_once), if_shape, list_again);
-    put(p, nothing_done, if_some_left, list_word);
+    put(p, number(shape_reads), if_shape, list_reads);
+    put(p, data(data_add) or number(word_writes) or times(2));
+    put(p, store(store_data, word_writes));
+    at(p, list_pass);
+    put(p, number(shape_once), if_shape, list_once);
+    put(p, take(take_many) or times(s.address_bytes), if_missing, invalid);
+    at(p, list_values);
+    put(p, number(shape_reads), if_shape, list_more);
+    put(p, take(take_many) or times(s.data_bytes), if_missing, invalid);
+    put(p, number(shape_mask), if_shape, list_masks);
     at(p, list_more);
     put(p, number(0), if_left_not, list_op);
     put(p, number(mark_executing), if_mark, list_executed);
     put(p, number(mark_posting), if_mark, post_formed);
     go_to(p, places);
-
-    at(p, list_again);
-    put(p, nothing_done, if_some_left, list_value);
+    at(p, list_masks);
+    put(p, take(take_many) or times(s.data_bytes), if_missing, invalid);
     go_to(p, list_more);
-    at(p, list_fifo);
-    put(p, also(set_marks, mark_fifo));
-    go_to(p, list_count);
     at(p, list_once);
-    put(p, take(take_address) or times(s.address_bytes), if_missing, invalid);
-    put(p, number(mark_executing), if_mark, list_value);
-    put(p, number(shape_reads), if_shape, list_more);  -- no byte more to look at
-    go_to(p, list_value);
-    at(p, list_mask);
-    take_bytes(p, s.data_bytes, if_missing, invalid);
-    put(p, store(store_data, word_mask));
-    go_to(p, list_data);
-
+    put(p, take(take_skip) or times(s.address_bytes), if_missing, invalid);
+    go_to(p, list_values);
     at(p, list_reads);
     put(p, number(mark_posting), if_mark, invalid);
-    put(p, store(store_data, word_operand));
     put(p, data(data_add) or number(word_reads) or times(2));
-    put(p, number(most_reads), if_above, list_many);
     put(p, store(store_data, word_reads));
-    at(p, list_back);
-    load(p, word_operand);
-    go_to(p, list_total);
-    at(p, list_many);
-    put(p, also(set_marks, mark_many));
-    go_to(p, list_back);
+    go_to(p, list_pass);
   end procedure;
 
-  -- Executes one word: the value is in `data`.
-  procedure access_word(p : inout assembler_t; s : frame_settings_t) is
+  -- Executes an operation, whose count is in `data`, too. A word is counted as done where its access begins.
+  procedure execute(p : inout assembler_t; s : frame_settings_t) is
+    constant counted  : frame_instruction_t := act(do_count) or store(store_next, word_done);
+    constant together : positive            := minimum(s.address_bytes, s.data_bytes);
 
-    procedure count_done is
+    -- What is done so often counts a word next: its place has to be looked at before.
+    procedure look(turns : positive) is
     begin
-      put(p, store(store_next, word_done) or times(2));
+      if turns = 1 then
+        put(p, number(word_done));
+      end if;
+    end procedure;
+
+    procedure await is
+    begin
+      put(p, act(do_await), if_failed, list_failed);
     end procedure;
   begin
     at(p, run);
-    put(p, number(shape_reads), if_shape, run_read);
-    put(p, number(mark_repeated), if_mark, run_skip);
-    put(p, number(shape_mask), if_shape, run_masked);
-    put(p, number(shape_add), if_shape, run_add);
-    put(p, act(do_write));
-    count_done;
-    at(p, run_await);
-    put(p, act(do_await), if_failed, list_failed);
-    at(p, run_next);
-    put(p, number(shape_up), if_shape, run_up);
-    go_to(p, list_next);
-    at(p, run_up);
-    put(p, also(address_up));
-    go_to(p, list_next);
-    at(p, run_skip);
-    count_done;
-    go_to(p, run_next);
+    put(p, number(mark_repeated), if_mark, run_again);
+    at(p, run_go);
+    put(p, number(shape_once), if_shape, run_once);
+    at(p, run_words);
+    put(p, number(shape_reads), if_shape, run_reads);
+    put(p, number(shape_mask + shape_add), if_shape, run_change);
+
+    at(p, run_write);
+    put(p, take(take_item) or times(s.address_bytes));
+    look(s.data_bytes);
+    put(p, take(take_data) or times(s.data_bytes) or act(do_write) or counted);
+    await;
+    put(p, also(address_up), if_some_left, run_write);
+    go_to(p, list_more);
+
+    at(p, run_reads);
+    look(s.address_bytes);
+    put(p, take(take_item) or times(s.address_bytes) or act(do_read) or counted);
     at(p, run_read);
-    put(p, act(do_read));
-    count_done;
-    put(p, act(do_await), if_failed, list_failed);
-    put(p, say(say_kept, from_word) or times(s.data_bytes));
-    go_to(p, run_next);
-    at(p, run_masked);
+    await;
+    if s.data_bytes > together then
+      put(p, say(say_kept, from_word) or times(s.data_bytes - together) or also(address_up, word_done), if_some_left, run_next);
+    else
+      put(p, also(address_up, word_done), if_some_left, run_next);
+    end if;
+    put(p, say(say_kept, from_word) or times(together));
+    go_to(p, list_more);
+    at(p, run_next);  -- the address of the next word is taken while the last bytes of this one are said
+    if s.address_bytes > together then
+      put(p, take(take_item) or times(s.address_bytes - together) or number(word_done));
+    end if;
+    put(p, say(say_kept, from_word) or take(take_item) or times(together) or act(do_read) or counted);
+    go_to(p, run_read);
+
+    at(p, run_change);
+    put(p, take(take_item) or times(s.address_bytes));
+    put(p, number(shape_mask), if_shape, run_mask);
+    at(p, run_value);
+    look(s.data_bytes);
+    put(p, take(take_first) or times(s.data_bytes) or counted);
+    put(p, number(shape_add), if_shape, run_operand);
     put(p, data(data_and) or number(word_mask) or times(2));
-    put(p, store(store_data, word_operand));
-    put(p, act(do_read));
-    count_done;
-    put(p, act(do_await), if_failed, list_failed);
+    at(p, run_operand);
+    put(p, store(store_data, word_operand) or act(do_read));
+    await;
+    put(p, number(shape_add), if_shape, run_add);
     put(p, data(data_and_not) or number(word_mask) or times(2));
-    at(p, run_again);
+    at(p, run_add);
     put(p, data(data_add) or number(word_operand) or times(2));
     put(p, act(do_write));
-    go_to(p, run_await);
-    at(p, run_add);
-    put(p, store(store_data, word_operand));
-    put(p, act(do_read));
-    count_done;
-    put(p, act(do_await), if_failed, list_failed);
-    go_to(p, run_again);
+    await;
+    put(p, nothing_done, if_some_left, run_change);
+    go_to(p, list_more);
+    at(p, run_mask);
+    take_bytes(p, s.data_bytes);
+    put(p, store(store_data, word_mask));
+    go_to(p, run_value);
+
+    at(p, run_once);
+    put(p, take(take_address) or times(s.address_bytes));
+    go_to(p, run_words);
+
+    at(p, run_again);  -- nothing is written a second time
+    put(p, number(shape_reads), if_shape, run_go);
+    put(p, data(data_add) or number(word_done) or times(2));
+    put(p, store(store_data, word_done));
+    go_to(p, list_pass);
 
     at(p, list_executed);
     put(p, number(mark_posting), if_mark, post_end);
@@ -170,12 +176,10 @@ package body frame_list_pkg is
     put(p, number(frame_atomic_flag_c), if_above, invalid);
     at(p, list_start);
     load(p, word_zero);
-    put(p, store(store_data, word_total));
+    put(p, store(store_data, word_writes));
     put(p, store(store_data, word_reads));
-    load(p, word_ones);
-    put(p, store(store_data, word_done));
     operation(p, s);
-    access_word(p, s);
+    execute(p, s);
 
     at_entry(p, request_kind_post_list_c mod 16);
     put(p, also(set_marks, mark_posting));
@@ -190,6 +194,8 @@ package body frame_list_pkg is
     end if;
     bump(p, control_posts_c);
     at(p, list_execute);
+    load(p, word_ones);
+    put(p, store(store_data, word_done));
     put(p, also(set_marks, mark_executing));
     go_to(p, list_op);
 
@@ -198,22 +204,24 @@ package body frame_list_pkg is
     put(p, number(0), if_low, list_plain);
     put(p, also(hold_bus));
     at(p, list_plain);
+    load(p, word_reads);
     put(p, number(mark_repeated), if_mark, list_say);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, list_tripped);
     end if;
     at(p, list_free);
-    put(p, number(mark_many), if_mark, too_long);
+    put(p, number((s.reply_max - 6) / s.data_bytes), if_above, too_long);
     put(p, number(mark_fifo), if_mark, list_has_fifo);
     at(p, list_ok);
     bump(p, control_frames_c);
     at(p, list_say);
+    put(p, data(data_add) or number(word_writes) or times(2));
+    put(p, store(store_data, word_total));
     call(p, head);
     put(p, number(word_total));
     say_half(p, say_kept, word_total);
     go_to(p, list_execute);
     at(p, list_has_fifo);
-    load(p, word_reads);
     put(p, number((s.cache_bytes - 2) / s.data_bytes), if_above, too_long);
     go_to(p, list_ok);
     if s.deadman then

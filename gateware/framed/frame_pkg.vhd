@@ -35,7 +35,7 @@ package frame_pkg is
     barrier  : std_ulogic;
     length   : unsigned(7 downto 0);  -- of its payload
     left     : unsigned(7 downto 0);  -- bytes of it not taken yet
-    missing  : std_ulogic;            -- none is left
+    missing  : std_ulogic;            -- fewer are left than would be taken
     data     : byte_t;                -- the next one, a clock after rewind
   end record;
 

@@ -7,7 +7,8 @@
 --   (the check)    00 --> verdict -------> | frames, a FIFO   |  --> request
 --
 -- Ports     frame: valid/ready, each from its kind to its closing 00. request: see frame_pkg; `rewind` makes the first byte of
---           the payload the next one and has to come first, `take` moves on by one, `done` to the next frame.
+--           the payload the next one and has to come first, `take` moves on by take_bytes, of which none is taken where
+--           fewer are left (request.missing), `done` to the next frame.
 -- Latency   A frame stands two clocks behind its 00. One byte a clock, in and out.
 -- Errors    What is dropped stands in the order of arrival too, without payload, as an entry that tells the reason. A byte
 --           that may not be costs its own frame and nothing else.
@@ -25,7 +26,8 @@ use work.width_pkg.all;
 entity frame_receiver is
   generic (
     request_max : positive range 16 to 250 := 250;  -- longest payload of a request
-    ring_bytes  : positive := 512                   -- a power of two: bytes of all payloads not done yet
+    ring_bytes  : positive := 512;                  -- a power of two: bytes of all payloads not done yet
+    many        : boolean  := true                  -- take_bytes counts; else one byte is taken at a time
   );
   port (
     clock       : in  std_ulogic;
@@ -36,6 +38,7 @@ entity frame_receiver is
     frame_data  : in  byte_t;
     request     : out frame_request_t;
     take        : in  std_ulogic;
+    take_bytes  : in  unsigned(7 downto 0) := x"01";
     rewind      : in  std_ulogic;
     done        : in  std_ulogic
   );
@@ -92,7 +95,7 @@ architecture rtl of frame_receiver is
   signal taken              : unsigned(7 downto 0) := (others => '0');  -- bytes of it
   signal taken_next         : unsigned(7 downto 0);
   signal length_out, left   : unsigned(7 downto 0);
-  signal missing            : std_ulogic;
+  signal missing, few       : std_ulogic;
 
 begin
 
@@ -251,12 +254,16 @@ begin
 
   length_out <= unsigned(record_out(7 downto 0));
   left       <= length_out - taken;
-  missing    <= nor left;
+  missing    <= few when many else nor left;
+  few        <= '1' when left < take_bytes else '0';
   read_next  <= start_index + resize(taken_next, index_bits);
 
   point : process (all)
   begin
     taken_next <= taken + unsigned'("" & (take and not missing));
+    if many then
+      taken_next <= taken + (take_bytes and (7 downto 0 => take and not missing));
+    end if;
     if done = '1' then
       taken_next <= length_out;
     elsif rewind = '1' then

@@ -77,6 +77,7 @@ architecture rtl of framed is
   signal epoch                        : crc16_t;
   signal request                      : frame_request_t;
   signal take, rewind, request_done   : std_ulogic;
+  signal take_bytes                   : unsigned(7 downto 0);
   signal reply                        : frame_reply_t;
   signal reply_ready, reply_idle      : std_ulogic;
 
@@ -85,17 +86,17 @@ begin
   session_open <= nand epoch(15 downto 8);
 
   receiver : entity work.frame_receiver
-    generic map (request_max => payload_max, ring_bytes => ring_bytes)
+    generic map (request_max => payload_max, ring_bytes => ring_bytes, many => lists)
     port map (
       clock => clock, reset => reset, epoch => epoch,
       frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
-      request => request, take => take, rewind => rewind, done => request_done);
+      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done);
 
   application : entity work.frame_application
     generic map (settings => settings, safe_values => safe_values)
     port map (
       clock => clock, reset => reset,
-      request => request, take => take, rewind => rewind, request_done => request_done,
+      request => request, take => take, take_bytes => take_bytes, rewind => rewind, request_done => request_done,
       reply => reply, reply_ready => reply_ready, reply_idle => reply_idle, epoch => epoch,
       may_begin => may_begin, wants => wants, busy => busy, receive_overrun => receive_overrun,
       publish_overrun => subscription_response.overrun,

@@ -113,6 +113,33 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
         assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"
 
 
+def list_of(reads: int, writes: int) -> bytes:
+    """A LIST of scattered words, 2 address and 4 data bytes."""
+    written = [((0x10 + n, 2), (n, 4)) for n in range(writes)]
+    told = (
+        [(p.LIST_OPERATION_WRITE, 1), (writes, 1), *(f for word in written for f in word)] if writes else []
+    )
+    asked = [(p.LIST_OPERATION_READ, 1), (reads, 1), *((0x10 + n, 2) for n in range(reads))] if reads else []
+    return ask(p.REQUEST_KIND_LIST, (0, 2), (0, 1), *told, *asked)
+
+
+def list_figures(rtl: Any) -> dict[str, int]:
+    settings = Settings(window=32)
+
+    def wait(reads: int, writes: int) -> int:
+        play(rtl, settings, [opening(), list_of(reads, writes)])
+        sent = max(at for kind, at, _ in rtl.times if kind == "i")
+        return min(at for kind, at, _ in rtl.times if kind == "b" and at > sent) - sent
+
+    read, written = wait(18, 0) - wait(8, 0), wait(0, 18) - wait(0, 8)
+    assert read % 10 == written % 10 == 0
+    return {
+        "list, a word read": read // 10,
+        "list, a word written": written // 10,
+        "list of 18 reads and 18 writes, last byte in to first out": wait(18, 18),
+    }
+
+
 def figures(rtl: Any, address_bytes: int) -> dict[str, int]:
     settings = Settings(a=address_bytes, window=32)
     reads = [ask(p.REQUEST_KIND_READ, (n, 2), (0x20, address_bytes)) for n in range(21)]
@@ -136,13 +163,15 @@ def figures(rtl: Any, address_bytes: int) -> dict[str, int]:
 
 
 def test_figures_are_those_of_the_page_and_in_budget(rtl: Any) -> None:
-    told = figures(rtl, 2)
+    told = figures(rtl, 2) | list_figures(rtl)
     page = PAGE.read_text(encoding="utf-8")
     assert {
         row: int(value) for row, value in re.findall(r"^\| (\w.*?) \| (\d+) \|$", page, re.MULTILINE)
     } == told
     assert told["read, last byte in to first out"] <= 12
     assert told["period of pipelined reads"] <= 20
+    assert told["list, a word read"] <= 8, "as the classic read-many"
+    assert told["list, a word written"] <= 10
     assert told["period of posts"] <= len(ask(p.REQUEST_KIND_POST, (1, 2), (0x20, 2), (1, 4)))
 
 
