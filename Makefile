@@ -13,7 +13,8 @@
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
-#   make fuzz    the long form of the fuzz loops (SECONDS=60)
+#   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings)
+#   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 240000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
@@ -24,14 +25,15 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 NATIVE := build/native
+SANITIZED := build/sanitized
 NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/dev/null)
 SECONDS ?= 60
 MESSAGES ?= 1000000000
 SEED ?= 1
 
-.PHONY: experiments experiments-json wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants build native-tests unit clean help
+.PHONY: experiments experiments-json wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
 help:
-	@sed -n '2,22s/^# //p' Makefile
+	@sed -n '2,23s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -108,10 +110,18 @@ docs: $(VENV)/.built
 	$(BIN)/python tools/docs/experiments.py
 	$(BIN)/python tools/docs/build_site.py
 
-fuzz: $(NATIVE)/.built
-	@for target in $(NATIVE)/fuzz_*; do $$target --seconds $(SECONDS) || exit 1; done
+fuzz: $(VENV)/.built
+	@tools/setup.sh system
+	@tools/setup.sh sanitized address,undefined
+	@for target in decoder frames; do $(SANITIZED)-address,undefined/fuzz_$$target $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
+	@$(SANITIZED)-address,undefined/fuzz_faults --seconds $(SECONDS)
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
+
+sanitize: $(VENV)/.built
+	@tools/setup.sh system
+	@for kind in address,undefined thread; do \
+	  tools/setup.sh sanitized $$kind && $(SANITIZED)-$$kind/unitylink_tests || exit 1; done
 
 mutants: $(NATIVE)/.built
 	$(BIN)/python tools/mutants.py

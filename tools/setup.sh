@@ -10,12 +10,13 @@
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh native         the native tests, fuzzers and benches
+#   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
 set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
-  native | ros2) exec 9>"build/.lock-$1" ;;
+  native | sanitized | ros2) exec 9>"build/.lock-$1" ;;
   rtl | ros | system | boards | formal) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
@@ -97,7 +98,18 @@ install_missing() {
   fi
 }
 
-case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|system|native}" in
+# native FOLDER [cmake option...]: the native tests, fuzz loops and benches
+native() {
+  local folder=$1; shift
+  touch "$folder.started"
+  tools/setup.sh group build
+  PATH="$PWD/$venv/bin:$PATH" cmake -S . -B "$folder" -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON "$@" > build/cmake.log 2>&1 \
+    || { cat build/cmake.log >&2; stop "cmake failed"; }
+  PATH="$PWD/$venv/bin:$PATH" cmake --build "$folder" > build/native.log 2>&1 || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
+  touch -r "$folder.started" "$folder/.built"
+}
+
+case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|system|native|sanitized}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -155,13 +167,7 @@ system)
   need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
   install_missing
   ;;
-native)
-  touch build/native.started
-  tools/setup.sh group build
-  PATH="$PWD/$venv/bin:$PATH" cmake -S . -B build/native -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON -DUNITYLINK_OBJECTS="$(strict_objects)" > build/cmake.log 2>&1 \
-    || { cat build/cmake.log >&2; stop "cmake failed"; }
-  PATH="$PWD/$venv/bin:$PATH" cmake --build build/native > build/native.log 2>&1 || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
-  touch -r build/native.started build/native/.built
-  ;;
+native) native build/native -DUNITYLINK_OBJECTS="$(strict_objects)" ;;
+sanitized) native "build/sanitized-$2" -DUNITYLINK_SANITIZE="$2" ;;
 *) stop "unknown step '$1'" ;;
 esac

@@ -60,6 +60,7 @@ class Fuzz {
   void round() {
     ++rounds;
     const std::string text = traffic();
+    ++strings;
     bytes += text.size();
     const auto data_bytes = static_cast<std::uint32_t>(random_() % 5);
     Digest expected, got;
@@ -78,7 +79,7 @@ class Fuzz {
     drive_engine(text);
   }
 
-  std::uint64_t rounds = 0, bytes = 0, understood = 0;
+  std::uint64_t rounds = 0, strings = 0, bytes = 0, understood = 0;
 
  private:
   static std::span<const std::uint8_t> span(const std::string& text) {

@@ -50,7 +50,7 @@ class Fuzz {
     drive_device();
   }
 
-  std::uint64_t rounds = 0, bytes = 0, understood = 0;
+  std::uint64_t rounds = 0, strings = 0, bytes = 0, understood = 0;
 
  private:
   // A frame with a right check and a payload that has perhaps the form of its kind.
@@ -91,6 +91,7 @@ class Fuzz {
         }
       }
     }
+    ++strings;
     bytes += text.size();
     return text;
   }

@@ -24,19 +24,22 @@ namespace unitylink::fuzzing {
   std::exit(1);
 }
 
-// Runs rounds of `Fuzz(seed)` for the seconds of the command line. `Fuzz` counts `rounds`, `bytes` and what it `understood`.
+// Runs rounds of `Fuzz(seed)` for the seconds, or until the number of strings, of the command line. `Fuzz` counts `rounds`, the hostile `strings`
+// in them, their `bytes` and what of it was `understood`.
 template <typename Fuzz>
 int run(const char* program, const char* understood, int count, char** arguments) {
   double seconds = 3;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1, strings = 0;
   for (int index = 1; index < count; ++index) {
     const bool has_value = index + 1 < count;
     if (has_value && std::strcmp(arguments[index], "--seconds") == 0) {
       seconds = std::strtod(arguments[++index], nullptr);
     } else if (has_value && std::strcmp(arguments[index], "--seed") == 0) {
       seed = std::strtoull(arguments[++index], nullptr, 10);
+    } else if (has_value && std::strcmp(arguments[index], "--strings") == 0) {
+      strings = std::strtoull(arguments[++index], nullptr, 10);
     } else {
-      std::fprintf(stderr, "usage: %s [--seconds N] [--seed S]\n", program);
+      std::fprintf(stderr, "usage: %s [--seconds N | --strings N] [--seed S]\n", program);
       return 2;
     }
   }
@@ -46,10 +49,10 @@ int run(const char* program, const char* understood, int count, char** arguments
     for (int round = 0; round < 20; ++round) {
       fuzz->round();
     }
-  } while (std::chrono::steady_clock::now() < until);
-  std::printf("%s: %llu rounds, %llu bytes, %llu %s, seed %llu: all held\n", program, static_cast<unsigned long long>(fuzz->rounds),
-              static_cast<unsigned long long>(fuzz->bytes), static_cast<unsigned long long>(fuzz->understood), understood,
-              static_cast<unsigned long long>(seed));
+  } while (strings > 0 ? fuzz->strings < strings : std::chrono::steady_clock::now() < until);
+  std::printf("%s: %llu hostile strings, %llu bytes, %llu %s, seed %llu: all held\n", program,
+              static_cast<unsigned long long>(fuzz->strings), static_cast<unsigned long long>(fuzz->bytes),
+              static_cast<unsigned long long>(fuzz->understood), understood, static_cast<unsigned long long>(seed));
   return 0;
 }
 
