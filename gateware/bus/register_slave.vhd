@@ -94,7 +94,7 @@ begin
   end generate;
 
   frozen : if snapshot generate
-    signal thawed : flags_t := (others => '0'); -- written since cyc rose
+    signal thawed : std_ulogic_vector(0 to words - 1) := (others => '0'); -- written since cyc rose
   begin
     process (clock) is
     begin

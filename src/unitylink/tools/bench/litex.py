@@ -7,7 +7,6 @@ C++ program (`bench/native/bench_uartbone.cpp`), ours is the twin with a clock f
 
 from __future__ import annotations
 
-import fcntl
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from pathlib import Path
 
 from .board import ADDRESS, FIRST_VALUE, layer4_word
 from .figure import BenchError, Figure, Run
-from .programs import Process, native, twin
+from .programs import Process, alone, native, twin
 from .timing import Comparison, in_turns, times
 
 RELEASE = "2024.12"
@@ -30,9 +29,7 @@ def environment(run: Run) -> Path:
     folder = run.build / "litex"
     python = folder / "bin" / "python"
     stamp = folder / f".litex-{RELEASE}"
-    run.build.mkdir(parents=True, exist_ok=True)
-    with (run.build / ".lock").open("w") as lock:  # two runs at once must not install into each other
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with alone(run.build):
         if stamp.exists():
             return python
         run.say(f"making an environment with LiteX {RELEASE} in {folder.relative_to(run.checkout)}")

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import select
 import subprocess
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -33,6 +34,15 @@ def native(checkout: Path, name: str) -> Path:
     if not path.is_file():
         raise BenchError(f"{path.relative_to(checkout)} is not built; `make bench` builds it")
     return path
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[Path]:
+    """Have `folder` for oneself: two runs at once must not make the same thing in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield folder
 
 
 def frame_bytes(payload: int) -> int:

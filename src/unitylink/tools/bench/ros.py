@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 
 from .figure import BenchError, Figure, Run
-from .programs import Process
+from .programs import Process, alone
 
 WORKER = "unitylink.tools.bench.ros_worker"
 LOOPBACK = (
@@ -23,6 +23,25 @@ LOOPBACK = (
 )
 
 
+def folder_of(run: Run) -> Path:
+    """Return where the benches of ROS keep what they make."""
+    return run.checkout / "build" / "ros-bench"
+
+
+def _environment(run: Run) -> str:
+    """Return the Python that has rospy and this checkout; make it the first time."""
+    with alone(folder_of(run)) as folder:
+        python = folder / "env" / "bin" / "python3"
+        stamp = folder / "env" / ".made"
+        if not stamp.exists():
+            maker = run.checkout / "tools" / "ros_environment.py"
+            made = subprocess.run([sys.executable, maker, folder / "env"], capture_output=True, check=False)
+            if made.returncode:
+                raise BenchError("ROS 1 is not here: tools/setup.sh ros installs it on Debian")
+            stamp.touch()
+        return str(python)
+
+
 @contextmanager
 def plane(run: Run, name: str) -> Iterator[list[str]]:
     """Make the surroundings of a plane; give the command that workers begin with."""
@@ -30,24 +49,16 @@ def plane(run: Run, name: str) -> Iterator[list[str]]:
         os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(1 + os.getpid() % 230)}
         yield [sys.executable, "-m", WORKER, name]
         return
-    maker = run.checkout / "tools" / "ros_environment.py"
-    made = subprocess.run(
-        [sys.executable, maker, run.checkout / "build" / "ros-bench"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if made.returncode:
-        raise BenchError("ROS 1 is not here: tools/setup.sh ros installs it on Debian")
+    python = _environment(run)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     os.environ |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1"}
-    logs = str(Path(run.checkout / "build" / "ros-bench" / "log"))
+    logs = str(folder_of(run) / "log")
     os.environ |= {"ROS_LOG_DIR": logs, "ROS_HOME": logs}
     master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], stdout=subprocess.DEVNULL)
     try:
-        yield [made.stdout.strip(), "-m", WORKER, name]
+        yield [python, "-m", WORKER, name]
     finally:
         master.terminate()
         master.wait()

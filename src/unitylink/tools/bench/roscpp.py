@@ -16,8 +16,8 @@ from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec.model import Spec
 
 from .figure import BenchError, Figure, Run
-from .programs import Process
-from .ros import compared, plane
+from .programs import Process, alone
+from .ros import compared, folder_of, plane
 from .ros_worker import WORDS, spec_of
 
 OFFERED_HZ = 200_000  # to both; more than roscpp takes
@@ -37,29 +37,29 @@ def _make(*command: str | Path) -> None:
 
 def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
     """Return the generated node and the bare peer, compiled; what is there already is not made again."""
-    folder = run.checkout / "build" / "ros-bench" / "workspace"
+    folder = folder_of(run) / "workspace"
     prefix, peer = folder / "unitylink", folder / "ros_peer"
-    folder.mkdir(parents=True, exist_ok=True)
-    _make(
-        Path(sys.executable).with_name("cmake"),
-        "--install",
-        run.checkout / "build" / "native",
-        "--prefix",
-        prefix,
-    )
-    write(spec, folder / "src", "ros1")
-    _make(
-        "catkin_make",
-        "-C",
-        folder,
-        f"-DPYTHON_EXECUTABLE={python}",
-        f"-DCMAKE_PREFIX_PATH={prefix}",
-        "-DCMAKE_BUILD_TYPE=Release",
-    )
-    asked = ["pkg-config", "--cflags", "--libs", "roscpp", "std_msgs"]
-    flags = shlex.split(subprocess.run(asked, capture_output=True, text=True, check=True).stdout)
-    source = run.checkout / "bench" / "ros" / "ros_peer.cpp"
-    _make("c++", "-std=c++17", "-O2", source, "-o", peer, *flags)
+    with alone(folder):
+        _make(
+            Path(sys.executable).with_name("cmake"),
+            "--install",
+            run.checkout / "build" / "native",
+            "--prefix",
+            prefix,
+        )
+        write(spec, folder / "src", "ros1")
+        _make(
+            "catkin_make",
+            "-C",
+            folder,
+            f"-DPYTHON_EXECUTABLE={python}",
+            f"-DCMAKE_PREFIX_PATH={prefix}",
+            "-DCMAKE_BUILD_TYPE=Release",
+        )
+        asked = ["pkg-config", "--cflags", "--libs", "roscpp", "std_msgs"]
+        flags = shlex.split(subprocess.run(asked, capture_output=True, text=True, check=True).stdout)
+        source = run.checkout / "bench" / "ros" / "ros_peer.cpp"
+        _make("c++", "-std=c++17", "-O2", source, "-o", peer, *flags)
     return folder / "devel" / "lib" / "bench_unitylink" / "node", peer
 
 
