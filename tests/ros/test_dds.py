@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,7 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unitylink.generate import write
-from unitylink.ros import plan_interface
+from unitylink.ros import Topic, plan_interface
+from unitylink.ros.dds import DdsPlane
 from unitylink.ros.dds_types import DdsTypes
 from unitylink.ros.definitions import definition
 from unitylink.ros.plane import SERVICE_FIELDS
@@ -213,6 +215,9 @@ def test_generated_node_on_dds(
     for position in range(1, 101):
         commands.write(kind(header, ["j_1"], [position / 100], [], []))
     until(lambda: device.registers[0x1A] == 1000)
+    for joint, position in (("j_0", 0.7), ("j_1", 0.8)):  # at once, and neither in place of the other
+        commands.write(kind(header, [joint], [position], [], []))
+    until(lambda: (device.registers[0x12], device.registers[0x1A]) == (700, 800))
 
     name = "rig_unitylink/Read"
     asked = types.service(name, "Request", SERVICE_FIELDS["Read"][0])
@@ -227,6 +232,35 @@ def test_generated_node_on_dds(
 
     status = peer.next(peer.reader("rt/diagnostics", types["diagnostic_msgs/DiagnosticArray"])).status[0]
     assert status.level == 0 and status.hardware_id.startswith(device.url)
+
+
+def test_what_is_gathered_arrives_whole_and_in_order(domain: int, types: DdsTypes) -> None:
+    """Many messages in few packets; one alone goes at once, and so does what another thread publishes."""
+    plane = DdsPlane(plan_interface(load(RIG)), "rig", domain)
+    port = plane.advertise(Topic("out", "std_msgs/Int32", "scalar", ("out",), queue=4096))
+    kind, peer = plane.types["std_msgs/Int32"], Peer(domain, types)
+    reader = peer.reader("rt/rig/out", types["std_msgs/Int32"])
+    until(port.wanted)
+    until(reader.get_matched_publications)
+    port.send(kind(-1))
+    assert peer.next(reader).data == -1
+    got: list[int] = []
+
+    def come(count: int) -> bool:
+        got.extend(message.data for message in reader.take(50))
+        return len(got) == count
+
+    with plane.gathered():
+        for number in range(40):
+            port.send(kind(number))
+    until(lambda: come(40))
+    assert got == list(range(40))
+    with plane.gathered():
+        other = threading.Thread(target=port.send, args=(kind(40),))
+        other.start()
+        other.join()
+        until(lambda: come(41))
+    plane.close()
 
 
 def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: DdsTypes) -> None:

@@ -3,21 +3,27 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from unitylink.errors import ToolError
 
 from .dds_types import DdsTypes
+from .dds_writer import gathering_writer
 from .interface import Interface, Topic
 from .plane import SERVICE_FIELDS, Port
 from .standard import definitions
 
 _log = logging.getLogger("unitylink.ros")
 TAKE_AT_ONCE = 64
+# Commands that may come before the node's thread runs. It takes all that are there and puts them together,
+# value by value: of two messages that name different joints neither may go, and none waits.
+COMMANDS = 16
 WAIT_NS = 100_000_000
 
 
@@ -41,6 +47,7 @@ class DdsPlane:
         self._header = self.types["std_msgs/Header"]
         self._time = self.types["builtin_interfaces/Time"]
         self._takers: list[tuple[Any, Callable[[Any], None]]] = []
+        self._mine = threading.local()  # what this thread has written and not yet sent
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="unitylink-ros-dds", daemon=True)
 
@@ -69,13 +76,35 @@ class DdsPlane:
         return level
 
     def advertise(self, topic: Topic) -> Port:
+        kind = self.types[topic.type]
         writer = self._writer(
-            f"rt/{self.name(topic.name)}", self.types[topic.type], topic.queue, topic.reliable
+            f"rt/{self.name(topic.name)}", kind, topic.queue, topic.reliable, gathering_writer()
         )
-        matched = _Matched(writer)
-        return Port(writer.write, matched)
+        write, flush, mine = writer.write, writer.flush, self._mine
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = 1) -> None:
+        def send(message: Any) -> None:
+            write(message)
+            held = getattr(mine, "held", None)
+            if held is None:
+                flush()
+            else:
+                held.add(flush)
+
+        return Port(send, Matched(writer))
+
+    @contextmanager
+    def gathered(self) -> Iterator[None]:
+        """Send what this thread publishes meanwhile in as few packets as it fits in."""
+        held: set[Callable[[], None]] = set()
+        self._mine.held = held
+        try:
+            yield
+        finally:
+            self._mine.held = None
+            for flush in held:
+                flush()
+
+    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = COMMANDS) -> None:
         self._read(f"rt/{self.name(topic.name)}", self.types[topic.type], depth, topic.reliable, take)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
@@ -109,12 +138,13 @@ class DdsPlane:
             Policy.DataRepresentation(use_cdrv0_representation=True),
         )
 
-    def _writer(self, name: str, kind: Any, depth: int, reliable: bool) -> Any:
+    def _writer(self, name: str, kind: Any, depth: int, reliable: bool, writer: Any = None) -> Any:
         from cyclonedds.pub import DataWriter
         from cyclonedds.topic import Topic as DdsTopic
 
         qos = self._qos(depth, reliable)
-        return DataWriter(self._participant, DdsTopic(self._participant, name, kind, qos=qos), qos=qos)
+        topic = DdsTopic(self._participant, name, kind, qos=qos)
+        return (writer or DataWriter)(self._participant, topic, qos=qos)
 
     def _read(self, name: str, kind: Any, depth: int, reliable: bool, take: Callable[[Any], None]) -> None:
         from cyclonedds.sub import DataReader
@@ -125,7 +155,14 @@ class DdsPlane:
         self._takers.append((DataReader(self._participant, topic, qos=qos), take))
 
     def _run(self) -> None:
-        from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+        from cyclonedds.core import (
+            DDSException,
+            InstanceState,
+            ReadCondition,
+            SampleState,
+            ViewState,
+            WaitSet,
+        )
         from cyclonedds.internal import InvalidSample
 
         fresh = ViewState.Any | InstanceState.Any | SampleState.NotRead
@@ -133,10 +170,16 @@ class DdsPlane:
         conditions = [ReadCondition(reader, fresh) for reader, _ in self._takers]
         for condition in conditions:
             waiting.attach(condition)
+        # Which of them have something: to ask every reader costs a node with many topics more than a message.
+        marks = [ctypes.addressof(mark) for _, mark in waiting.attached]
+        takers = dict(zip(marks, self._takers, strict=True))
+        found = (ctypes.c_void_p * len(marks))()
         while not self._stop.is_set():
-            if not waiting.wait(WAIT_NS):
-                continue
-            for reader, take in self._takers:
+            count = waiting._waitset_wait(waiting._ref, found, len(marks), WAIT_NS)
+            if count < 0:
+                raise DDSException(count, "while waiting for messages")
+            for mark in found[:count]:
+                reader, take = takers[mark or 0]
                 for message in reader.take(TAKE_AT_ONCE):
                     if isinstance(message, InvalidSample):  # a writer came or went
                         continue
@@ -146,7 +189,7 @@ class DdsPlane:
                         _log.exception("a message was not taken")
 
 
-class _Matched:
+class Matched:
     """Whether anybody reads what a writer writes; asked of DDS a few times a second, not at each message."""
 
     PERIOD_S = 0.1

@@ -64,6 +64,7 @@ class RobotNode:
         self.armed = self.options.armed
         self.accepted = self.refused = 0
         self._plane = plane
+        self.gathered = plane.gathered
         self._build = build
         self._session: _Session | None = None
         self._complained_s = 0.0
@@ -225,7 +226,7 @@ class _Session:
         self.link, self.tree, self.guard = link, tree, guard
         self._node = node
         self._probe = next((value.address for value in tree if value.pollable), None)
-        self.outbox = Outbox(tree, node.senders)
+        self.outbox = Outbox(tree, node.senders, node.gathered)
         group = ValueGroup({value.path: value for value in tree if value.writable}, node.interface.robot)
         self.inbox = Inbox(
             group, node.complain, timeout_s=node.options.command_timeout_s, on_silence=self._silent

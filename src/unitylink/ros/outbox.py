@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +35,13 @@ class _Routes:
 class Outbox:
     """Hand each publish to the topics whose values it carries, from now until `close`."""
 
-    def __init__(self, tree: Node, topics: Sequence[tuple[Topic, Send]]) -> None:
+    def __init__(
+        self,
+        tree: Node,
+        topics: Sequence[tuple[Topic, Send]],
+        gathered: Callable[[], AbstractContextManager[None]] = nullcontext,
+    ) -> None:
+        self._gathered = gathered
         self.received = 0
         self.last_s = time.monotonic()
         self._publisher = tree.publisher
@@ -58,10 +65,13 @@ class Outbox:
         self.last_s = time.monotonic()
         found = self._routes_of(values)
         numbers = ((words & found.masks) ^ found.signs) - found.signs
-        for time_s, row, raws in zip(times.tolist(), numbers.tolist(), words.tolist(), strict=True):
-            for pick, raw, send in found.routes:
-                chosen = raws if raw else row
-                send(time_s, chosen if pick is None else pick(chosen))
+        # by columns: thousands of rows that live at once would keep the garbage collector at work
+        rows, raw_rows = zip(*numbers.T.tolist(), strict=True), zip(*words.T.tolist(), strict=True)
+        with self._gathered():
+            for time_s, row, raws in zip(times.tolist(), rows, raw_rows, strict=True):
+                for pick, raw, send in found.routes:
+                    chosen = raws if raw else row
+                    send(time_s, chosen if pick is None else pick(chosen))
 
     def _routes_of(self, values: Sequence[ReadValue[Any]]) -> _Routes:
         found = self._routes.get(id(values))

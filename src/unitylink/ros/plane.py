@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -51,6 +52,10 @@ class Plane(Protocol):
         ...
 
     def advertise(self, topic: Topic) -> Port: ...
+
+    def gathered(self) -> AbstractContextManager[None]:
+        """Within it, what this thread publishes may be sent together; all of it is sent when it ends."""
+        ...
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
         """Call `take(message)` for what comes; where more comes than is taken the newest wins."""

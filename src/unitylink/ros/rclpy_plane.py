@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from typing import Any
 
@@ -48,6 +49,9 @@ class RclpyPlane:
             self._message(topic.type), topic.name, self._profile(topic.queue, topic.reliable)
         )
         return Port(publisher.publish, lambda: publisher.get_subscription_count() > 0)
+
+    def gathered(self) -> AbstractContextManager[None]:
+        return nullcontext()  # each message goes by itself
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
         profile = self._profile(1, topic.reliable)

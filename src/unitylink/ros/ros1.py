@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -70,6 +71,9 @@ class RospyPlane:
             topic.name, self.message(topic.type), queue_size=topic.queue, tcp_nodelay=True
         )
         return Port(publisher.publish, lambda: publisher.get_num_connections() > 0)
+
+    def gathered(self) -> AbstractContextManager[None]:
+        return nullcontext()  # each message goes by itself
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = 1) -> None:
         self.rospy.Subscriber(topic.name, self.message(topic.type), take, queue_size=depth, tcp_nodelay=True)

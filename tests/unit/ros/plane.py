@@ -6,6 +6,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -42,6 +43,9 @@ class MemoryPlane:
                 self._changed.notify_all()
 
         return Port(send, lambda: True)
+
+    def gathered(self) -> AbstractContextManager[None]:
+        return nullcontext()  # each message goes by itself
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
         self.takers[topic.name] = take

@@ -134,7 +134,7 @@ def measure_dds_out(run: Run) -> Figure:
     """Measure FPGA -> ROS 2 on DDS."""
     title = "FPGA -> DDS topic of an integer, over a bare writer"
     return _compare(
-        run, "dds-out", title=title, which="dds", bare=("sink", "bare-out"), ours=("sink", "node-out")
+        run, "dds-out", title=title, which="dds", bare=("bare-out", "sink"), ours=("node-out", "sink")
     )
 
 

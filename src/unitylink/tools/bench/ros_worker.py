@@ -48,7 +48,7 @@ def spec_of(text: str) -> Spec:
     return found
 
 
-def plane_of(name: str, interface: Interface) -> Any:
+def plane_of(name: str, interface: Interface, *, bare: bool) -> Any:
     """Return a front end."""
     if name == "ros1":
         os.environ["ROS_NAMESPACE"] = "/bench"
@@ -57,9 +57,17 @@ def plane_of(name: str, interface: Interface) -> Any:
         ros1 = RospyPlane("bench")
         ros1.rospy.init_node("bench", anonymous=True, disable_signals=True)
         return ros1
-    from unitylink.ros.dds import DdsPlane
+    from unitylink.ros.dds import DdsPlane, Matched
 
-    return DdsPlane(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
+    class Bare(DdsPlane):
+        """As a program has it that uses cyclonedds alone: its DataWriter's `write` for each message."""
+
+        def advertise(self, topic: Topic) -> Port:
+            name = f"rt/{self.name(topic.name)}"
+            writer = self._writer(name, self.types[topic.type], topic.queue, topic.reliable)
+            return Port(writer.write, Matched(writer))
+
+    return (Bare if bare else DdsPlane)(interface, "bench", int(os.environ["ROS_DOMAIN_ID"]))
 
 
 class Ping:
@@ -119,7 +127,8 @@ def main() -> None:
     timed = role in ("bare-ping", "node-ping", "pong")
     spec = spec_of(JOINTS if joints else PING if timed else WORDS)
     interface = plan_interface(spec, standard=True)
-    plane = plane_of(name, interface)
+    nodes = ("node-out", "node-in", "node-ping", "joints")
+    plane = plane_of(name, interface, bare=role not in nodes)
     counted, advertise = [0], plane.advertise
 
     def counting(topic: Topic) -> Port:
