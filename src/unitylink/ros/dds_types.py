@@ -53,6 +53,7 @@ class DdsTypes:
         flat = _flat(self._definitions, fields)
         if flat is not None:
             setattr(made, "serialize", _serializer(*flat))  # noqa: B010  a class made at run time
+            setattr(made, "deserialize", _deserializer(made.deserialize, flat[0]))  # noqa: B010
         return made
 
     def _type(self, kind: str) -> Any:
@@ -97,3 +98,16 @@ def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
         (name,) = names
         return lambda self, **_: pack(b"\0\1\0\0", getattr(self, name))
     return lambda self, **_: pack(b"\0\1\0\0", *(getattr(self, name) for name in names))
+
+
+def _deserializer(general: Callable[..., Any], codes: str) -> Any:
+    """Return a `deserialize` for the same; what is not CDR as every PC sends it is left to `general`."""
+    layout = struct.Struct(f"<4x{codes}")
+    unpack, size = layout.unpack_from, layout.size
+
+    def deserialize(cls: Any, /, data: bytes, has_header: bool = True, **options: Any) -> Any:
+        if has_header and data[:2] == b"\0\1" and len(data) >= size:
+            return cls(*unpack(data))
+        return general(data, has_header=has_header, **options)
+
+    return classmethod(deserialize)

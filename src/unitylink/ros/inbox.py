@@ -52,8 +52,10 @@ class Inbox:
                 raise ValueRangeError("the link is down; nothing was sent")
             self.accepted += 1
             self._merged += 1
+            waits = not self._pending  # else it has been told, and has not come to it yet
             self._pending.update(numbers)
-            self._changed.notify_all()
+            if waits:
+                self._changed.notify_all()
 
     def clear(self) -> None:
         """Forget what waits, and return when what was on its way has arrived."""

@@ -161,8 +161,10 @@ def main() -> None:
     elif role in ("bare-out", "source", "joints-source"):
         topic = {"bare-out": OUT, "source": IN, "joints-source": interface.commanded[-1]}[role]
         threading.Thread(target=_flood, args=(plane, topic, joints), daemon=True).start()
-    elif role in ("sink", "bare-in"):
-        plane.subscribe(OUT if role == "sink" else IN, count, depth=4096 if role == "sink" else 1)
+    elif role == "sink":
+        plane.subscribe(OUT, count, depth=4096)
+    elif role == "bare-in":
+        plane.subscribe(IN, count)  # as deep as the node's
     elif role == "joints-sink":
         plane.subscribe(interface.published[-1], count, depth=4096)
     else:
