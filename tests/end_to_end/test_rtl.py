@@ -145,7 +145,7 @@ def address_of(url: str) -> tuple[str, int]:
 def test_examples_move_on_the_gateware(example: str, arguments: list[str], said: str) -> None:
     command = [sys.executable, ROOT / "examples" / example / "run.py", "--rtl", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert said in done.stdout
 
 
