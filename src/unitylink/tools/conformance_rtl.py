@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from unitylink.simulate import BoardConfiguration
 
 
+LETTERS = {"rx_error": "x"}  # of steps in the bench's file, where it is not the first: that is `reset`
+
+
 class Simulator(Protocol):
     """What runs a bench: `unitylink.gateware.Ghdl`, or a test's own."""
 
@@ -47,7 +50,8 @@ class RtlPlayer:
         steps = [step for exchange in exchanges for step in exchange]
         steps_file.write_text(
             "".join(
-                f"{kind[0]} {argument.encode('latin-1').hex() if kind == 'send' else argument}\n"
+                f"{LETTERS.get(kind, kind[0])} "
+                f"{argument.encode('latin-1').hex() if kind == 'send' else argument}\n"
                 for kind, argument in steps
             ),
             encoding="ascii",

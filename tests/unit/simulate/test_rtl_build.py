@@ -13,6 +13,7 @@ from unitylink.errors import ToolError, UrlError, ValueRangeError
 from unitylink.simulate.rtl import RtlDesign, build_model, design_of
 from unitylink.simulate.rtl.verilog import (
     Port,
+    either_edge_will_do,
     model_of,
     stream_ports_of,
     with_named_assertions,
@@ -70,6 +71,15 @@ def test_inputs_go_through_registers_but_clock_and_words() -> None:
     assert "  input [63:0] read_words,\n" in model
     assert "clock_next" not in model
     assert "    .write_words(write_words)" in model
+
+
+def test_either_edge_is_a_clock_if_it_is_only_waited_for() -> None:
+    registers = HEAD.replace("endmodule", "  always @(posedge clock)\n    q <= d;\nendmodule")
+    model = model_of(registers, "top")
+    assert model.count("always @(posedge clock or negedge clock)") == 3
+    for other in ("posedge clk", "negedge clock"):
+        assert "or negedge clock" not in model_of(registers.replace("posedge clock", other, 1), "top")
+    assert not either_edge_will_do(registers.replace("q <= d", "q <= clock"))
 
 
 def test_a_failed_assertion_tells_its_place() -> None:

@@ -20,12 +20,12 @@ from unitylink.resources import resource_folder
 
 from .cache import cached
 from .design import RtlDesign, RtlModel
-from .verilog import model_of, stream_ports_of
+from .verilog import either_edge_will_do, model_of, stream_ports_of
 
 Progress = Callable[[str], None]
 
 _HERE = Path(__file__).parent
-_MAKERS = [_HERE / name for name in ("build.py", "verilog.py", "model.cpp")]
+_MAKERS = [_HERE / name for name in ("build.py", "verilog.py", "lean.py", "model.cpp")]
 _VERILATOR = (
     "--cc",
     "--language",
@@ -45,6 +45,7 @@ _COMPILE = (
     "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0",
 )  # fmt: skip
 _LINK = ("-shared", "-Wl,-Bsymbolic", "-pthread")  # two models in one program know nothing of each other
+_SMALL_BYTES = 100_000  # of a source
 _SECONDS_MOST = 900.0
 _LINES_SHOWN = 20
 
@@ -148,32 +149,37 @@ def compile_netlist(
             ],
             folder,
         )
-        _compile(folder, _sizes(verilog, top), top, library, tools=tools, say=say)
+        _compile(folder, _kind(verilog, top), top, library, tools=tools, say=say)
 
 
-def _sizes(verilog: str, top: str) -> list[str]:
+def _kind(verilog: str, top: str) -> list[str]:
     bits = {port.name: port.bits for port in stream_ports_of(verilog, top)}
     return [
         f"-DREAD_WORDS={bits.get('read_words', 0) // 32}",
         f"-DWRITE_WORDS={bits.get('write_words', 0) // 32}",
         f"-DGROUPS={bits.get('events', 0)}",
+        f"-DEITHER_EDGE={either_edge_will_do(verilog):d}",
     ]
 
 
 def _compile(
-    folder: Path, sizes: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
+    folder: Path, kind: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
 ) -> None:
     include = tools.verilator_include()
-    flags = [*_COMPILE, *sizes, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
+    flags = [*_COMPILE, *kind, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
     flags += ["-include", str(_interface())]  # the netlist calls unitylink_failed()
-    every_clock: list[Path] = []
+    large: list[Path] = []
+    small = [_HERE / "model.cpp"]
     rarely: list[Path] = []
     for path in sorted((folder / "made").glob("*.cpp"), key=lambda path: -path.stat().st_size):
-        (rarely if re.search("Slow|Syms|ConstPool", path.name) else every_clock).append(path)
+        often = small if path.stat().st_size < _SMALL_BYTES else large
+        (rarely if re.search("Slow|Syms|ConstPool", path.name) else often).append(path)
     # What runs only once need not be fast, and most of a small file's time goes into the headers.
-    others = folder / "others.cpp"
-    others.write_text("".join(f'#include "{path}"\n' for path in rarely), encoding="utf-8")
-    jobs = [(path, "-O2") for path in (*every_clock, _HERE / "model.cpp")] + [(others, "-O0")]
+    jobs = [(path, "-O2") for path in large]
+    for name, paths, level in (("clock", small, "-O2"), ("others", rarely, "-O0")):
+        joined = folder / f"{name}.cpp"
+        joined.write_text("".join(f'#include "{path}"\n' for path in paths), encoding="utf-8")
+        jobs.append((joined, level))
     done = 0
 
     def compile_one(job: tuple[Path, str]) -> str:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C side of compiled gateware: what Verilator made of model.v, behind the function table of rtl_model.h.
-// READ_WORDS, WRITE_WORDS and GROUPS come from the build.
+// READ_WORDS, WRITE_WORDS and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a clock of the design, so that
+// one evaluation does for it.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -80,9 +81,13 @@ void clock(void* handle, unitylink_rtl_pins* pins) {
   top.rx_data_next = pins->rx_data;
   top.rx_error_next = pins->rx_error;
   top.tx_ready_next = pins->tx_ready;
+#if EITHER_EDGE
+  top.clock ^= 1;
+#else
   top.clock = 1;
   top.eval();
   top.clock = 0;
+#endif
   top.eval();
   pins->rx_ready = top.rx_ready;
   pins->tx_valid = top.tx_valid;

@@ -8,6 +8,8 @@ import re
 from unitylink.errors import ToolError
 from unitylink.gateware import Port, ports_of
 
+from .lean import lean
+
 _ASSERTION = re.compile(
     r"/\* (?P<file>\S+):(?P<line>\d+):\d+  \*/\n(?P<before>\s*always @\*\n\s*if \(!\w+\)\n\s*)"
     r'\$fatal\(1, "[^"]*"\);'
@@ -18,6 +20,8 @@ _CASE = re.compile(
     r"\s*default: (?P<otherwise>[^;]+;)\n\s*endcase"
 )
 _ARM = re.compile(r"'b([01]+): ([^;]+;)")
+_CLOCK = re.compile(r"\bclock\b|\bnegedge\b|\bposedge\b")
+_ONLY_CLOCKS = re.compile(r"posedge clock\b|\binput +clock\b|\.clock\(clock\)")
 # Words and the clock go straight in: a board has many words, and copying them would cost every clock.
 _STRAIGHT = ("clock", "read_words")
 _STREAMS = {
@@ -46,9 +50,14 @@ def model_of(netlist: str, top: str) -> str:
     """Return `netlist` with a module `model` around `top`.
 
     The inputs of `model` end in `_next` and are taken over by a register: then no logic hangs on an input,
-    and Verilator works a clock out once instead of three times. An assertion of the VHDL calls
-    unitylink_failed().
+    and Verilator works a clock out once instead of three times. If `either_edge_will_do` each edge of the
+    clock is one of the design's clocks. An assertion of the VHDL calls unitylink_failed().
     """
+    design = with_plain_choices(with_named_assertions(lean(netlist)))
+    edge = "posedge clock"
+    if either_edge_will_do(netlist):
+        edge += " or negedge clock"
+        design = design.replace("@(posedge clock)", f"@({edge})")
     ports = stream_ports_of(netlist, top)
     registers = [port for port in ports if port.is_input and port.name not in _STRAIGHT]
     outer = [
@@ -61,15 +70,20 @@ def model_of(netlist: str, top: str) -> str:
             "module model(",
             ",\n".join(outer) + ");",
             *(f"  reg {port.range}{port.name} = 0;" for port in registers),
-            "  always @(posedge clock) begin",
+            f"  always @({edge}) begin",
             *(f"    {port.name} <= {port.name}_next;" for port in registers),
             "  end",
             f"  {top.lower()} design_(",
             ",\n".join(f"    .{port.name}({port.name})" for port in ports) + ");",
             "endmodule",
-            with_plain_choices(with_named_assertions(netlist)),
+            design,
         ]
     )
+
+
+def either_edge_will_do(netlist: str) -> bool:
+    """Tell whether all that is done with a clock in `netlist` is to wait for the rising edge of `clock`."""
+    return not _CLOCK.search(_ONLY_CLOCKS.sub("", netlist))
 
 
 def with_named_assertions(netlist: str) -> str:
