@@ -8,6 +8,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.frame_pkg.all;
+use work.one_thing_pkg.all;
 use work.protocol_pkg.all;
 use work.serial_crc_pkg.all;
 
@@ -35,7 +36,6 @@ architecture properties of frame_transmitter_formal is
   signal stalled      : std_ulogic := '0';  -- a byte was offered and not taken
   signal given        : std_ulogic := '0';  -- the kind of the payload in hand
   signal goes         : std_ulogic;
-  signal orderly      : std_ulogic;          -- what the program asks for
 
   -- The frame that leaves.
   signal bytes        : natural range 0 to 4 := 0;
@@ -56,10 +56,6 @@ begin
 
   goes <= tx_valid and tx_ready;
 
-  orderly <= '1' when (put = '0' or (kind or restart or finish) = '0') and (restart = '0' or finish = '0') and
-                      (kind = '0' or (given = '0' and restart = '0' and (data(7 downto 4) = x"C" or data(7 downto 2) = "110100"))) and
-                      (finish = '0' or given = '1' or kind = '1') and (ready = '1' or (put or kind or restart or finish) = '0')
-             else '0';
   checked <= '1' when bytes = 4 and last_3 = '1' & crc(6 downto 0) and last_2 = '1' & crc(13 downto 7) and
                       last_1 = "100000" & crc(15 downto 14) else '0';
 
@@ -106,7 +102,7 @@ begin
   reset_first : assume always begun = '1' or reset = '1';
 
   -- The program does one thing at a time, gives a device's kind once a payload, and waits while the transmitter is not ready.
-  one_thing : assume always orderly = '1';
+  one_thing_at_a_time : assume always one_thing(reply, given, ready);
 
   -- The epoch changes while nothing is on its way.
   epoch_stands : assume always begun = '1' -> epoch = epoch_before or reset = '1' or (idle = '1' and given = '0');

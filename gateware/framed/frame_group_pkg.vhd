@@ -60,7 +60,7 @@ package body frame_group_pkg is
     check_member(define_input, define_inputs, word_in_size);
 
     at_check(p, request_kind_define_exchange_c);
-    put(p, take(take_first));
+    put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
     put(p, number(s.exchanges - 1), if_above, no_group);
     put(p, also(load_group));
     put(p, take(take_first));
@@ -187,7 +187,7 @@ package body frame_group_pkg is
     go_to(p, group_words);
 
     at_check(p, request_kind_define_group_c);
-    put(p, take(take_first));
+    put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
     put(p, number(mark_executing), if_mark, group_go);
     put(p, number(s.groups - 1), if_above, no_group);
     put(p, also(load_group));

@@ -205,7 +205,6 @@ package body frame_list_pkg is
     put(p, also(hold_bus));
     at(p, list_plain);
     load(p, word_reads);
-    put(p, number(mark_repeated), if_mark, list_say);
     if s.deadman then
       put(p, number(flag_tripped), if_flag, list_tripped);
     end if;
@@ -213,6 +212,7 @@ package body frame_list_pkg is
     put(p, number((s.reply_max - 6) / s.data_bytes), if_above, too_long);
     put(p, number(mark_fifo), if_mark, list_has_fifo);
     at(p, list_ok);
+    put(p, number(mark_repeated), if_mark, list_say);
     bump(p, control_frames_c);
     at(p, list_say);
     put(p, data(data_add) or number(word_writes) or times(2));
@@ -226,6 +226,7 @@ package body frame_list_pkg is
     go_to(p, list_ok);
     if s.deadman then
       at(p, list_tripped);
+      put(p, number(mark_repeated), if_mark, list_free);
       put(p, number(mark_writes), if_mark, denied);
       go_to(p, list_free);
     end if;

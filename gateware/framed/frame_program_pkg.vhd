@@ -64,6 +64,7 @@ package body frame_program_pkg is
     say_head(p);
     go_to(p, end_ok);
     at(p, tail_refused);
+    put(p, number(mark_repeated), if_mark, tail_plain);  -- counted already
     bump(p, control_frames_c);
     at(p, tail_plain);
     call(p, head);
@@ -114,7 +115,6 @@ package body frame_program_pkg is
     at(p, invalid);
     put(p, number(mark_posting), if_mark, drop_kind);
     put(p, say(say_kind) or number(device_kind_reply_c + reply_status_invalid_c));
-    put(p, number(mark_repeated), if_mark, tail_plain);  -- an exchange group that has been defined anew
     go_to(p, tail_refused);
 
     at(p, drop_kind);
@@ -242,6 +242,7 @@ package body frame_program_pkg is
     go_to(p, end_counted);
 
     at_check(p, request_kind_close_c);
+    put(p, number(mark_repeated), if_mark, invalid);
     call(p, answer);
     put(p, say(say_end));
     at(p, close_wait);
@@ -365,18 +366,19 @@ package body frame_program_pkg is
     at(p, duplicate_byte);
     put(p, say(say_byte, from_cache) or act(do_count));
     go_to(p, duplicate_next);
-    at(p, repeat);
+    at(p, repeat);  -- of LIST, EXCHANGE or READ_CONTROL; else the id was another request's, and it is invalid
     put(p, also(set_marks, mark_repeated));
     go_to(p, skip_check);
 
     at_check(p, request_kind_read_c);
-    put(p, nothing_done);
+    put(p, number(mark_repeated), if_mark, invalid);
     go_to(p, exec_read);
     at_check(p, request_kind_write_c);
-    put(p, nothing_done);
+    put(p, number(mark_repeated), if_mark, invalid);
     go_to(p, exec_write);
 
     at_check(p, request_kind_sync_c);
+    put(p, number(mark_repeated), if_mark, invalid);
     call(p, answer);
     say_half(p, say_kept, word_posts);
     put(p, number(word_failed));

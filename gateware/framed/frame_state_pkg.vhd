@@ -97,7 +97,7 @@ package body frame_state_pkg is
   procedure write_control(p : inout assembler_t; s : frame_settings_t) is
   begin
     at_check(p, request_kind_write_control_c);
-    put(p, take(take_first));
+    put(p, take(take_first) or number(mark_repeated), if_mark, invalid);
     put(p, take(take_first) or number(0), if_low_not, bad_address);
     if s.groups > 0 then
       put(p, number(control_publish_c), if_low, write_publish);
@@ -106,7 +106,6 @@ package body frame_state_pkg is
       put(p, number(control_arm_c), if_low, write_arm);
       put(p, number(control_deadman_ticks_c), if_low, write_ticks);
     end if;
-    put(p, nothing_done);
     go_to(p, bad_address);
 
     if s.groups > 0 then

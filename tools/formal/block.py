@@ -24,6 +24,11 @@ class Block:
     `induction` z3 shows that so many good clocks are followed by another; with `pdr` ABC finds an invariant.
     With neither the proof is shallow and the page says so. Every cover must be reached within `reach` clocks,
     or else `depth`.
+
+    A part that has a proof of its own, or too much memory for a solver, may be left out: each (entity,
+    instance) of `without` is removed, each signal in `loose` loses its driver, and what is not driven has any
+    value at any time. What holds then, holds with it. Inputs of the property file show what signals of the
+    design have (`seen`), so that it can assume of a loose one what is proven elsewhere.
     """
 
     name: str
@@ -35,6 +40,9 @@ class Block:
     induction: int | None = None
     pdr: bool = False
     generics: Mapping[str, int | str | bool] = field(default_factory=dict)
+    without: tuple[tuple[str, str], ...] = ()
+    seen: Mapping[str, str] = field(default_factory=dict)  # port: signal
+    loose: tuple[str, ...] = ()
     not_proven: str = ""  # what a reader may expect and does not get
     quick: bool = False  # in the short form too, which is a test
     several_clocks: bool = False  # each an input; depths then count steps, in which any of them may turn

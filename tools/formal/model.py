@@ -34,10 +34,13 @@ _PSL = tuple(
 _SCRIPT = """
 read_verilog -formal {verilog}
 hierarchy -check -top {top}
+{removed}
 rename -hide w:n*_o w:n*_q
 proc
 setundef -undriven -anyseq
 flatten
+{loose}
+{seen}
 opt_clean
 memory -nordff -nomap
 memory_map
@@ -85,34 +88,53 @@ def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
     ghdl = Ghdl(folder, sources)
     verilog, vhdl = (ghdl.synthesise(block.top, language, block.generics) for language in ("verilog", "vhdl"))
-    return _made(
-        with_properties(repaired(verilog, vhdl)), block.top, folder / "model.v", block.several_clocks
-    )
+    return _made(block, with_properties(repaired(verilog, vhdl)), folder / "model.v")
 
 
-def unreachable(model: Model) -> Model:
+def unreachable(block: Block, model: Model) -> Model:
     """Return the model that asserts of each cover that it is never reached, and nothing else."""
     source = model.smt2.with_suffix(".v")
     verilog = re.sub(r"(?m)^.*\bassert\(.*$", "", source.read_text(encoding="utf-8"))
-    return _made(
-        re.sub(r"\bcover\(", "assert(!", verilog),
-        model.top,
-        source.with_name("covers.v"),
-        model.several_clocks,
-    )
+    return _made(block, re.sub(r"\bcover\(", "assert(!", verilog), source.with_name("covers.v"))
 
 
-def _made(verilog: str, top: str, source: Path, several_clocks: bool) -> Model:
+def _made(block: Block, verilog: str, source: Path) -> Model:
     source.write_text(verilog, encoding="utf-8")
     smt2, aiger = source.with_suffix(".smt2"), source.with_suffix(".aig")
-    script = _SCRIPT.format(verilog=source, top=top, smt2=smt2, aiger=aiger)
-    if several_clocks:
+    script = _SCRIPT.format(
+        verilog=source,
+        top=block.top,
+        removed=_removed(block),
+        loose=_loose(block),
+        seen=_seen(block),
+        smt2=smt2,
+        aiger=aiger,
+    )
+    if block.several_clocks:
         script = script.replace("async2sync", "clk2fflogic")
     code, said = run(["yosys", "-q", "-p", "; ".join(filter(None, script.split("\n")))])
     if code != 0:
-        raise ToolError(f"yosys refuses the model of {top}:\n{said[-3000:]}")
+        raise ToolError(f"yosys refuses the model of {block.top}:\n{said[-3000:]}")
     names = re.findall(r"^; yosys-smt2-assert \d+ (\S+)", smt2.read_text(encoding="utf-8"), re.MULTILINE)
-    return Model(top, smt2, aiger, tuple(names), several_clocks)
+    return Model(block.top, smt2, aiger, tuple(names), block.several_clocks)
+
+
+def _removed(block: Block) -> str:
+    """Return the commands that take parts out of the design, whose outputs then have any value."""
+    patterns = [f"{entity}_*/{instance}" for entity, instance in block.without]
+    return "\n".join(f"select -assert-count 1 {each}\ndelete {each}" for each in patterns)
+
+
+def _seen(block: Block) -> str:
+    """Return the commands that give inputs of the property file the values of signals of the flat design."""
+    commands = [f"delete -input w:{port}" for port in block.seen]
+    commands += [f"connect -nomap -set \\{port} \\{signal}" for port, signal in block.seen.items()]
+    return "\n".join([f"cd {block.top}", *commands, "cd .."])
+
+
+def _loose(block: Block) -> str:
+    """Return the commands that take its driver from signals of the flat design."""
+    return "\n".join(f"select -assert-count 1 w:{each}\ncutpoint w:{each}" for each in block.loose)
 
 
 def with_properties(verilog: str) -> str:

@@ -123,6 +123,21 @@ PHYSICAL_BLOCKS = (
         ),
     ),
     Block(
+        "spi_slave",
+        "`physical/spi_slave`, buffers of 2 bytes, any sck up to the clock's rate; depths in half clocks",
+        depth=4,
+        deep=34,
+        reach=36,
+        several_clocks=True,
+        not_proven="resets, overruns, filler within a message, long transfers: the bench tries them",
+        mutants=(
+            Mutant("spi_slave.vhd", "new_byte := came_2 xor came_3;", "new_byte := came_1 xor came_3;"),
+            Mutant("spi_slave.vhd", "miso_drive <= not cs_n;", "miso_drive <= '1';"),
+            Mutant("spi_slave.vhd", "<= shift(5 downto 0) & mosi;", "<= shift(5 downto 0) & not mosi;"),
+            Mutant("spi_slave.vhd", "and took_2 = offer_toggle and may_go", "and may_go"),
+        ),
+    ),
+    Block(
         "siwu_pulse",
         "`physical/siwu_pulse`, pulses of 5 clocks",
         depth=12,

@@ -47,7 +47,7 @@ def prove(block: Block) -> Result:
             raise ToolError(
                 f"{block.name}: a property can be violated after more than {block.searched} clocks"
             )
-        covers = unreachable(made)
+        covers = unreachable(block, made)
         clocks = reached(covers, block.reached)
         if missing := sorted(set(covers.named) - set(clocks)):
             raise ToolError(f"{block.name}: not reached in {block.reached} clocks: {', '.join(missing)}")

@@ -1,0 +1,377 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Properties of the framed application with its program: any frames, one after the other, on a bus that answers as it likes and
+-- to a transmitter that stalls as it likes. 8-bit address and data, without lists and groups.
+--
+-- What it remembers is left out: the words of its memory have any value whenever they are looked at, but for its constants, so
+-- an epoch that is loaded is any; a session may be open when it wakes up; what goes through the memory ends anywhere; the reply
+-- cache says of an id whatever it likes, but the same while it is in work; the clock turns at any time.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.bii_pkg.all;
+use work.frame_instruction_pkg.all;
+use work.frame_layout_pkg.all;
+use work.frame_pkg.all;
+use work.one_thing_pkg.all;
+use work.protocol_pkg.all;
+
+entity frame_application_formal is
+  port (
+    clk             : in std_ulogic;
+    reset           : in std_ulogic;
+    arrives         : in std_ulogic;              -- a frame, if none stands
+    entry_in        : in entry_t;
+    chained_in      : in std_ulogic;
+    barrier_in      : in std_ulogic;
+    length_in       : in unsigned(3 downto 0);    -- of its payload
+    data            : in byte_t;                  -- the next byte of it
+    may_begin       : in std_ulogic;
+    receive_overrun : in std_ulogic;
+    reply_ready     : in std_ulogic;
+    reply_idle      : in std_ulogic;
+    response        : in bii_response_t;
+    -- What is seen of the design.
+    instruction     : in frame_instruction_t;
+    finishes        : in std_ulogic;
+    jump            : in std_ulogic;
+    steps           : in std_ulogic;
+    entry_now       : in entry_t;
+    id              : in std_ulogic_vector(15 downto 0);
+    word_index      : in unsigned(7 downto 0);
+    remember        : in std_ulogic;
+    status_out      : in std_ulogic_vector(3 downto 0);
+    -- … of what is left out and has any value, but for what is assumed.
+    word            : in word32_t;
+    fresh           : in std_ulogic;              -- new_id
+    repeated        : in std_ulogic;
+    unordered       : in std_ulogic;
+    not_kept        : in std_ulogic;
+    kept_status     : in std_ulogic_vector(3 downto 0);
+    kept_count      : in unsigned(4 downto 0);
+    epoch_now       : in crc16_t
+  );
+end entity;
+
+architecture properties of frame_application_formal is
+
+  constant settings : frame_settings_t := (
+    address_width => 8, data_width => 8, address_bytes => 1, data_bytes => 1, clock_hz => 4, base_hz => 1, groups => 0,
+    group_size => 0, rate_bytes => 1, exchanges => 0, exchange_size => 0, window => 2,
+    cache_bytes => frame_cache_bytes_default_c, request_max => 250, reply_max => 250, credit => 512, classic => false,
+    lists => false, deadman => false, safe_count => 0, gateware_version => x"00000000", build => x"00000000",
+    spec_hash => x"0000000000000000");
+
+  constant content : word_memory_t := memory_content(settings, no_safe_values);
+
+  subtype constants_t is natural range word_zero to word_defined;
+
+  signal begun   : std_ulogic := '0';  -- the reset of power-up is over
+  signal started : std_ulogic := '0';  -- and so is what the program does behind it
+
+  signal request : frame_request_t;
+  signal stands  : std_ulogic := '0';
+  signal taken   : unsigned(3 downto 0) := (others => '0');
+  signal length  : unsigned(3 downto 0) := (others => '0');
+  signal take, rewind, request_done, wants, busy : std_ulogic;
+  signal reply   : frame_reply_t;
+  signal epoch, epoch_before : crc16_t;
+  signal in_session : std_ulogic;
+  signal bii     : bii_request_t;
+
+  signal verdict_before : std_ulogic_vector(12 downto 0) := (others => '0');
+  signal begins_before, loads_before : std_ulogic := '0';
+  signal looked_at : natural range 0 to 255 := 0;
+
+  -- The work in hand.
+  signal begins    : std_ulogic;
+  signal entry     : natural range 0 to 31 := 0;
+  signal frame     : std_ulogic := '0';             -- it is one
+  signal had_id    : std_ulogic := '0';             -- and long enough for an id
+  signal dones     : natural range 0 to 2 := 0;
+  signal kinds     : natural range 0 to 2 := 0;
+  signal kind      : byte_t := (others => '0');
+  signal given     : std_ulogic := '0';             -- of the payload in hand: its kind
+  signal begun_payload : std_ulogic := '0';         -- and some of its bytes
+  signal accesses  : natural range 0 to 2 := 0;
+  signal trouble   : natural range 0 to 2 := 0;     -- of its access: it failed, nobody answered
+  signal memories  : natural range 0 to 2 := 0;     -- how often its id was remembered
+  signal remembered : std_ulogic_vector(3 downto 0) := "0000";
+  signal judgements : natural range 0 to 3 := 0;    -- how often the cache was asked
+  signal judged    : std_ulogic := '0';             -- the cache has called its id new
+  signal judged_id : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal other     : std_ulogic := '1';             -- in the clock before, the cache was busy with something else
+  signal id_before : std_ulogic_vector(15 downto 0) := (others => '0');
+  signal routine   : std_ulogic := '0';             -- called, and not returned from
+  signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
+
+  function to_bit(value : boolean) return std_ulogic is
+  begin
+    if value then
+      return '1';
+    end if;
+    return '0';
+  end function;
+
+  -- GHDL 2.0 takes only so many terms as PSL.
+  function holds(what : boolean) return boolean is
+  begin
+    return what;
+  end function;
+
+begin
+
+  default clock is rising_edge(clk);
+
+  dut : entity work.frame_application
+    generic map (settings => settings)
+    port map (
+      clock => clk, reset => reset, request => request, take => take, rewind => rewind, request_done => request_done,
+      reply => reply, reply_ready => reply_ready, reply_idle => reply_idle, epoch => epoch, may_begin => may_begin,
+      wants => wants, busy => busy, receive_overrun => receive_overrun, bii_request => bii, bii_response => response);
+
+  bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => response);
+
+  in_session <= nand epoch(15 downto 8);
+  at_rest    <= begun and started and not busy;
+  begins     <= wants and may_begin;
+  calls      <= steps and jump and instruction(do_call);
+  returns    <= steps and not jump and instruction(do_return);
+  judges     <= finishes and to_bit(unsigned(instruction(condition_f)) = if_not_new);
+  epoch_may_change <= to_bit(frame = '1' and stands = '1' and given = '0' and reply_idle = '1' and
+                             (entry = entry_open or entry = request_kind_close_c mod 16));
+  with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and entry /= request_kind_post_list_c mod 16);
+
+  request.valid   <= stands;
+  request.data    <= data;
+  request.left    <= resize(length - taken, 8);
+  request.length  <= resize(length, 8);
+  request.missing <= to_bit(length = taken);
+
+  -- As frame_receiver hands them on.
+  requests : process (clk) is
+  begin
+    if rising_edge(clk) then
+      begun <= '1';
+      if request_done = '1' or rewind = '1' then
+        taken <= (others => '0');
+      elsif take = '1' and length /= taken then
+        taken <= taken + 1;
+      end if;
+      if stands = '0' or request_done = '1' then
+        stands          <= arrives;
+        taken           <= (others => '0');
+        request.entry   <= entry_in;
+        request.chained <= chained_in;
+        request.barrier <= barrier_in;
+        length          <= length_in;
+      end if;
+      if reset = '1' then
+        stands <= '0';
+      end if;
+    end if;
+  end process;
+
+  -- What the memory looks at, and what the cache has said of the id in work.
+  note_before : process (clk) is
+  begin
+    if rising_edge(clk) then
+      if finishes = '0' or instruction(store_f) = store_nothing then
+        looked_at <= to_integer(word_index);
+      end if;
+      verdict_before <= fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count);
+      begins_before  <= begins;
+      loads_before   <= reset or (finishes and to_bit(instruction(special_f) = load_epoch));
+    end if;
+  end process;
+
+  follow : process (clk) is
+  begin
+    if rising_edge(clk) then
+      epoch_before <= epoch;
+      id_before    <= id;
+      if busy = '0' then
+        started <= '1';
+      end if;
+
+      other     <= remember or instruction(do_before) or to_bit(instruction(special_f) = forget_place);
+
+      if reply.restart = '1' or reply.finish = '1' then
+        given         <= '0';
+        begun_payload <= '0';
+      else
+        given         <= given or reply.kind;
+        begun_payload <= begun_payload or reply.put;
+      end if;
+      if reply.restart = '1' and given = '1' then
+        given <= '1';  -- the bytes are forgotten, not the kind
+      end if;
+      if reply.kind = '1' then
+        kind <= reply.data;
+        if kinds < 2 then
+          kinds <= kinds + 1;
+        end if;
+      end if;
+      if request_done = '1' and dones < 2 then
+        dones <= dones + 1;
+      end if;
+      if bii.valid = '1' and response.done = '1' then
+        if accesses < 2 then
+          accesses <= accesses + 1;
+        end if;
+        trouble <= 0;
+        if response.status = error then
+          trouble <= 1;
+        elsif response.status = silent then
+          trouble <= 2;
+        end if;
+      end if;
+      if judges = '1' and judgements < 3 then
+        judgements <= judgements + 1;
+      end if;
+      if judges = '1' and fresh = '1' then
+        judged    <= '1';
+        judged_id <= id;
+      end if;
+      if remember = '1' then
+        remembered <= status_out;
+        if memories < 2 then
+          memories <= memories + 1;
+        end if;
+      end if;
+      routine <= (routine or calls) and not returns;
+
+      if begins = '1' then
+        entry    <= to_integer(unsigned(entry_now));
+        frame    <= to_bit(unsigned(entry_now) < entry_tick);
+        had_id   <= to_bit(length >= 2);
+        dones    <= 0;
+        kinds    <= 0;
+        accesses <= 0;
+        trouble  <= 0;
+        memories <= 0;
+        judged   <= '0';
+        judgements <= 0;
+      end if;
+      if reset = '1' then
+        started       <= '0';
+        frame         <= '0';
+        given         <= '0';
+        begun_payload <= '0';
+        routine       <= '0';
+        dones         <= 0;
+        kinds         <= 0;
+        accesses      <= 0;
+        memories      <= 0;
+        judged        <= '0';
+        judgements    <= 0;
+      end if;
+    end if;
+  end process;
+
+  -- The design is reset when it wakes up, and at any later moment.
+  reset_first : assume always begun = '1' or reset = '1';
+
+  -- Constants of the memory are what they are.
+  constants_are : assume always holds(looked_at < constants_t'low or looked_at > constants_t'high or word = content(looked_at));
+
+  -- The cache says the same of an id while it is in work, and not both new and repeated.
+  verdict_stands : assume always holds((fresh and repeated) = '0' and (begins_before = '1' or begun = '0' or
+                   verdict_before = fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count)));
+
+  -- An epoch stands until another one is loaded; a session may be open when the design wakes up.
+  epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
+
+  -- The receiver tells what it may: a request in a session only, what is dropped without payload.
+  frames_are_frames : assume always arrives = '1' -> holds(unsigned(entry_in) < entry_tick and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
+                      (unsigned(entry_in) > 15 or in_session = '1') and (unsigned(entry_in) < entry_check or length_in = 0));
+
+  -- The transmitter is idle until it is given something.
+  idle_stands : assume always reply_idle = '1' and (reply.kind or reply.put or reply.finish) = '0' and reset = '0' ->
+                next (reply_idle = '1');
+
+  -- A frame in work is done when the work is.
+  done_once : assert always at_rest = '1' and frame = '1' -> dones = 1;
+
+  -- It is done once, and nothing else is.
+  nothing_done_else : assert always begun = '1' and request_done = '1' -> stands = '1' and frame = '1' and dones = 0;
+
+  -- It is the end of the work in hand.
+  done_ends : assert always begun = '1' and request_done = '1' and reset = '0' -> next (busy = '0');
+
+  -- What is said to the transmitter is what it may rely on.
+  says_one_thing : assert always begun = '1' -> one_thing(reply, given, reply_ready);
+
+  -- Every answer that is begun is ended, once, before anything else begins: publish, request and tick never share the transmitter.
+  answer_ends : assert always at_rest = '1' -> given = '0' and begun_payload = '0';
+
+  -- There is one answer to a frame.
+  one_answer : assert always begun = '1' and reply.kind = '1' -> kinds = 0;
+
+  -- A request with an id that is new or repeated is answered.
+  answered : assert always at_rest = '1' and with_id = '1' and had_id = '1' and
+             (fresh = '1' or repeated = '1') -> kinds = 1;
+
+  -- Nothing is said to what was dropped, to a post, or without a frame.
+  silent_else : assert always begun = '1' and reply.kind = '1' -> holds(frame = '1' and
+                (with_id = '1' or entry = entry_hello or entry = entry_open or entry = entry_session));
+
+  -- An answer is of the kind that belongs to the frame.
+  kind_belongs : assert always begun = '1' and reply.kind = '1' -> holds(
+                 (with_id = '1' and reply.data(7 downto 4) = x"C") or
+                 (entry = entry_hello and unsigned(reply.data) = device_kind_hello_c) or
+                 (entry = entry_open and unsigned(reply.data) = device_kind_open_c) or
+                 (entry = entry_session and unsigned(reply.data) = device_kind_closed_c));
+
+  -- The bus is opened in a session only, once, for a READ or WRITE whose id is new, or a POST.
+  opened_if_asked : assert always begun = '1' and bii.valid = '1' -> holds(in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
+                    ((entry = request_kind_read_c mod 16 and fresh = '1' and bii.write = '0') or
+                     (entry = request_kind_write_c mod 16 and fresh = '1' and bii.write = '1') or
+                     (entry = request_kind_post_c mod 16 and bii.write = '1')));
+
+  -- Never with the bus held.
+  bus_not_held : assert always begun = '1' -> bii.block_hold = '0';
+
+  -- The work in hand waits for its access.
+  awaited : assert always begun = '1' and busy = '0' -> bii.valid = '0';
+
+  -- An id is judged when the cache has looked at it.
+  judged_in_time : assert always begun = '1' and judges = '1' -> id = id_before and other = '0' and instruction(do_before) = '0';
+
+  -- It is remembered once, and only if the cache has called it new, as its proof assumes.
+  new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
+
+  -- Nor does the program go around: no id is judged more than twice.
+  judged_twice_most : assert always begun = '1' -> judgements <= 2;
+
+  -- What was executed is remembered, with the status that its answer tells, which is that of the bus.
+  executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 ->
+                           holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
+
+  -- A READ or WRITE that is remembered was executed.
+  remembered_is_executed : assert always at_rest = '1' and memories = 1 and
+                           (entry = request_kind_read_c mod 16 or entry = request_kind_write_c mod 16) -> accesses = 1;
+
+  -- The epoch changes with an OPEN or CLOSE in hand, and while nothing is on its way, as receiver and transmitter assume.
+  epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch = epoch_before or epoch_may_change = '1');
+
+  -- The program never leaves its instructions, and its first ones are for a reset.
+  in_program : assert always begun = '1' -> or instruction;
+
+  -- A routine is called from outside of one, and returned from once.
+  one_routine : assert always begun = '1' -> (calls = '0' or routine = '0') and (returns = '0' or routine = '1');
+
+  -- None is left open behind the work.
+  routine_ends : assert always begun = '1' and busy = '0' -> routine = '0';
+
+  -- Nothing is stored where constants or the description are, by an instruction that names the place.
+  constants_stand : assert always begun = '1' and finishes = '1' and instruction(store_f) /= store_nothing and instruction(do_pointer) = '0' -> holds(
+                    to_integer(word_index) >= control_frames_c and
+                    (to_integer(word_index) < constants_t'low or to_integer(word_index) > constants_t'high));
+
+  -- A READ is answered.
+  read_seen : cover {at_rest = '1' and entry = request_kind_read_c mod 16 and accesses = 1 and kinds = 1};
+
+end architecture;

@@ -1,0 +1,169 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Properties of spi_slave, between a clock and an sck that come as z3 likes, as long as the clock is as fast. The master
+-- selects, and breaks off, behind any falling edge of sck. Order: any one byte of each way is followed by its number.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+  use work.physical_pkg.all;
+
+entity spi_slave_formal is
+  generic (
+    depth : positive := 2
+  );
+  port (
+    clk        : in std_ulogic;
+    sck        : in std_ulogic;
+    unselect   : in std_ulogic; -- behind this falling edge of sck
+    colour_in  : in std_ulogic; -- all bits of the byte from the PC that begins
+    rx_ready   : in std_ulogic;
+    tx_valid   : in std_ulogic;
+    tx_last    : in std_ulogic;
+    colour_out : in std_ulogic; -- all bits but one of the byte to it
+    mark_in    : in std_ulogic; -- follow the byte that comes now
+    mark_out   : in std_ulogic
+  );
+end entity;
+
+architecture properties of spi_slave_formal is
+
+  subtype byte_t is std_ulogic_vector(7 downto 0);
+  subtype number_t is unsigned(2 downto 0); -- of a byte modulo 8; never more than 5 are on their way
+
+  constant places : natural := depth + 2; -- bytes from the PC that may wait
+
+  -- The master.
+  signal cs_n            : std_ulogic := '1';
+  signal place           : unsigned(2 downto 0) := "000";
+  signal mosi            : std_ulogic;
+  signal sends, hears    : byte_t := (others => '0');
+  signal given, got      : number_t := (others => '0');
+  signal follow_in       : number_t := (others => '0');
+  signal in_marked       : std_ulogic := '0';
+  signal out_done, wrong : std_ulogic := '0';
+  signal in_byte         : byte_t;
+
+  -- The FPGA.
+  signal miso, miso_drive, waiting    : std_ulogic;
+  signal rx_valid, tx_ready           : std_ulogic;
+  signal rx_data, tx_data             : byte_t;
+  signal rx_error                     : receive_error_t;
+  signal received, said               : number_t := (others => '0');
+  signal in_done                      : std_ulogic := '0';
+  signal follow_out                   : number_t := (others => '0');
+  signal out_marked                   : std_ulogic := '0';
+  signal out_byte                     : byte_t;
+
+  signal ticks, ticks_before          : unsigned(1 downto 0) := "00"; -- of clk, and at the last rising edge of sck
+  signal ticked                       : std_ulogic := '0';
+
+begin
+
+  default clock is rising_edge(clk);
+
+  mosi    <= colour_in when place = 0 else sends(0);
+  tx_data <= (7 downto 1 => colour_out) & '1'; -- no filler
+
+  dut : entity work.spi_slave
+    generic map (rx_depth => depth, tx_depth => depth)
+    port map (
+      clock => clk, reset => '0',
+      sck => sck, cs_n => cs_n, mosi => mosi, miso => miso, miso_drive => miso_drive, waiting => waiting,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last);
+
+  master_samples : process (sck) is
+  begin
+    if rising_edge(sck) then
+      ticks_before <= ticks;
+      ticked       <= '1';
+      if cs_n = '0' then
+        hears <= hears(6 downto 0) & miso;
+        sends <= sends(6 downto 0) & mosi;
+      end if;
+      if cs_n = '0' and place = 7 then
+        given <= given + 1;
+        if mark_in = '1' and in_marked = '0' then
+          in_marked <= '1';
+          follow_in <= given;
+          in_byte   <= sends(6 downto 0) & mosi;
+        end if;
+      end if;
+    end if;
+  end process;
+
+  master_changes : process (sck) is
+  begin
+    if falling_edge(sck) then
+      cs_n <= unselect;
+      if cs_n = '0' then
+        place <= place + 1;
+        if place = 7 then
+          if hears /= x"00" then
+            got <= got + 1;
+            if out_marked = '1' and out_done = '0' and got = follow_out then
+              out_done <= '1';
+              wrong    <= or (hears xor out_byte);
+            end if;
+          end if;
+        end if;
+      end if;
+      if unselect = '1' then
+        place <= "000";
+      end if;
+    end if;
+  end process;
+
+  streams : process (clk) is
+  begin
+    if rising_edge(clk) then
+      ticks <= ticks + 1;
+      if rx_valid = '1' and rx_ready = '1' then
+        received <= received + 1;
+        if in_marked = '1' and received = follow_in then
+          in_done <= '1';
+        end if;
+      end if;
+      if tx_valid = '1' and tx_ready = '1' then
+        said <= said + 1;
+        if mark_out = '1' and out_marked = '0' then
+          out_marked <= '1';
+          follow_out <= said;
+          out_byte   <= tx_data;
+        end if;
+      end if;
+    end if;
+  end process;
+
+  -- The clock is as fast as sck, or faster: it rises between any two rises of sck.
+  clock_is_fast : assume (always ticked = '0' or ticks /= ticks_before) @rising_edge(sck);
+
+  -- The PC keeps to its credit: no more bytes wait than find room.
+  credit_is_kept : assume (always cs_n = '1' or place /= 7 or given - received < places) @rising_edge(sck);
+
+  -- miso is driven while the slave is selected, and at no other time.
+  driven_if_selected : assert always miso_drive = not cs_n;
+
+  -- No byte of the PC is lost: none finds no room.
+  no_overrun : assert always rx_error = no_receive_error;
+
+  -- A byte is offered only if one came.
+  none_of_nothing : assert always rx_valid = '1' -> given /= received;
+
+  -- No byte of the PC is lost, doubled or changed: the one on offer is the next that came whole.
+  read_in_order : assert always rx_valid = '1' and in_marked = '1' and in_done = '0' and
+                  received = follow_in -> rx_data = in_byte;
+
+  -- What the PC hears, but filler, was said and is no more than is on its way.
+  heard_was_said : assert always said - got <= depth + 3;
+
+  -- No byte to the PC is lost, doubled or changed, whatever is broken off: the last it heard whole is the next of those said.
+  heard_in_order : assert always wrong = '0';
+
+  -- A byte of the PC comes out.
+  received_one : cover {received = 1};
+  -- A byte is heard by the PC.
+  heard_one : cover {got = 1};
+
+end architecture;
