@@ -107,14 +107,14 @@ docs: $(VENV)/.built
 	$(BIN)/python -m pytest tests/unit/docs -q
 	@tools/setup.sh group docs
 	$(BIN)/python tools/docs/pictures.py
+	$(BIN)/python tools/docs/goodput.py
 	$(BIN)/python tools/docs/experiments.py
 	$(BIN)/python tools/docs/build_site.py
 
 fuzz: $(VENV)/.built
 	@tools/setup.sh system
 	@tools/setup.sh sanitized address,undefined
-	@for target in decoder frames; do $(SANITIZED)-address,undefined/fuzz_$$target $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
-	@$(SANITIZED)-address,undefined/fuzz_faults --seconds $(SECONDS)
+	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 
@@ -152,7 +152,7 @@ build/.python: .FORCE
 $(VENV)/.built: build/.python
 endif
 
-$(VENV)/.built: $(NATIVE_SOURCES) build/.modules
+$(VENV)/.built: $(NATIVE_SOURCES) build/.modules tools/setup.sh
 	@PYTHON='$(PYTHON)' tools/setup.sh build
 
 $(NATIVE)/.built: $(NATIVE_SOURCES) $(wildcard bench/native/*) $(VENV)/.built

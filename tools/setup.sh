@@ -58,11 +58,7 @@ group() {                                 # the stamp makes the second run free
 }
 
 strict_objects() {                        # where the library of .venv was built, if that was with warnings as errors
-  local cache tag
-  tag=$("$venv/bin/python" -c 'import sys; print("cp{}{}".format(*sys.version_info))')
-  for cache in "$PWD/build/$tag"-*/CMakeCache.txt; do
-    if grep -qs '^UNITYLINK_WERROR:[A-Z]*=ON$' "$cache"; then dirname "$cache"; fi
-  done
+  case "$(cat "$venv/.compiled" 2>/dev/null)" in build/strict-*) echo "$PWD/$(cat "$venv/.compiled")" ;; esac
 }
 
 need_boards() {
@@ -136,9 +132,14 @@ build)
   touch build/.started                     # an edit made during the build must count as newer than it
   group build
   echo "building the native core (about a minute the first time)"
-  strict=()                               # with warnings as errors, for `make test`; then the native tests need not compile the core again
-  [ -z "${UNITYLINK_WERROR:-}" ] || strict=(--config-settings=cmake.define.UNITYLINK_WERROR=ON)
-  PATH="$PWD/$venv/bin:$PATH" pip install --no-build-isolation "${strict[@]}" --editable . || stop "the native core did not build (see above)"
+  # With warnings as errors for `make test`, whose native tests then need not compile the core again; in a folder of its own, for what is
+  # built there later, perhaps with a newer compiler and its new warnings, is for use.
+  werror=OFF folder=build/
+  [ -z "${UNITYLINK_WERROR:-}" ] || werror=ON folder=build/strict-
+  PATH="$PWD/$venv/bin:$PATH" pip install --no-build-isolation --config-settings=cmake.define.UNITYLINK_WERROR=$werror \
+    --config-settings="build-dir=$folder{wheel_tag}" --editable . || stop "the native core did not build (see above)"
+  tag=$("$venv/bin/python" -c 'import sys; print("cp{}{}".format(*sys.version_info))')
+  echo "$folder$tag"-* > "$venv/.compiled"  # where
   touch -r build/.started "$venv/.built"
   ;;
 group) group "$2" ;;

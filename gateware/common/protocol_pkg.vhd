@@ -158,7 +158,7 @@ package protocol_pkg is
   constant frame_checked_long_flag_c : natural := 1;
   constant frame_atomic_flag_c : natural := 1;
   constant frame_event_flag_c : natural := 1;
-  constant frame_window_default_c : natural := 32;
+  constant frame_window_default_c : natural := 64;
   constant frame_cache_bytes_default_c : natural := 16;
   constant frame_posts_max_c : natural := 32767;
 

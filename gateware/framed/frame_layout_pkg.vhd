@@ -56,7 +56,6 @@ package frame_layout_pkg is
   constant word_first    : natural := 16#45#;  -- the number of the first post that failed
   constant word_status   : natural := 16#46#;  -- and its status
   constant word_posts    : natural := 16#47#;  -- executed in this session, in the lower half
-  constant word_nonce    : natural := 16#48#;  -- of the last HELLO answer, in the lower half
   constant word_session  : natural := 16#49#;  -- nonce and epoch of the session; no session: all ones
   constant word_failed   : natural := 16#4A#;  -- posts that failed, in the lower half; the upper half is all ones
   constant word_high     : natural := 16#4C#;  -- upper half of the clock
@@ -74,6 +73,7 @@ package frame_layout_pkg is
   constant word_in_size  : natural := 16#57#;  -- bytes of its inputs
   constant word_counts   : natural := 16#58#;  -- how many of both
   constant word_own_nonce : natural := 16#5A#; -- of the session, in the lower half
+  constant word_nonce    : natural := 16#5B#;  -- of the last HELLO answer; outlives a reset, so that no late OPEN is in time
   constant word_zero     : natural := 16#60#;  -- constants
   constant word_ones     : natural := 16#61#;
   constant word_one      : natural := 16#62#;

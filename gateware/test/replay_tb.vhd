@@ -7,7 +7,8 @@
 --                     w N    wait N clocks
 --                     q N    wait until no byte has moved either way for N clocks
 --                     e N    set the event inputs to this mask
---                     r N    pulse the physical error bits for one clock
+--                     x N    pulse the physical error bits for one clock
+--                     r N    reset for N clocks
 -- Answers:            b CLOCK BYTE  a byte has left
 --                     o CLOCK       the first byte of an `s` has entered
 --                     i CLOCK       its last byte has
@@ -341,10 +342,16 @@ begin
           when 'e' =>
             wait until rising_edge(clock);
             events <= std_ulogic_vector(to_unsigned(number, groups));
-          when 'r' =>
+          when 'x' =>
             rx_error <= std_ulogic_vector(to_unsigned(number, 3));
             wait until rising_edge(clock);
             rx_error <= "000";
+          when 'r' =>
+            reset <= '1';
+            for count in 1 to number loop
+              wait until rising_edge(clock);
+            end loop;
+            reset <= '0';
           when others =>
             report "replay_tb: a step is " & kind severity failure;
         end case;

@@ -74,7 +74,7 @@ class Fuzz {
     }
     understood += expected.messages;
     if (expected.value != got.value || whole_.pending() != pieced_.pending()) {
-      fuzzing::fail(program, "one chunk and many chunks differ", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+      fuzzing::fail(program, "one chunk and many chunks differ", seed_, rounds, span(text));
     }
     drive_engine(text);
   }
@@ -130,7 +130,7 @@ class Fuzz {
     std::size_t at = 0;
     for (int step = 0; engine->next_deadline_ns() != ClassicEngine::no_deadline || at < text.size(); ++step) {
       if (step > 20'000) {
-        fuzzing::fail(program, "a request did not end", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        fuzzing::fail(program, "a request did not end", seed_, rounds, span(text));
       }
       if (at < text.size()) {
         const std::size_t size = std::min<std::size_t>(text.size() - at, 1 + random_() % 64);
@@ -144,7 +144,7 @@ class Fuzz {
     }
     for (const Exchange& exchange : exchanges) {
       if (!exchange.done()) {
-        fuzzing::fail(program, "a request was forgotten", seed_, rounds, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        fuzzing::fail(program, "a request was forgotten", seed_, rounds, span(text));
       }
     }
   }

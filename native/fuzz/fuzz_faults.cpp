@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Histories of the fault simulation:  fuzz_faults --seconds N --seed S  or  --messages M --profile P [--classic] for one.
-// Without a profile each history takes the next one. Holds: no violation, ever.
+// With --strings N until so many messages have been sent. Without a profile each history takes the next one. Holds: no violation, ever.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +13,7 @@ using namespace unitylink::faults;
 
 int main(int count, char** arguments) {
   double seconds = 0;
+  unsigned long long strings = 0;
   bool framed = true;
   std::string profile;
   Plan plan{.seed = 1, .messages = 10'000, .profile = {}, .framed = true, .clients = 16, .window = 32};
@@ -20,6 +21,8 @@ int main(int count, char** arguments) {
     const auto value = [&] { return index + 1 < count ? arguments[++index] : ""; };
     if (std::strcmp(arguments[index], "--seconds") == 0) {
       seconds = std::atof(value());
+    } else if (std::strcmp(arguments[index], "--strings") == 0) {
+      strings = std::strtoull(value(), nullptr, 0);
     } else if (std::strcmp(arguments[index], "--seed") == 0) {
       plan.seed = std::strtoull(value(), nullptr, 0);
     } else if (std::strcmp(arguments[index], "--messages") == 0) {
@@ -56,7 +59,7 @@ int main(int count, char** arguments) {
       return 1;
     }
     ++plan.seed;
-  } while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() < seconds);
+  } while (strings > 0 ? messages < strings : std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() < seconds);
   std::printf("fuzz_faults: %llu histories, %llu messages, %llu faults, 0 violations\n", histories, messages, faults);
   return 0;
 }

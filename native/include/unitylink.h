@@ -195,7 +195,7 @@ UL_API ul_status ul_arm(ul_link* link, const ul_options* options);
  * Errors as requests; UL_MISMATCH also when no group is left, none is so large, or the line too slow. */
 UL_API ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
                               uint32_t* subscription);
-/* Stops its publishes. What came before can be drained until another subscription gets its group. Twice does nothing. */
+/* Stops its publishes. What the device sent before it stopped can be drained until another subscription gets its group. Twice does nothing. */
 UL_API ul_status ul_unsubscribe(ul_link* link, uint32_t subscription);
 /* Takes the oldest publishes out, as many as there are up to `room`; `taken` says how many. For each a time (s, CLOCK_MONOTONIC) and
  * `count` words, one publish after the other: `times_s` has room for `room`, `values` for room * count of them. */

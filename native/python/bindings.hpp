@@ -57,4 +57,11 @@ void raise_unless_ok(const Outcome& outcome);
 [[nodiscard]] std::uint32_t word_of(nanobind::handle value, const char* name);
 [[nodiscard]] std::vector<std::uint32_t> words_of(nanobind::handle sequence, const char* name);
 
+// Words to write, of a sequence of pairs (address, value).
+struct Writes {
+  std::vector<std::uint32_t> addresses;
+  std::vector<std::uint32_t> values;
+};
+[[nodiscard]] Writes writes_of(nanobind::handle pairs);
+
 }  // namespace unitylink::python

@@ -148,6 +148,33 @@ class PythonBoard final : public Board {
   }
 };
 
+// The interpreter's state of a thread that Python did not begin, kept from the first call to the thread's end: to make one anew for each
+// step of a plant costs more than a small step. Where the program ends before the thread it is left: the interpreter gives no turns any more.
+class InterpreterState {
+ public:
+  InterpreterState() : held_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
+  InterpreterState(const InterpreterState&) = delete;
+  InterpreterState& operator=(const InterpreterState&) = delete;
+  ~InterpreterState() {
+    if (!ending()) {
+      PyEval_RestoreThread(state_);
+      PyGILState_Release(held_);
+    }
+  }
+
+ private:
+  static bool ending() noexcept {
+#if PY_VERSION_HEX >= 0x030D0000
+    return Py_IsFinalizing() != 0;
+#else
+    return _Py_IsFinalizing() != 0;
+#endif
+  }
+
+  PyGILState_STATE held_;
+  PyThreadState* state_;
+};
+
 // The attributes of simulate.rtl.RtlModel.
 std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
   const auto addresses = [&model](const char* name) {
@@ -256,6 +283,7 @@ void bind_board(nb::module_& module) {
       .def("set_plant",
            [](PythonBoard& self, double period_s, nb::callable step) {
              self.set_plant({period_s, [step](double time_s) {
+                               thread_local const InterpreterState kept;
                                const nb::gil_scoped_acquire acquired;
                                try {
                                  return nb::cast<bool>(step(time_s));

@@ -35,8 +35,6 @@ const char* class_of(Status status) {
   throw nb::python_error();
 }
 
-[[noreturn]] void raise_range(const std::string& text) { raise_unless_ok({Status::range, text}); throw nb::value_error(text.c_str()); }
-
 }  // namespace
 
 void raise_unless_ok(const Outcome& outcome) {
@@ -56,35 +54,6 @@ void raise_unless_ok(const Outcome& outcome) {
   }
   raise(type, type(outcome.text, nb::arg("address") = address, nb::arg("attempts") = outcome.attempts,
                    nb::arg("elapsed_s") = static_cast<double>(outcome.elapsed_ns) * 1e-9));
-}
-
-std::uint32_t word_of(nb::handle value, const char* name) {
-  const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
-  if (!index.is_valid()) {
-    PyErr_Clear();
-    raise_range(std::string(name) + " must be a whole number, not " + nb::cast<std::string>(nb::repr(value)));
-  }
-  int overflow = 0;
-  const long long number = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
-  if (overflow != 0 || number < 0 || number > 0xFFFFFFFFLL) {
-    raise_range(std::string(name) + " " + nb::cast<std::string>(nb::str(index)) + " is not in 0..0xffffffff");
-  }
-  return static_cast<std::uint32_t>(number);
-}
-
-std::vector<std::uint32_t> words_of(nb::handle sequence, const char* name) {
-  const nb::object fast = nb::steal(PySequence_Fast(sequence.ptr(), ""));
-  if (!fast.is_valid()) {
-    PyErr_Clear();
-    raise_range(std::string(name) + " must be a sequence of whole numbers, not " + nb::cast<std::string>(nb::repr(sequence)));
-  }
-  const Py_ssize_t size = PySequence_Fast_GET_SIZE(fast.ptr());
-  std::vector<std::uint32_t> words;
-  words.reserve(static_cast<std::size_t>(size));
-  for (Py_ssize_t item = 0; item < size; ++item) {
-    words.push_back(word_of(PySequence_Fast_GET_ITEM(fast.ptr(), item), name));
-  }
-  return words;
 }
 
 }  // namespace unitylink::python

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "bindings.hpp"
-#include "faults/post_stream.hpp"
+#include "faults/goodput.hpp"
 #include "faults/simulation.hpp"
 
 namespace nb = nanobind;
@@ -56,19 +56,31 @@ nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profil
   return result;
 }
 
-nb::dict stream(std::uint64_t seed, std::uint64_t posts, double lose, std::uint32_t words, std::uint64_t byte_ns, std::uint64_t delay_ns,
-                std::uint64_t buffer_bytes) {
-  faults::PostReport report;
+nb::dict goodput(std::uint64_t seed, std::string_view kind, std::uint64_t words, double lose, std::uint32_t message_words, std::uint32_t window,
+                 std::uint64_t byte_ns, std::uint64_t delay_ns, std::uint64_t buffer_bytes) {
+  const auto chosen = faults::find_traffic(kind);
+  if (!chosen) {
+    throw nb::key_error(("no traffic " + std::string(kind)).c_str());
+  }
+  faults::GoodputReport report;
   {
     const GilRelease released;
-    report = faults::stream_posts(
-        {.seed = seed, .posts = posts, .words = words, .lose = lose, .byte_ns = byte_ns, .delay_ns = delay_ns, .buffer_bytes = buffer_bytes});
+    report = faults::goodput({.seed = seed,
+                              .kind = *chosen,
+                              .words = words,
+                              .message_words = message_words,
+                              .lose = lose,
+                              .window = window,
+                              .byte_ns = byte_ns,
+                              .delay_ns = delay_ns,
+                              .buffer_bytes = buffer_bytes});
   }
   nb::dict result;
-  result["posts_per_s"] = report.posts_per_s;
-  result["sent_bytes_per_post"] = report.sent_bytes_per_post;
+  result["words_per_s"] = report.words_per_s;
+  result["sent_bytes_per_word"] = report.sent_bytes_per_word;
+  result["returned_bytes_per_word"] = report.returned_bytes_per_word;
   result["lost"] = report.lost;
-  result["disorder"] = report.disorder;
+  result["wrong"] = report.wrong;
   return result;
 }
 
@@ -78,8 +90,9 @@ void bind_faults(nb::module_& module) {
   module.def("fault_profiles", &profiles);
   module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"), nb::arg("clients"),
              nb::arg("window"));
-  const faults::PostPlan usual;
-  module.def("stream_posts", &stream, nb::arg("seed"), nb::arg("posts"), nb::arg("lose"), nb::arg("words") = usual.words, nb::arg("byte_ns") = usual.byte_ns,
+  const faults::GoodputPlan usual;
+  module.def("goodput", &goodput, nb::arg("seed"), nb::arg("kind"), nb::arg("words"), nb::arg("lose"),
+             nb::arg("message_words") = usual.message_words, nb::arg("window") = usual.window, nb::arg("byte_ns") = usual.byte_ns,
              nb::arg("delay_ns") = usual.delay_ns, nb::arg("buffer_bytes") = usual.buffer_bytes);
 }
 

@@ -9,6 +9,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -123,6 +124,29 @@ nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
     count = room == 0 ? 0 : link.drain(id, std::span(times.get(), room), std::span(values.get(), room * words));
   }
   return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
+}
+
+// The publish that waits, where it is the only one, as (time_s, words): most often it is, and arrays for it cost more than all the rest.
+nb::object take_single(Link& link, std::uint32_t id, std::size_t words) {
+  double time_s = 0;
+  std::array<std::uint32_t, protocol::limits::group_size_max> room;
+  if (words > room.size()) {
+    return nb::none();
+  }
+  {
+    GilRelease release;
+    if (link.available(id) != 1 || link.drain(id, std::span(&time_s, 1), std::span(room).first(words)) != 1) {
+      return nb::none();
+    }
+  }
+  const nb::object row = nb::steal(PyTuple_New(static_cast<Py_ssize_t>(words)));
+  if (!row.is_valid()) {
+    nb::raise_python_error();
+  }
+  for (std::size_t index = 0; index < words; ++index) {
+    PyTuple_SET_ITEM(row.ptr(), static_cast<Py_ssize_t>(index), nb::int_(room[index]).release().ptr());
+  }
+  return nb::make_tuple(time_s, row);
 }
 
 // Ctrl-C is for the main thread; the others are not asked.
@@ -356,6 +380,8 @@ void bind_link(nb::module_& module) {
       .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a, "group"_a.none())
       .def("unsubscribe", &unsubscribe, "id"_a)
       .def("drain", &drain, "id"_a, "words"_a)
+      .def("take_single", &take_single, "id"_a, "words"_a)
+      .def("subscribed", &Link::subscribed, "id"_a, nb::call_guard<GilRelease>())
       .def("wait", &wait_publish, "id"_a, "timeout_s"_a)
       .def("available", &Link::available, "id"_a, nb::call_guard<GilRelease>())
       .def("lost", &Link::lost, "id"_a, nb::call_guard<GilRelease>())

@@ -7,12 +7,11 @@
 namespace unitylink::python {
 namespace {
 
-nb::object transfer(Link& link, nb::handle write_addresses, nb::handle write_values, nb::handle addresses, bool atomic,
-                    nb::handle timeout_s) {
-  const std::vector<std::uint32_t> where = words_of(write_addresses, "address");
-  const std::vector<std::uint32_t> what = words_of(write_values, "value");
+nb::object transfer(Link& link, nb::handle pairs, nb::handle addresses, bool atomic, nb::handle timeout_s) {
+  const Writes writes = writes_of(pairs);
   const RequestOptions options = options_of(nb::none(), false, timeout_s);
-  return read_words(addresses, [&](auto words, auto values) { return link.transfer(where, what, words, values, atomic, options); });
+  return read_words(addresses,
+                    [&](auto words, auto values) { return link.transfer(writes.addresses, writes.values, words, values, atomic, options); });
 }
 
 void post(Link& link, nb::handle addresses, nb::handle values, nb::handle timeout_s) {
@@ -150,7 +149,7 @@ nb::tuple clock_state(Link& link) {
 
 void bind_framed(nb::class_<Link>& link) {
   using namespace nb::literals;
-  link.def("transfer", &transfer, "write_addresses"_a, "write_values"_a, "addresses"_a, "atomic"_a, "timeout_s"_a.none())
+  link.def("transfer", &transfer, "writes"_a, "reads"_a, "atomic"_a, "timeout_s"_a.none())
       .def("do_list", &do_list, "operations"_a, "addresses"_a, "values"_a, "masks"_a, "reads"_a, "atomic"_a, "timeout_s"_a.none())
       .def("post", &post, "addresses"_a, "values"_a, "timeout_s"_a.none())
       .def("sync", &synchronise, "timeout_s"_a.none())

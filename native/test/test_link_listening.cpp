@@ -146,3 +146,24 @@ TEST_CASE("who waits for publishes hears of the end: of the subscription, of the
 }
 
 }  // namespace
+
+TEST_CASE("what the device had sent when a subscription ends can be drained, and who waits is told") {
+  for (const bool framed : {false, true}) {
+    CAPTURE(framed);
+    Fixture at(framed);
+    std::uint64_t drained = 0;
+    for (std::uint32_t round = 0; round < 20; ++round) {
+      const std::array<std::uint32_t, 2> ids{at.subscribed(1, 1), at.subscribed(2, 2)};
+      REQUIRE(at.link->wait_publish(ids[round % 2], patience_ns));
+      const std::uint64_t seen = at.link->statistics().publishes + 2 * round;
+      for (const std::uint32_t id : ids) {
+        CHECK(at.link->unsubscribe(id).ok());
+        CHECK_FALSE(at.link->subscribed(id));
+        drained += at.drained(id);
+      }
+      CHECK(at.link->statistics().publishes == drained);
+      CHECK(at.link->wait_publishes(seen, patience_ns) >= seen + 2);
+    }
+    CHECK((framed || at.link->statistics().unclaimed_publishes == 0));
+  }
+}

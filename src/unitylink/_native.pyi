@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 _Integers = Sequence[int] | npt.NDArray[Any]
+_Pairs = Iterable[tuple[int, int]] | npt.NDArray[Any]
 
 class NativeDriver:
     def send(self, data: bytes, timeout_s: float) -> int: ...
@@ -49,9 +50,8 @@ class NativeLink:
     ) -> None: ...
     def transfer(
         self,
-        write_addresses: _Integers,
-        write_values: _Integers,
-        addresses: _Integers,
+        writes: _Pairs,
+        reads: _Integers,
         atomic: bool,
         timeout_s: float | None,
     ) -> npt.NDArray[np.uint32]: ...
@@ -100,6 +100,8 @@ class NativeLink:
     ) -> int: ...
     def unsubscribe(self, id: int) -> None: ...
     def drain(self, id: int, words: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]: ...
+    def take_single(self, id: int, words: int) -> tuple[float, tuple[int, ...]] | None: ...
+    def subscribed(self, id: int) -> bool: ...
     def wait(self, id: int, timeout_s: float) -> bool: ...
     def available(self, id: int) -> int: ...
     def lost(self, id: int) -> int: ...
@@ -220,11 +222,13 @@ def fault_profiles() -> list[tuple[str, str]]: ...
 def run_faults(
     seed: int, messages: int, profile: str, framed: bool, clients: int, window: int
 ) -> dict[str, Any]: ...
-def stream_posts(
+def goodput(
     seed: int,
-    posts: int,
+    kind: str,
+    words: int,
     lose: float,
-    words: int = 1,
+    message_words: int = 1,
+    window: int = 64,
     byte_ns: int = 833,
     delay_ns: int = 125_000,
     buffer_bytes: int = 512,

@@ -132,9 +132,8 @@ class TestWheel:
     def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, fresh: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
         # The core's sources are those of this checkout, byte by byte, which were compiled to run this test.
-        tag = "cp{}{}".format(*sys.version_info)
-        (compiled,) = ROOT.glob(f"build/{tag}-*/CMakeFiles/unitylink_objects.dir")
-        settings = {"cmake.define.UNITYLINK_OBJECTS": compiled.parent.parent, "cmake.build-type": "Debug"}
+        compiled = ROOT / (ROOT / ".venv" / ".compiled").read_text("utf-8").strip()
+        settings = {"cmake.define.UNITYLINK_OBJECTS": compiled, "cmake.build-type": "Debug"}
         options = [f"--config-settings={name}={value}" for name, value in settings.items()]
         call(
             "venv/bin/pip", "install", "--quiet", "--no-deps", "--force-reinstall", *options, sdist, cwd=fresh

@@ -13,7 +13,7 @@ import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
 from reference.framing import Borders, Frame, field
-from reference.scenario import Scenario
+from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
 
 from unitylink import protocol as p
@@ -105,12 +105,38 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     steps = [step for step in Scenario(seed, settings, addresses=addresses) if step]
     memory = [Frame(p.REQUEST_KIND_READ, field((n, 2), (n, a))).encode(EPOCH) for n in range(BAD)]
     expected = [reference.feed(step) for step in steps]
-    again = opening(reference._nonce + 1)
+    again = opening(reference.nonce + 1)
     steps += [again, *memory]
     expected += [reference.feed(step) for step in (again, *memory)]
     answers = play(rtl, settings, steps, **generics)
     for number, (step, told) in enumerate(zip(steps, answers, strict=True)):
         assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"
+
+
+def test_an_id_that_was_another_requests(rtl: Any) -> None:
+    settings = Settings(window=2)
+    reference = reference_of(settings)
+    steps = [opening(), *under_a_used_id(settings, EPOCH)]
+    expected = [reference.feed(step) for step in steps]
+    assert [without_clock(answer) for answer in play(rtl, settings, steps)] == [
+        without_clock(answer) for answer in expected
+    ]
+
+
+def test_an_open_from_before_a_reset_opens_no_session(rtl: Any) -> None:
+    """The nonce outlives the reset: that of the first HELLO behind it is not the first again."""
+    settings = Settings(window=8)
+    hello, old_open, _ = opening().removeprefix(b"\0").split(b"\0")
+    new = opening(3, EPOCH + 1)
+    write = ask(p.REQUEST_KIND_WRITE, (0, 2), (0x10, 2), (7, 4))  # in the session from before
+    steps = [opening(), ("reset", 3), b"\0" + hello + b"\0", old_open + b"\0" + write, new]
+    _, _, offered, late, opened = play(rtl, settings, steps)
+    assert [int.from_bytes(f.payload[1:3], "big") for f in frames_of(offered, p.FRAME_OPEN_EPOCH)] == [2]
+    assert [f.kind for f in frames_of(late, p.FRAME_OPEN_EPOCH)] == [p.DEVICE_KIND_CLOSED]
+    assert [f.kind for f in frames_of(opened, p.FRAME_OPEN_EPOCH)] == [
+        p.DEVICE_KIND_HELLO,
+        p.DEVICE_KIND_OPEN,
+    ]
 
 
 def list_of(reads: int, writes: int) -> bytes:

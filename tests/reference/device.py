@@ -15,6 +15,7 @@ from unitylink import protocol as p
 
 MOST = 0xFFFFFFFF
 POSTS = (p.REQUEST_KIND_POST, p.REQUEST_KIND_POST_LIST)
+LONG = (p.REQUEST_KIND_LIST, p.REQUEST_KIND_EXCHANGE, p.REQUEST_KIND_READ_CONTROL)  # replies may be
 OUTSIDE = (p.REQUEST_KIND_HELLO, p.REQUEST_KIND_OPEN)
 COUNTERS = range(p.CONTROL_FRAMES, p.CONTROL_DEADMAN_TRIPS + 1)
 STATE = range(p.CONTROL_TIME_LOW, p.CONTROL_PUBLISH + 1)
@@ -23,7 +24,7 @@ STATE = range(p.CONTROL_TIME_LOW, p.CONTROL_PUBLISH + 1)
 class ReferenceDevice:
     """One device. `clock` is set by who uses it; `tick()` is one tick of base_hz."""
 
-    def __init__(self, settings: Settings | None = None, bus: Bus | None = None) -> None:
+    def __init__(self, settings: Settings | None = None, bus: Bus | None = None, nonce: int = 0) -> None:
         self.settings = settings or Settings()
         self.bus = bus or Bus()
         self.clock = 0
@@ -31,7 +32,8 @@ class ReferenceDevice:
         self.epoch = p.FRAME_OPEN_EPOCH
         self.tripped = False
         self._borders = Borders()
-        self._nonce = self._session_nonce = 0
+        self.nonce = nonce  # of the last HELLO answer; outlives a reset
+        self._session_nonce = 0
         self._offered = False  # a HELLO answer that no OPEN has used
         self._closed_told = False
         self._tripped_in_session = False
@@ -101,14 +103,14 @@ class ReferenceDevice:
             self._count(p.CONTROL_FRAMES)
             self._closed_told = False
             self._offered = True
-            self._nonce = (self._nonce + 1) % 0x10000
+            self.nonce = (self.nonce + 1) % 0x10000
             version = p.FRAME_VERSION if body[0] <= p.FRAME_VERSION <= body[1] else 0
             return self._frame(p.DEVICE_KIND_HELLO, self._description(version))
         if len(body) != 5:
             return self._drop(p.CONTROL_DISCARDED_KIND)
         nonce, epoch, flags = (int.from_bytes(part, "big") for part in (body[:2], body[2:4], body[4:]))
         again = self.open and (nonce, epoch) == (self._session_nonce, self.epoch)
-        fresh = self._offered and nonce == self._nonce and epoch >> 8 != 0xFF and flags & ~1 == 0
+        fresh = self._offered and nonce == self.nonce and epoch >> 8 != 0xFF and flags & ~1 == 0
         if not again and not fresh:
             return self._drop(p.CONTROL_DISCARDED_STALE)
         self._count(p.CONTROL_FRAMES)
@@ -141,7 +143,7 @@ class ReferenceDevice:
         widths = ((s.a, 1), (s.d, 1))
         limits = ((s.credit, 2), (s.request_max, 2), (s.reply_max, 2), (s.window, 1), (s.cache, 1))
         known = ((s.features, 2), (s.spec_hash, 8))
-        return field((version, 1), (self._nonce, 2), (self.epoch, 2), *widths, *limits, *known)
+        return field((version, 1), (self.nonce, 2), (self.epoch, 2), *widths, *limits, *known)
 
     # ---- posts
 
@@ -191,6 +193,8 @@ class ReferenceDevice:
             if place.reply is not None:
                 return self._reply(request.id, place.status, place.reply)
             refusal = self._refusal(request, repeated=True)
+            if request.operation not in LONG:
+                refusal = p.REPLY_STATUS_INVALID  # the id was another request's
             answer = (refusal, b"") if refusal else self._execute(request, repeated=True)
             return self._reply(request.id, *answer)
         self._count(p.CONTROL_FRAMES)

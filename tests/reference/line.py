@@ -32,7 +32,7 @@ class Line:
     def _answer(self) -> None:
         while data := self._theirs.recv(65536):
             if self.random.random() < self.reset_rate and not self.calm:
-                self.device = ReferenceDevice(Settings(window=8), self.device.bus)
+                self.device = ReferenceDevice(Settings(window=8), self.device.bus, self.device.nonce)
             answer = self.bad(self.device.feed(self.bad(data)))
             try:
                 self._theirs.sendall(answer)

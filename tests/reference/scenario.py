@@ -29,6 +29,37 @@ def _unclassic(piece: bytes) -> bytes:
     return piece.translate(None, b"#$%&") if piece[:1] < b"\x80" else piece
 
 
+def under_a_used_id(settings: Settings, epoch: int) -> Iterator[bytes]:
+    """Requests of all kinds under the id of a LIST whose reply was too long to be kept; then the counters."""
+    a, d = settings.a, settings.d
+
+    def ask(kind: int, *fields: tuple[int, int], id: int = 0) -> bytes:
+        return Frame(kind, field((id, 2), *fields)).encode(epoch)
+
+    def reads(count: int) -> tuple[tuple[int, int], ...]:
+        return ((0, 1), (p.LIST_OPERATION_READ_UP, 1), (count, 1), (0x10, a))
+
+    yield ask(p.REQUEST_KIND_LIST, *reads(settings.cache // d + 1))
+    yield ask(p.REQUEST_KIND_READ, (0x10, a))
+    yield ask(p.REQUEST_KIND_WRITE, (0x10, a), (1, d))
+    yield ask(p.REQUEST_KIND_SYNC)
+    yield ask(p.REQUEST_KIND_CLOSE)
+    yield ask(p.REQUEST_KIND_WRITE_CONTROL, (p.CONTROL_PUBLISH, 2), (1, 4))
+    yield ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 1), (1, 4), (0, 1), (1, 1), (0x10, a))
+    yield ask(p.REQUEST_KIND_DEFINE_EXCHANGE, (0, 1), (0, 1), (1, 1), (0x10, a), (1, 1))
+    yield ask(p.REQUEST_KIND_EXCHANGE, (0, 1))
+    yield ask(p.REQUEST_KIND_READ_CONTROL, (0x10, 2), (1, 1))
+    yield ask(p.REQUEST_KIND_LIST, *reads(255))  # longer than any reply
+    yield ask(p.REQUEST_KIND_LIST, *reads(2))
+    yield ask(
+        p.REQUEST_KIND_READ_CONTROL,
+        (p.CONTROL_FRAMES, 2),
+        (p.CONTROL_DUPLICATES - p.CONTROL_FRAMES + 1, 1),
+        id=1,
+    )
+    yield ask(p.REQUEST_KIND_READ, (0x10, a), id=2)
+
+
 class Scenario:
     """Steps of bytes for a device with `settings`; the same seed gives the same steps.
 

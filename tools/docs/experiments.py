@@ -15,12 +15,13 @@ import json
 import sys
 from pathlib import Path
 
+from made_part import with_part
+
 from unitylink.experiments import markdown, pictures, report
 from unitylink.experiments.peer_faults import section
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 RESULTS = DOCS / "experiments.json"
-BEGIN, END = "<!-- made by tools/docs/experiments.py -->\n", "<!-- end -->\n"
 
 
 def files() -> dict[Path, str]:
@@ -36,12 +37,9 @@ def files() -> dict[Path, str]:
 
 def faults_page() -> str:
     """Return docs/faults.md with its made part anew."""
-    head, begin, rest = (DOCS / "faults.md").read_text(encoding="utf-8").partition(BEGIN)
-    _, end, tail = rest.partition(END)
-    if not (begin and end):
-        raise SystemExit(f"docs/faults.md has lost its {BEGIN.strip()} or {END.strip()}")
     results = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))
-    return f"{head}{begin}{markdown(section(results))}{end}{tail}"
+    page = (DOCS / "faults.md").read_text(encoding="utf-8")
+    return with_part(page, "experiments.py", markdown(section(results)))
 
 
 def main() -> int:

@@ -168,7 +168,7 @@ inline constexpr std::uint32_t open_epoch = 65535;
 inline constexpr std::uint32_t checked_long_flag = 1;
 inline constexpr std::uint32_t atomic_flag = 1;
 inline constexpr std::uint32_t event_flag = 1;
-inline constexpr std::uint32_t window_default = 32;
+inline constexpr std::uint32_t window_default = 64;
 inline constexpr std::uint32_t cache_bytes_default = 16;
 inline constexpr std::uint32_t posts_max = 32767;
 }  // namespace frame

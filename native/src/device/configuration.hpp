@@ -66,6 +66,7 @@ struct FramedConfiguration {
   std::uint32_t cache_bytes = protocol::frame::cache_bytes_default;
   std::uint32_t exchanges = 4;
   std::uint32_t exchange_size = 64;
+  std::uint16_t nonce = 0;          // of the last HELLO answer before: it outlives a reset
   std::uint32_t gateware_version = 0;
   std::uint32_t build = 0;
   std::uint64_t spec_hash = 0;

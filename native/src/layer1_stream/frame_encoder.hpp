@@ -17,11 +17,11 @@ class FrameEncoder {
  public:
   FrameEncoder(std::span<std::uint8_t> room, std::uint8_t kind, const FrameKey& key) noexcept : room_(room), key_(key) {
     put(kind);
-    put(1);
+    block_ = used_++;
   }
 
   FrameEncoder& byte(std::uint8_t value) noexcept {
-    if (run_ == full) {  // a full block has taken no zero with it
+    if (used_ - block_ == full) {  // a full block has taken no zero with it
       open_block();
     }
     payload_ += 1;
@@ -29,10 +29,6 @@ class FrameEncoder {
       open_block();
     } else {
       put(value);
-      ++run_;
-      if (block_ < room_.size()) {
-        room_[block_] = static_cast<std::uint8_t>(1 + run_);
-      }
     }
     return *this;
   }
@@ -58,6 +54,7 @@ class FrameEncoder {
     if (used_ > room_.size() || payload_ > frame_payload_max) {
       return 0;
     }
+    close_block();
     const FrameCheck check = FrameCheck::of(room_.first(used_), key_);
     for (std::size_t index = 0; index < check.size; ++index) {
       put(check.bytes[index]);
@@ -67,7 +64,7 @@ class FrameEncoder {
   }
 
  private:
-  static constexpr std::size_t full = 254;
+  static constexpr std::size_t full = 255;  // bytes of a block, its code byte among them
 
   void put(std::uint8_t byte) noexcept {
     if (used_ < room_.size()) {
@@ -75,17 +72,21 @@ class FrameEncoder {
     }
     ++used_;
   }
+  // The code byte of a block is its size, which is known at its end.
+  void close_block() noexcept {
+    if (block_ < room_.size()) {
+      room_[block_] = static_cast<std::uint8_t>(used_ - block_);
+    }
+  }
   void open_block() noexcept {
-    block_ = used_;
-    run_ = 0;
-    put(1);
+    close_block();
+    block_ = used_++;
   }
 
   std::span<std::uint8_t> room_;
-  const FrameKey key_;
+  FrameKey key_;
   std::size_t used_ = 0;
-  std::size_t block_ = 1;    // where the code byte of the block is
-  std::size_t run_ = 0;      // bytes in the block
+  std::size_t block_ = 0;    // where the code byte of the block is
   std::size_t payload_ = 0;
 };
 

@@ -15,14 +15,15 @@ constexpr std::uint64_t posts_in_flight_bytes = 16384;          // on a line tha
 constexpr std::uint64_t posts_in_flight_least = 4;
 constexpr std::uint64_t posts_in_flight_blind = 32;             // behind a loss, where nobody knows how fast the line is
 constexpr std::uint64_t confirm_part = 4;                       // of these are open when the device is asked how far it has come
-constexpr std::uint64_t wait_part = 20;                         // of the timeout, before a repeat, however quick the line is
+constexpr std::uint64_t wait_part = 20;                         // of the timeout, before the first repeat, however quick the line is: hosts stumble
+constexpr std::uint64_t repeat_wait_ns = 1'000'000;             // beyond a round trip, where an answer has shown that one was lost (RFC 9002, 6.2)
 constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
 constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose answer may still be on its way
 
 }  // namespace
 
 FramedEngine::FramedEngine(const EngineSettings& settings, bool probe) noexcept
-    : settings_(settings), probe_(probe), random_(settings.seed) {
+    : settings_(settings), probe_(probe), offered_epoch_(static_cast<std::uint16_t>(settings.seed % epochs)) {
   for (Exchange* own : {&restoration_, &reading_}) {
     own->state_ = Exchange::State::done;
   }
@@ -152,6 +153,9 @@ bool FramedEngine::send_due() noexcept {
 
 // The next of what has not been sent: posts and requests in the order in which they were made.
 bool FramedEngine::send_next() noexcept {
+  if (given_up_ > 0) {  // what comes late must not undo what is made after its caller was told
+    return false;
+  }
   if (!waiting_.empty() && waiting_.front()->follows_ <= posts_.sent()) {
     const bool question = is_confirmation(*waiting_.front());  // no post waits for it: what fills the window may be waiting for posts
     const bool sent = send_request();
@@ -186,6 +190,7 @@ bool FramedEngine::send_request() noexcept {
   }
   Place fresh;
   fresh.exchange = &exchange;
+  fresh.chained = exchange.chained;
   fresh.id = next_id_;
   const std::size_t size = encode(fresh);
   if (size == 0) {
@@ -266,19 +271,20 @@ bool FramedEngine::send_post() noexcept {
 // The bytes of its frame, 0 where there is no room for them.
 std::size_t FramedEngine::encode(Place& place) noexcept {
   const Exchange* const exchange = place.exchange;
-  if (place.unbound && exchange != nullptr) {
+  const bool taken_over = place.taken_over();
+  if (place.unbound && !taken_over) {
     place.barrier = posts_.confirmed() < posts_.sent();
     place.post = static_cast<std::uint16_t>(posts_.sent());
   }
-  const bool barrier = place.barrier && exchange != nullptr;
-  std::uint32_t kind = exchange != nullptr ? framed_kind(*exchange) : request_kind::sync;
-  kind |= (exchange != nullptr && exchange->chained ? frame::chained_bit : 0) | (barrier ? frame::barrier_bit : 0);
+  const bool barrier = place.barrier && !taken_over;
+  std::uint32_t kind = taken_over ? request_kind::sync : framed_kind(*exchange);
+  kind |= (place.chained ? frame::chained_bit : 0) | (barrier ? frame::barrier_bit : 0);
   FrameEncoder encoder(room(), static_cast<std::uint8_t>(kind), decoder_.key());
   encoder.word(place.id, 2);
   if (barrier) {
     encoder.word(place.post, 2);
   }
-  if (exchange != nullptr) {
+  if (!taken_over) {
     put_request(encoder, *exchange, configuration_);
   }
   const std::size_t size = encoder.payload_bytes() <= greeting_->request_max ? encoder.finish() : 0;
@@ -292,7 +298,8 @@ std::size_t FramedEngine::encode(Place& place) noexcept {
 void FramedEngine::commit(Place& place, std::size_t size) noexcept {
   if (place.wait_ns == 0) {
     const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
-    const std::uint64_t measured = smoothed_ns_ == 0 ? most : std::max(most / wait_part, smoothed_ns_ + 4 * variation_ns_);
+    const std::uint64_t least = place.transmissions == 0 ? most / wait_part : smoothed_ns_ + repeat_wait_ns;
+    const std::uint64_t measured = smoothed_ns_ == 0 ? most : std::max(least, smoothed_ns_ + 4 * variation_ns_);
     place.wait_ns = std::min(most, measured) + allowance_ns(credit_ + size + greeting_->reply_max);
   }
   pending_end_ += size;

@@ -9,6 +9,8 @@
 // - The device keeps what it executed last in each place, so a request may be sent again as often as need be: it is executed once.
 // - Who gives a request up (timeout, interruption) leaves its place behind: a SYNC of the same id takes it over, so that the request, should
 //   it still be on its way, is a repeat for the device and never executed late.
+// - An answer that tells of an error counts when it has come twice: one of 65,536 damaged ones passes its check, and asking again does no harm.
+//   A write that is refused leaves its place to a SYNC, too, and its caller waits for that: a copy of it may be under way.
 // - A session is opened by HELLO and OPEN. It is asked for again when the device says that it has none, or twice nothing. If it is another
 //   one then, all that was in flight and may have been executed ends unknown. Nothing is replayed but reads; groups are defined anew.
 #pragma once
@@ -33,6 +35,7 @@ class FramedEngine final : public Engine {
  public:
   static constexpr std::size_t transmit_bytes_max = 16384;
   static constexpr std::uint32_t window_max = 128;
+  static constexpr std::uint32_t epochs = 0xFF00;  // FF.. are frames outside sessions
 
   // `probe`: the device may be one of the classic protocol, which shows when it answers a classic question and not HELLO.
   FramedEngine(const EngineSettings& settings, bool probe) noexcept;
@@ -75,11 +78,16 @@ class FramedEngine final : public Engine {
   struct Sink;  // what the decoder calls
 
   struct Place {
+    [[nodiscard]] bool taken_over() const noexcept { return exchange == nullptr || refusal.has_value(); }
+
     Exchange* exchange = nullptr;     // nullptr while used: given up; a SYNC takes the id over
     bool used = false;
     bool due = false;                 // to be sent (again)
     bool barrier = false;
     bool unbound = true;              // its barrier is to be set at the next sending
+    bool chained = false;             // a SYNC that takes its id over waits for its turn likewise: what is chained behind it must not go first
+    bool doubted = false;             // an answer that tells of an error has come; it counts when it comes again
+    std::optional<Status> refusal;    // what its caller is told if the SYNC that takes its id over shows that it was not executed
     std::uint16_t id = 0;
     std::uint16_t post = 0;           // executed before it, if `barrier`
     std::uint32_t bytes = 0;          // of its frame, against the credit
@@ -136,6 +144,9 @@ class FramedEngine final : public Engine {
   void on_answer(Place& place, std::uint8_t status, std::span<const std::uint8_t> body) noexcept;
   void on_executed(const Place& place) noexcept;
   void measure(std::uint64_t round_trip_ns) noexcept;
+  void ask_again(Place& place) noexcept;
+  [[nodiscard]] bool believed(Place& place) noexcept;
+  void refuse(Place& place, Status status) noexcept;
   void release(Place& place) noexcept;
 
   // sessions and time (framed_engine_session.cpp)
@@ -162,8 +173,7 @@ class FramedEngine final : public Engine {
   bool text_ = false;                   // within a classic line
   std::uint8_t text_head_ = 0;          // its first byte
   std::optional<Greeting> greeting_;
-  std::uint64_t random_;
-  std::uint16_t offered_epoch_ = 0;     // that OPEN has asked for
+  std::uint16_t offered_epoch_;         // that OPEN has asked for
   bool greeting_due_ = false;           // HELLO or OPEN, by the state
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
@@ -175,6 +185,7 @@ class FramedEngine final : public Engine {
   std::uint16_t next_id_ = 0;
   std::uint16_t base_id_ = 0;           // the oldest that is not answered, or next_id_
   std::uint32_t due_ = 0;               // places that are due
+  std::uint32_t given_up_ = 0;          // places whose SYNC has not been answered, and whose caller does not wait for that
   std::uint32_t credit_ = 0;            // bytes of requests in flight
   std::uint32_t in_flight_ = 0;         // requests: places that are used
   std::uint64_t order_ = 0;             // transmissions so far

@@ -152,9 +152,9 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   }
   for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {  // on a line that keeps the order their answers are lost
     Place& other = place_of(earlier);
-    if (other.used && !other.due && other.last_order < place.first_order) {
-      other.due = true;
-      due_ += 1;
+    if (other.used && other.last_order < place.first_order) {
+      other.wait_ns = 0;  // its repeat's is measured anew
+      ask_again(other);
     }
   }
   on_answer(place, status, payload.subspan(reply_head_bytes));
@@ -162,22 +162,32 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
 
 void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const std::uint8_t> body) noexcept {
   Exchange* const exchange = place.exchange;
-  const auto again = [&] {
-    due_ += place.due ? 0 : 1;
-    place.due = true;
-  };
+  if (place.taken_over() && !executed(status)) {
+    if (status == reply_status::order && place.chained) {
+      ask_again(place);
+    } else if (status == reply_status::invalid && believed(place)) {  // it was executed, and its long answer has not been kept
+      release(place);
+      if (exchange != nullptr) {
+        finish(*exchange, exchange->cut_off());
+      }
+    }
+    return;  // anything else is to a copy; the SYNC will be answered, too
+  }
   if (exchange == nullptr) {
     release(place);
     return;
   }
-  if (status == reply_status::order && exchange->chained) {
-    const Place& before = place_of(static_cast<std::uint16_t>(place.id - 1));
-    if (before.used || exchange->batch == nullptr || !exchange->batch->failed) {
-      again();
-      return;
+  if (place.refusal && status == reply_status::ok && body.size() == sync_reply_bytes) {
+    release(place);
+    finish(*exchange, *place.refusal);
+    return;
+  }
+  if (status == reply_status::order && place.chained) {
+    if (exchange->batch == nullptr || !exchange->batch->failed) {
+      ask_again(place);
+    } else {
+      refuse(place, Status::cancelled);
     }
-    release(place);  // it will never be its turn
-    finish(*exchange, Status::cancelled);
     return;
   }
   if (status == reply_status::behind && !place.barrier) {
@@ -191,10 +201,14 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
       gone_back_order_ = order_;
     }
     place.unbound = true;
-    again();
+    ask_again(place);
     return;
   }
-  if (!take_reply(*exchange, status, body, configuration_)) {  // a right check and a wrong form: the device is not what it says
+  const bool fits = take_reply(*exchange, status, body, configuration_);
+  if ((status != reply_status::ok || !fits) && !believed(place)) {
+    return;
+  }
+  if (!fits) {  // the device is not what it says
     statistics_.malformed_messages += 1;
     release(place);
     finish(*exchange, exchange->writes() ? Status::unknown : Status::protocol_error);
@@ -205,6 +219,10 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   exchange->error = framed_status_name(status).value_or(std::string_view{});
   if (status == reply_status::ok) {
     on_executed(place);
+  }
+  if (!executed(status) && (exchange->writes() || exchange->batch != nullptr)) {
+    refuse(place, status_of(status));
+    return;
   }
   const bool over = status == reply_status::ok && exchange->operation == Operation::close_session;
   release(place);
@@ -245,8 +263,35 @@ void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
   smoothed_ns_ = std::max<std::uint64_t>(1, (7 * smoothed_ns_ + round_trip_ns) / 8);
 }
 
+void FramedEngine::ask_again(Place& place) noexcept {
+  due_ += place.due ? 0 : 1;
+  place.due = true;
+}
+
+// An answer that tells of an error has come twice, the second time to a repeat.
+bool FramedEngine::believed(Place& place) noexcept {
+  if (place.doubted && !place.due) {
+    return true;
+  }
+  place.doubted = true;
+  ask_again(place);
+  return false;
+}
+
+// Nothing has been executed, and nothing will be once a SYNC has taken its id.
+void FramedEngine::refuse(Place& place, Status status) noexcept {
+  if (reply_bytes(*place.exchange, configuration_) == sync_reply_bytes) {  // its own answer could not be told from the SYNC's
+    give_up(place);
+    return;
+  }
+  place.refusal = status;
+  place.barrier = place.unbound = place.doubted = false;
+  ask_again(place);
+}
+
 void FramedEngine::release(Place& place) noexcept {
   due_ -= place.due ? 1 : 0;
+  given_up_ -= place.exchange == nullptr ? 1 : 0;
   credit_ -= place.bytes;
   in_flight_ -= 1;
   place.used = place.due = false;

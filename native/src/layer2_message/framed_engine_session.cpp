@@ -17,6 +17,9 @@ constexpr std::uint32_t restoration_attempts = 1000;  // as long as the session 
 constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
 constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
 constexpr std::uint32_t keep_alive_part = 3;    // of the dead-man's time
+// The first epoch is drawn; this step goes through all others before one comes again. Were each drawn, a message that is late by some
+// sessions would find its own again once in 65,280.
+constexpr std::uint32_t epoch_step = 40'343;    // prime to `epochs`
 
 }  // namespace
 
@@ -57,21 +60,15 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
       greeting_due_ = false;
       for (std::uint16_t id = base_id_; id != next_id_; ++id) {
         Place& place = place_of(id);
-        due_ += place.used && !place.due ? 1 : 0;
-        place.due = place.used;
+        if (place.used) {
+          ask_again(place);
+        }
       }
       return;
     }
     lose_session();
   }
-  const std::uint16_t last = std::exchange(offered_epoch_, std::uint16_t{0});
-  do {
-    random_ += 0x9E3779B97F4A7C15;  // splitmix64
-    std::uint64_t mixed = random_;
-    mixed = (mixed ^ mixed >> 30) * 0xBF58476D1CE4E5B9;
-    mixed = (mixed ^ mixed >> 27) * 0x94D049BB133111EB;
-    offered_epoch_ = static_cast<std::uint16_t>(mixed ^ mixed >> 31);
-  } while (offered_epoch_ >> 8 == 0xFF || offered_epoch_ == last || offered_epoch_ == epoch());
+  offered_epoch_ = static_cast<std::uint16_t>((offered_epoch_ + epoch_step) % epochs);
   state_ = State::opening;
   openings_ = 1;
   greeting_due_ = true;
@@ -119,7 +116,7 @@ void FramedEngine::lose_session() noexcept {
     }
   }
   base_id_ = next_id_ = 0;
-  credit_ = due_ = in_flight_ = 0;
+  credit_ = due_ = in_flight_ = given_up_ = 0;
   waiting_.prepend(again);
   for (Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
     waiting->follows_ = 0;
@@ -252,8 +249,7 @@ void FramedEngine::expire(Place& place) noexcept {
     give_up(place);
     return;
   }
-  place.due = true;
-  due_ += 1;
+  ask_again(place);
   const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
   place.wait_ns = std::max(place.wait_ns, std::min(most, 2 * place.wait_ns));
   if (state_ == State::open && place.transmissions >= unanswered_max) {
@@ -265,9 +261,11 @@ void FramedEngine::expire(Place& place) noexcept {
 void FramedEngine::give_up(Place& place) noexcept {
   Exchange& exchange = *place.exchange;
   place.exchange = nullptr;
+  given_up_ += 1;
+  place.refusal.reset();
+  place.doubted = false;
   place.wait_ns = settings_.timeout_ns;
-  due_ += place.due ? 0 : 1;
-  place.due = true;
+  ask_again(place);
   finish(exchange, exchange.operation == Operation::write_control ? Status::unknown : exchange.cut_off());
 }
 

@@ -14,47 +14,62 @@ using namespace protocol;
 constexpr std::size_t count_max = 255;  // words in one operation of a list
 constexpr std::size_t run_min = 8;      // addresses in a row from which on naming only the first is shorter at every width
 
-// How many addresses from the front rise by one each (`step` 1), or are all the same (0).
-std::size_t run_of(std::span<const std::uint32_t> addresses, std::uint32_t step) noexcept {
+// The words at the front that one operation names: each by its address, or all by the first.
+struct Part {
   std::size_t count = 1;
-  while (count < addresses.size() && count < count_max && addresses[count] == addresses[count - 1] + step) {
-    ++count;
+  bool together = false;
+  std::uint32_t step = 0;  // from one address to the next of those together
+};
+
+// Up to where a run begins, or the run that begins here. `same`: addresses that are all the same are a run, too.
+Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
+  std::size_t rising = 1;    // addresses in a row that end here
+  std::size_t standing = 1;
+  const std::size_t end = std::min(addresses.size(), count_max + run_min - 1);
+  for (std::size_t at = 1; at < end; ++at) {
+    const std::uint32_t step = addresses[at] - addresses[at - 1];
+    rising = step == 1 ? rising + 1 : 1;
+    standing = step == 0 && same ? standing + 1 : 1;
+    if (std::max(rising, standing) < run_min) {
+      continue;
+    }
+    if (at >= run_min) {
+      return {.count = std::min(at + 1 - run_min, count_max)};
+    }
+    std::size_t count = run_min;
+    while (count < addresses.size() && count < count_max && addresses[count] == addresses[count - 1] + step) {
+      ++count;
+    }
+    return {.count = count, .together = true, .step = step};
   }
-  return count;
+  return {.count = std::min(addresses.size(), count_max)};
 }
 
 // The addresses, and the words to write there if there are any, as operations of a list.
-void put_words(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
+void put_words(FrameEncoder& result, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
                const Configuration& configuration) noexcept {
+  FrameEncoder encoder = result;  // the bytes it writes cannot change a copy, which so stays in registers
   const bool writes = !words.empty();
   const unsigned width = configuration.address_bytes;
   for (std::size_t at = 0; at < addresses.size();) {
-    const std::span<const std::uint32_t> rest = addresses.subspan(at);
-    const std::size_t rising = run_of(rest, 1);
-    const std::size_t same = writes ? run_of(rest, 0) : 0;  // reads of one address again and again may be told "too_long" as a list operation
-    const bool together = std::max(rising, same) >= run_min;
-    std::size_t count = std::max(rising, same);
-    if (!together) {  // up to where a run begins
-      count = std::min<std::size_t>(count, count_max);
-      while (count < rest.size() && count < count_max && run_of(rest.subspan(count), 1) < run_min &&
-             (!writes || run_of(rest.subspan(count), 0) < run_min)) {
-        ++count;
-      }
-    }
-    const std::uint32_t operation = !together        ? (writes ? list_operation::write : list_operation::read)
-                                    : rising >= same ? (writes ? list_operation::write_up : list_operation::read_up)
-                                                     : list_operation::write_fifo;
-    encoder.word(operation, 1).word(static_cast<std::uint32_t>(count), 1);
-    for (std::size_t index = 0; index < count; ++index) {
-      if (!together || index == 0) {
-        encoder.word(rest[index], width);
+    // Reads of one address again and again may be told "too_long" as a list operation.
+    const Part part = first_part(addresses.subspan(at), writes);
+    const std::uint32_t operation = !part.together   ? (writes ? list_operation::write : list_operation::read)
+                                    : part.step == 0 ? list_operation::write_fifo
+                                    : writes         ? list_operation::write_up
+                                                     : list_operation::read_up;
+    encoder.word(operation, 1).word(static_cast<std::uint32_t>(part.count), 1);
+    for (std::size_t index = at; index < at + part.count; ++index) {
+      if (!part.together || index == at) {
+        encoder.word(addresses[index], width);
       }
       if (writes) {
-        encoder.word(words[at + index], configuration.data_bytes);
+        encoder.word(words[index], configuration.data_bytes);
       }
     }
-    at += count;
+    at += part.count;
   }
+  result = encoder;
 }
 
 // Calls put(operation, words of it, together) for each operation; `together`: their addresses are told by the first.
@@ -113,6 +128,13 @@ std::size_t reply_words(const Exchange& exchange) noexcept {
   return exchange.operation == Operation::read   ? 1
          : exchange.operation == Operation::list ? exchange.values.size()
                                                  : exchange.addresses.size();
+}
+
+// Of how many words were done, which the reply to a list begins with.
+std::size_t done_bytes(const Exchange& exchange) noexcept {
+  const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
+                    exchange.operation == Operation::list;
+  return list ? 2 : 0;
 }
 
 }  // namespace
@@ -207,32 +229,38 @@ void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configur
   }
 }
 
-bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body, const Configuration& configuration) noexcept {
-  const std::size_t width = configuration.data_bytes;
-  const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
-                    exchange.operation == Operation::list;
-  const std::size_t done_bytes = list ? 2 : 0;
-  if (status != reply_status::ok) {
-    const bool executed = status == reply_status::bus_error || status == reply_status::bus_timeout;
-    if (body.size() != (executed ? done_bytes : 0)) {
-      return false;
-    }
-    exchange.words = executed && list ? number_at(body.data(), 2) : 0;
-    return true;
-  }
+std::size_t reply_bytes(const Exchange& exchange, const Configuration& configuration) noexcept {
   switch (exchange.operation) {
     case Operation::read:
     case Operation::read_many:
     case Operation::transfer:
+    case Operation::list: return done_bytes(exchange) + reply_words(exchange) * configuration.data_bytes;
+    case Operation::exchange: return bytes_of(exchange.inputs);
+    case Operation::read_control: return 4 * exchange.values.size();
+    case Operation::synchronise: return sync_reply_bytes;
+    default: return 0;
+  }
+}
+
+bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body, const Configuration& configuration) noexcept {
+  const std::size_t width = configuration.data_bytes;
+  const bool list = done_bytes(exchange) > 0;
+  if (status != reply_status::ok) {
+    if (body.size() != (executed(status) ? done_bytes(exchange) : 0)) {
+      return false;
+    }
+    exchange.words = executed(status) && list ? number_at(body.data(), 2) : 0;
+    return true;
+  }
+  if (body.size() != reply_bytes(exchange, configuration)) {
+    return false;
+  }
+  switch (exchange.operation) {
+    case Operation::read: exchange.value = number_at(body.data(), width); return true;
+    case Operation::read_many:
+    case Operation::transfer:
     case Operation::list: {
       const std::size_t words = reply_words(exchange);
-      if (body.size() != done_bytes + words * width) {
-        return false;
-      }
-      if (!list) {
-        exchange.value = number_at(body.data(), width);
-        return true;
-      }
       exchange.words = number_at(body.data(), 2);
       if (exchange.words != (exchange.steps.empty() ? exchange.write_addresses.size() + words : exchange.steps.size())) {
         return false;
@@ -243,31 +271,22 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
       return true;
     }
     case Operation::exchange:
-      if (body.size() != bytes_of(exchange.inputs)) {
-        return false;
-      }
       for (std::size_t index = 0, at = 0; index < exchange.inputs.size(); ++index) {
         exchange.values[index] = number_at(body.data() + at, exchange.inputs[index].bytes);
         at += exchange.inputs[index].bytes;
       }
       return true;
     case Operation::read_control:
-      if (body.size() != 4 * exchange.values.size()) {
-        return false;
-      }
       for (std::size_t index = 0; index < exchange.values.size(); ++index) {
         exchange.values[index] = number_at(body.data() + 4 * index, 4);
       }
       return true;
     case Operation::synchronise:
-      if (body.size() != 7) {
-        return false;
-      }
       exchange.words = number_at(body.data() + 2, 2);
       exchange.value = number_at(body.data() + 4, 2);
       exchange.first_failure = body[6];
       return true;
-    default: return body.empty();
+    default: return true;
   }
 }
 

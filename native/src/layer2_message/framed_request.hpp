@@ -9,6 +9,7 @@
 #include "layer1_stream/configuration.hpp"
 #include "layer1_stream/frame_encoder.hpp"
 #include "layer2_message/exchange.hpp"
+#include "unitylink/protocol.hpp"
 
 namespace unitylink {
 
@@ -32,9 +33,16 @@ void put_post(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, s
 [[nodiscard]] std::uint8_t framed_kind(const Exchange& exchange) noexcept;
 // What stands behind id and barrier.
 void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configuration& configuration) noexcept;
+// The bytes behind `posts` of its reply if all went well.
+[[nodiscard]] std::size_t reply_bytes(const Exchange& exchange, const Configuration& configuration) noexcept;
+inline constexpr std::size_t sync_reply_bytes = 7;
 // Takes what stands behind `posts` in the reply of that status; false when it has not exactly the length it must have.
 [[nodiscard]] bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
                               const Configuration& configuration) noexcept;
+// What was asked was done, or tried: its id is taken.
+[[nodiscard]] constexpr bool executed(std::uint8_t status) noexcept {
+  return status == protocol::reply_status::ok || status == protocol::reply_status::bus_error || status == protocol::reply_status::bus_timeout;
+}
 // "bus_error", "denied" …; empty for ok, nothing for a status that the protocol does not have.
 [[nodiscard]] std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept;
 

@@ -131,8 +131,8 @@ class Link {
   // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped in this one.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
 
-  // `id` names the subscription from then on; an id never comes back. What came before it was closed can be drained until its group
-  // (group_of) is subscribed anew; then there is nothing behind the old id any more.
+  // `id` names the subscription from then on; an id never comes back. What the device sent before it stopped can be drained until its
+  // group (group_of) is subscribed anew; then there is nothing behind the old id any more.
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
   [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept { return id % protocol::limits::groups_max; }
   [[nodiscard]] Outcome unsubscribe(std::uint32_t id);
@@ -144,7 +144,8 @@ class Link {
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
   // True when there is something to drain; false after `timeout_ns`, or when link or subscription has ended.
   [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
-  // How many publishes there have been in all; returns when that is no longer `seen`, after `timeout_ns`, or when the link was closed.
+  // How many publishes have come and subscriptions have ended in all; returns when that is no longer `seen`, after `timeout_ns`, or when
+  // the link was closed.
   [[nodiscard]] std::uint64_t wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns);
   // `descriptor` (an eventfd) is written to at every batch of publishes, and when the link closes.
   void notify_publishes(int descriptor);
@@ -212,6 +213,8 @@ class Link {
   [[nodiscard]] Outcome check(const Exchange& exchange, std::size_t index);
   [[nodiscard]] Outcome check_address(std::uint32_t address, std::size_t index) const;
   [[nodiscard]] Outcome check_value(std::uint32_t address, std::uint32_t value, std::size_t index) const;
+  [[nodiscard]] Outcome check_addresses(std::span<const std::uint32_t> addresses, std::size_t index) const;
+  [[nodiscard]] Outcome check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, std::size_t index) const;
   [[nodiscard]] Outcome may_write();
   [[nodiscard]] std::size_t words_read(bool repeat) const noexcept;
   [[nodiscard]] std::size_t words_written() const noexcept;
@@ -231,6 +234,7 @@ class Link {
                                      PublishRing* ring);
   [[nodiscard]] Outcome set_rate(std::uint32_t group, std::uint32_t divisor);
   [[nodiscard]] Outcome set_event(std::uint32_t group, bool on);
+  [[nodiscard]] Outcome stop_group(const Subscription& subscription, bool last);
   [[nodiscard]] Outcome command(Operation operation);
   [[nodiscard]] Subscription* find(std::uint32_t id) const noexcept;
 
@@ -269,6 +273,7 @@ class Link {
   std::uint64_t last_listened_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
+  std::uint64_t subscriptions_ended_ = 0;
   bool reader_wanted_ = false;
 
   std::mutex configuring_;               // one subscribe or unsubscribe at a time

@@ -95,13 +95,8 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
   if (values.size() != addresses.size()) {
     return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
   }
-  for (std::size_t index = 0; index < addresses.size(); ++index) {
-    if (Outcome outcome = check_address(addresses[index], index); !outcome.ok()) {
-      return outcome;
-    }
-    if (Outcome outcome = check_value(addresses[index], values[index], index); !outcome.ok()) {
-      return outcome;
-    }
+  if (Outcome checked = check_writes(addresses, values, 0); !checked.ok()) {
+    return checked;
   }
   const std::uint64_t limit_ns = (how.timeout_ns > 0 ? how.timeout_ns : options_.engine.timeout_ns) * options_.attempts;
   Lock lock(mutex_);
@@ -178,7 +173,7 @@ Outcome Link::sync(const RequestOptions& how) {
                       (denied ? "denied: the dead-man has tripped and the outputs are safe; arm() lets them be written again"
                               : "refused by the device's bus, or nothing answered there"));
   const PostQueue& posts = framed_->posts();
-  const std::uint64_t first = posts.confirmed() - ((posts.confirmed() - exchange.value) & 0xFFFF);
+  const std::uint64_t first = posts.told() - ((posts.told() - exchange.value) & 0xFFFF);
   if (known == 0 && posts.known(first) && posts.words(first) > 1) {
     outcome.text += "; the first was one of " + std::to_string(posts.words(first)) + " words from " +
                     hex_address(posts.word(first, 0).address, configuration_.address_bytes) + " on, those behind it were not written";

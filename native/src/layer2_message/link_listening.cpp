@@ -109,8 +109,9 @@ bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
 
 std::uint64_t Link::wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns) {
   Lock lock(mutex_);
-  listen(lock, timeout_ns, [&] { return engine_->statistics().publishes != seen; });
-  return engine_->statistics().publishes;
+  const auto news = [this] { return engine_->statistics().publishes + subscriptions_ended_; };
+  listen(lock, timeout_ns, [&] { return news() != seen; });
+  return news();
 }
 
 }  // namespace unitylink

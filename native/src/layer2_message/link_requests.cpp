@@ -54,37 +54,39 @@ Outcome Link::check_value(std::uint32_t address, std::uint32_t value, std::size_
   return at(std::move(outcome), index);
 }
 
+// The first that does not fit the device; `index` is that of the front one in the call.
+Outcome Link::check_addresses(std::span<const std::uint32_t> addresses, std::size_t index) const {
+  const std::uint32_t most = highest(configuration_.address_bytes);
+  const auto wrong = std::find_if(addresses.begin(), addresses.end(), [most](std::uint32_t address) { return address > most; });
+  return wrong == addresses.end() ? Outcome{} : check_address(*wrong, index + static_cast<std::size_t>(wrong - addresses.begin()));
+}
+
+Outcome Link::check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, std::size_t index) const {
+  const std::uint32_t address_most = highest(configuration_.address_bytes);
+  const std::uint32_t value_most = highest(configuration_.data_bytes);
+  for (std::size_t word = 0; word < addresses.size(); ++word) {
+    if (addresses[word] > address_most || values[word] > value_most) {
+      Outcome outcome = check_address(addresses[word], index + word);
+      return outcome.ok() ? check_value(addresses[word], values[word], index + word) : outcome;
+    }
+  }
+  return {};
+}
+
 Outcome Link::check(const Exchange& exchange, std::size_t index) {
   if (exchange.checked && !checksums_ && !framed_) {
     return {Status::mismatch, "the device has no checksums (it refuses '$'); ask without"};
   }
   if (exchange.operation == Operation::transfer) {
-    for (std::size_t word = 0; word < exchange.write_addresses.size(); ++word) {
-      if (Outcome outcome = check_address(exchange.write_addresses[word], index + word); !outcome.ok()) {
-        return outcome;
-      }
-      if (Outcome outcome = check_value(exchange.write_addresses[word], exchange.write_values[word], index + word); !outcome.ok()) {
-        return outcome;
-      }
-    }
-    for (std::size_t word = 0; word < exchange.addresses.size(); ++word) {
-      if (Outcome outcome = check_address(exchange.addresses[word], exchange.write_addresses.size() + word); !outcome.ok()) {
-        return outcome;
-      }
-    }
-    return {};
+    Outcome outcome = check_writes(exchange.write_addresses, exchange.write_values, index);
+    return outcome.ok() ? check_addresses(exchange.addresses, exchange.write_addresses.size()) : outcome;
   }
   if (exchange.operation == Operation::read_many) {
     if (exchange.addresses.empty() || exchange.addresses.size() > configuration_.read_many) {
       return {Status::mismatch, "the device reads at most " + std::to_string(configuration_.read_many) +
                                     " words in one message, not " + std::to_string(exchange.addresses.size())};
     }
-    for (std::size_t word = 0; word < exchange.addresses.size(); ++word) {
-      if (Outcome outcome = check_address(exchange.addresses[word], index + word); !outcome.ok()) {
-        return outcome;
-      }
-    }
-    return {};
+    return check_addresses(exchange.addresses, index);
   }
   if (Outcome outcome = check_address(exchange.address, index); !outcome.ok()) {
     return outcome;

@@ -251,34 +251,45 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
   return {};
 }
 
+// The device first, and its answer: what it sent before has then come, and can be drained as all that came earlier.
+Outcome Link::stop_group(const Subscription& subscription, bool last) {
+  const std::uint32_t group = group_of(subscription.id);
+  Outcome outcome;
+  if (last) {
+    outcome = framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
+  } else if (framed_) {  // its publishes are nobody's as soon as the group is defined anew
+    std::uint32_t state = 0;
+    outcome = read_control(protocol::control::publish, std::span(&state, 1), repeatable);
+  }
+  Outcome rate = framed_ || subscription.divisor > 0 ? set_rate(group, 0) : Outcome{};
+  Outcome event = !framed_ && subscription.on_event ? set_event(group, false) : Outcome{};
+  return !outcome.ok() ? outcome : !rate.ok() ? rate : event;
+}
+
 Outcome Link::unsubscribe(std::uint32_t id) {
   const std::uint32_t group = group_of(id);
   const std::scoped_lock one_at_a_time(configuring_);
   std::shared_ptr<Subscription> subscription;
   bool last = true;
-  bool last_user = false;
   {
     const std::scoped_lock lock(mutex_);
     subscription = subscriptions_[group];
     if (!subscription || subscription->id != id || !subscription->open) {
       return {};
     }
+    for (const auto& other : subscriptions_) {
+      last = last && !(other && other != subscription && other->open);
+    }
+  }
+  const Outcome outcome = closed() ? Outcome{} : stop_group(*subscription, last);
+  bool last_user = false;
+  {
+    const std::scoped_lock lock(mutex_);
     subscription->open = false;
     engine_->claim(group, nullptr);
-    for (const auto& other : subscriptions_) {
-      last = last && !(other && other->open);
-    }
+    subscriptions_ended_ += 1;
     last_user = last && !reader_kept_;
     announce();
-  }
-  Outcome outcome;
-  if (!closed()) {
-    if (last) {
-      outcome = framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
-    }
-    Outcome rate = framed_ || subscription->divisor > 0 ? set_rate(group, 0) : Outcome{};
-    Outcome event = !framed_ && subscription->on_event ? set_event(group, false) : Outcome{};
-    outcome = !outcome.ok() ? outcome : !rate.ok() ? rate : event;
   }
   if (last_user) {
     stop_reader();

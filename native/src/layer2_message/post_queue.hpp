@@ -3,10 +3,12 @@
 // from where one was lost, as they were.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 namespace unitylink {
 
@@ -24,6 +26,7 @@ class PostQueue {
   [[nodiscard]] std::uint64_t made() const noexcept { return made_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
   [[nodiscard]] std::uint64_t confirmed() const noexcept { return confirmed_; }
+  [[nodiscard]] std::uint64_t told() const noexcept { return told_; }
   [[nodiscard]] std::uint64_t open_words() const noexcept { return words_ - begin(confirmed_); }
   // How many words a post has that is not confirmed, and which.
   [[nodiscard]] std::size_t words(std::uint64_t number) const noexcept { return static_cast<std::size_t>(begin(number + 1) - begin(number)); }
@@ -49,14 +52,15 @@ class PostQueue {
   }
   [[nodiscard]] bool repeats() const noexcept { return sent_ < reached_; }  // the next one has been sent before
 
-  // The device has executed so many, told by its low 16 bits; false when that cannot be. What it has had need not be sent again.
+  // The device has executed so many, told by its low 16 bits; false when that cannot be. What it has had need not be sent again. It counts
+  // when another answer has told as much: what is dropped here by a damaged one whose check is right could never be made good.
   bool confirm(std::uint32_t count) noexcept {
     const std::uint64_t executed = confirmed_ + ((count - confirmed_) & 0xFFFF);
     if (executed > reached_) {
       return false;
     }
-    confirmed_ = executed;
-    sent_ = sent_ < executed ? executed : sent_;
+    confirmed_ = std::max(confirmed_, std::min(executed, std::exchange(told_, executed)));
+    sent_ = std::max(sent_, confirmed_);
     return true;
   }
   // Sends all that is not confirmed again.
@@ -64,7 +68,7 @@ class PostQueue {
   // Another session: returns how many words were not confirmed in this one.
   std::uint64_t restart() noexcept {
     const std::uint64_t lost = open_words();
-    made_ = sent_ = reached_ = confirmed_ = words_ = 0;
+    made_ = sent_ = reached_ = confirmed_ = told_ = words_ = 0;
     return lost;
   }
 
@@ -76,6 +80,7 @@ class PostQueue {
   std::uint64_t sent_ = 0;
   std::uint64_t reached_ = 0;    // the most that `sent` has been
   std::uint64_t confirmed_ = 0;
+  std::uint64_t told_ = 0;       // executed, by the last answer
   std::uint64_t words_ = 0;      // of all posts made
   std::array<Post, capacity> ring_;
   std::array<std::uint64_t, capacity> begins_;

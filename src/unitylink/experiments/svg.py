@@ -77,7 +77,7 @@ def log_lines(
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
-    for x in (x for x in xs if x == 1 or x % 2 == 0 or x == xs[-1]):
+    for x in (x for x in xs if x == 1 or x % 2 == 0 or x in {xs[0], xs[-1]}):
         parts.append(_text(across(x), HEIGHT - BOTTOM + 18, f"{x:g}"))
     parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - BOTTOM + 36, x_label))
     return _whole(parts, list(series))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 from typing import Protocol
 
 from unitylink.errors import LinkError
@@ -15,6 +14,12 @@ from .engine import Engine
 _PATIENCE_NS = 200_000_000
 
 _log = logging.getLogger("unitylink.link")
+_here = threading.local()
+
+
+def called_back() -> bool:
+    """Whether this is within a callback, of any link."""
+    return getattr(_here, "calls", False)
 
 
 class Deliverable(Protocol):
@@ -22,8 +27,15 @@ class Deliverable(Protocol):
 
     gather_s: float  # how long what has come may wait
 
+    @property
+    def ended(self) -> bool:
+        """Whether nothing will come any more."""
+
     def deliver(self) -> None:
         """Fetch what has come and call back for each."""
+
+    def hush(self) -> None:
+        """Call back no more."""
 
 
 class CallbackThread:
@@ -32,11 +44,11 @@ class CallbackThread:
     def __init__(self, native: Engine) -> None:
         self._native = native
         self._subscriptions: tuple[Deliverable, ...] = ()
-        self._lock = threading.Lock()
+        self._changed = threading.Condition()
         self._thread: threading.Thread | None = None
 
     def add(self, subscription: Deliverable) -> None:
-        with self._lock:
+        with self._changed:
             if subscription not in self._subscriptions:
                 self._subscriptions = (*self._subscriptions, subscription)
             if self._thread is None or not self._thread.is_alive():
@@ -44,34 +56,63 @@ class CallbackThread:
                 self._thread.start()
 
     def remove(self, subscription: Deliverable) -> None:
-        with self._lock:
+        with self._changed:
             self._subscriptions = tuple(other for other in self._subscriptions if other is not subscription)
+            self._changed.notify_all()
+
+    def finish(self, subscription: Deliverable) -> None:
+        """Wait until all that had come of a subscription which has ended was called back for."""
+        with self._changed:
+            self._changed.notify_all()  # the thread may be at rest
+            self._changed.wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
 
     def disown(self) -> None:
         """Forget the thread, which a forked child does not have, and the lock that it may have held."""
         self._subscriptions = ()
-        self._lock = threading.Lock()
+        self._changed = threading.Condition()
         self._thread = None
 
     def stop(self) -> None:
+        """Wait until all that came before the link ended was called back for; in a callback, end with it."""
         thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
+        if thread is threading.current_thread():
+            for subscription in self._subscriptions:
+                subscription.hush()
+        elif thread is not None:
             thread.join()
 
     def _run(self) -> None:
-        seen = 0
-        while True:
-            seen = self._native.wait_publishes(seen, _PATIENCE_NS)
-            subscriptions = self._subscriptions
-            for subscription in subscriptions:
-                subscription.deliver()
-            if rest_s := min((each.gather_s for each in subscriptions), default=0.0):
-                time.sleep(rest_s)
-            with self._lock:
-                if self._native.closed or not self._subscriptions:
+        _here.calls = True
+        try:
+            self._serve()
+        finally:
+            with self._changed:
+                if self._thread is threading.current_thread():
                     self._thread = None
-                    break
+                self._changed.notify_all()
         try:
             self._native.check_alive()
         except LinkError as error:
             _log.error("no more callbacks: %s", error)
+
+    def _serve(self) -> None:
+        seen = 0
+        while True:
+            before, seen = seen, self._native.wait_publishes(seen, _PATIENCE_NS)
+            over = seen == before and self._native.closed  # with news at the end there is one turn more
+            subscriptions = self._subscriptions
+            for subscription in subscriptions:
+                subscription.deliver()
+            for subscription in [each for each in subscriptions if each.ended]:
+                subscription.deliver()  # all that it ever gets is there since it has ended
+                self.remove(subscription)
+            rest_s = min([each.gather_s for each in self._subscriptions], default=0.0)
+            if over or rest_s or not self._subscriptions:
+                with self._changed:
+                    if over or not self._subscriptions:
+                        self._thread = None
+                        return
+                    self._rest(min(each.gather_s for each in self._subscriptions))
+
+    def _rest(self, most_s: float) -> None:
+        self._changed.wait(most_s)  # who closes a subscription ends it

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from unitylink import _native
 Words = npt.NDArray[np.uint32]
 Times = npt.NDArray[np.float64]
 Integers = Sequence[int] | npt.NDArray[Any]
+Pairs = Iterable[tuple[int, int]] | npt.NDArray[Any]
 
 
 class Request(Protocol):
@@ -27,9 +28,11 @@ class Engine(Protocol):
     """Requests and publishes of one device, as words at addresses; thread-safe. Errors as of `Link`.
 
     `start` posts `ticket` to `mailbox` when what it began is done. Subscriptions are known by numbers, whose
-    remainder modulo 256 is their group. `wait_publishes` returns how many publishes have come, once they are
-    more than `seen`, after `timeout_ns` at the latest. `notify_publishes` has 1 written to an eventfd for
-    every publish and at the end. `check_alive` raises why the device went away by itself.
+    remainder modulo 256 is their group. `take_single` gives the publish that waits where it is the only one,
+    None where there are none or several. What has come when `unsubscribe` returns is all there will be.
+    `wait_publishes` returns how many publishes have come and subscriptions have ended, once that is not
+    `seen`, after `timeout_ns` at the latest. `notify_publishes` has 1 written to an eventfd for every publish
+    and every end. `check_alive` raises why the device went away by itself.
     """
 
     def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None, /) -> int: ...
@@ -59,9 +62,8 @@ class Engine(Protocol):
     ) -> None: ...
     def transfer(
         self,
-        write_addresses: Integers,
-        write_values: Integers,
-        addresses: Integers,
+        writes: Pairs,
+        reads: Integers,
         atomic: bool,
         timeout_s: float | None,
         /,
@@ -112,6 +114,8 @@ class Engine(Protocol):
     ) -> int: ...
     def unsubscribe(self, id: int, /) -> None: ...
     def drain(self, id: int, words: int, /) -> tuple[Times, Words]: ...
+    def take_single(self, id: int, words: int, /) -> tuple[float, tuple[int, ...]] | None: ...
+    def subscribed(self, id: int, /) -> bool: ...
     def wait(self, id: int, timeout_s: float, /) -> bool: ...
     def available(self, id: int, /) -> int: ...
     def lost(self, id: int, /) -> int: ...

@@ -18,7 +18,7 @@ from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
-from .engine import Words, open_engine
+from .engine import Pairs, Words, open_engine
 from .exchange_group import ExchangeGroup, Word
 from .mailbox import LoopMailbox
 from .open_links import forget, remember
@@ -139,7 +139,7 @@ class Link:
     def exchange(
         self,
         reads: Sequence[int] | npt.NDArray[Any] = (),
-        writes: Sequence[tuple[int, int]] = (),
+        writes: Pairs = (),
         *,
         atomic: bool = False,
         timeout_s: float | None = None,
@@ -152,9 +152,7 @@ class Link:
 
             link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
         """
-        addresses = [address for address, _ in writes]
-        values = [value for _, value in writes]
-        return self._native.transfer(addresses, values, reads, atomic, timeout_s)
+        return self._native.transfer(writes, reads, atomic, timeout_s)
 
     def exchange_group(self, writes: Sequence[Word] = (), reads: Sequence[Word] = ()) -> ExchangeGroup:
         """Name words that are written and read together many times: addresses, or (address, bytes).

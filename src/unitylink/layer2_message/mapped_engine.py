@@ -23,7 +23,7 @@ from unitylink.protocol import (
 )
 
 from .configuration import Statistics
-from .engine import Integers, Times, Words
+from .engine import Integers, Pairs, Times, Words
 from .mapped_url import WORD_BYTES, parse_mapped_url
 from .polled_publishes import PolledPublishes
 
@@ -115,14 +115,18 @@ class MappedEngine:
 
     def transfer(
         self,
-        write_addresses: Integers,
-        write_values: Integers,
-        addresses: Integers,
+        writes: Pairs,
+        reads: Integers,
         atomic: bool,
         timeout_s: float | None,
     ) -> Words:
-        self.write_many(write_addresses, write_values, None, False, timeout_s)
-        return self.read_many(addresses, atomic, None, True, timeout_s)
+        try:
+            pairs = [(address, value) for address, value in writes]
+        except (TypeError, ValueError):
+            raise ValueRangeError("writes must be a sequence of pairs (address, value)") from None
+        for address, value in pairs:
+            self.write(address, value, None, False, timeout_s)
+        return self.read_many(reads, atomic, None, True, timeout_s)
 
     def do_list(  # noqa: PLR0917
         self,
@@ -242,6 +246,12 @@ class MappedEngine:
     def drain(self, id: int, words: int) -> tuple[Times, Words]:
         return self._publishes.drain(id, words)
 
+    def take_single(self, id: int, words: int) -> tuple[float, tuple[int, ...]] | None:
+        return self._publishes.take_single(id)
+
+    def subscribed(self, id: int) -> bool:
+        return self._publishes.subscribed(id)
+
     def wait(self, id: int, timeout_s: float) -> bool:
         return self._publishes.wait(id, timeout_s)
 
@@ -265,7 +275,7 @@ class MappedEngine:
         return 0.0, 0.0, 0.0
 
     def wait_publishes(self, seen: int, timeout_ns: int) -> int:
-        return self._publishes.wait_for_more_than(seen, timeout_ns * 1e-9)
+        return self._publishes.wait_for_news(seen, timeout_ns * 1e-9)
 
     def notify_publishes(self, descriptor: int) -> None:
         self._publishes.watch(descriptor)
@@ -289,8 +299,8 @@ class MappedEngine:
         return self._memory.closed
 
     def close(self) -> None:
-        self._memory.close()
         self._publishes.close()
+        self._memory.close()
 
     def disown(self) -> None:
         self._publishes.disown()

@@ -40,6 +40,7 @@ class PolledPublishes:
     def __init__(self, read: Callable[[tuple[int, ...]], list[int]]) -> None:
         self.received = 0
         self.overruns = 0
+        self._ended = 0
         self._read = read
         self._groups: dict[int, _Group] = {}
         self._due: list[tuple[float, int]] = []
@@ -76,6 +77,7 @@ class PolledPublishes:
             group = self._groups.get(identity)
             if group is not None:
                 group.period_s = 0.0
+                self._ended += 1
                 if not group.waiting:
                     del self._groups[identity]
             self._due = [entry for entry in self._due if entry[1] != identity]
@@ -93,6 +95,21 @@ class PolledPublishes:
         times = np.array([time_s for time_s, _ in rows], dtype=np.float64)
         values = np.array([row for _, row in rows], dtype=np.uint32).reshape(len(rows), words)
         return times, values
+
+    def take_single(self, identity: int) -> tuple[float, tuple[int, ...]] | None:
+        with self._changed:
+            group = self._groups.get(identity)
+            if group is None or len(group.waiting) != 1:
+                return None
+            time_s, row = group.waiting.popleft()
+            if not group.period_s:
+                del self._groups[identity]
+        return time_s, tuple(row)
+
+    def subscribed(self, identity: int) -> bool:
+        with self._changed:
+            group = self._groups.get(identity)
+            return group is not None and group.period_s > 0
 
     def available(self, identity: int) -> int:
         with self._changed:
@@ -121,11 +138,11 @@ class PolledPublishes:
                     return False
                 self._changed.wait(left)
 
-    def wait_for_more_than(self, seen: int, timeout_s: float) -> int:
-        """Return how many publishes have come, once they are more than `seen`, or after `timeout_s`."""
+    def wait_for_news(self, seen: int, timeout_s: float) -> int:
+        """Return how many publishes have come and subscriptions ended, once it is not `seen`."""
         with self._changed:
-            self._changed.wait_for(lambda: self.received > seen or self._closed, timeout_s)
-            return self.received
+            self._changed.wait_for(lambda: self.received + self._ended != seen or self._closed, timeout_s)
+            return self.received + self._ended
 
     def watch(self, descriptor: int) -> None:
         """Write to an eventfd whenever something has come, and at the end."""

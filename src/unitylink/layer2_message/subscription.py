@@ -5,14 +5,18 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from unitylink import _native
 from unitylink.errors import LinkClosed
 from unitylink.protocol import GROUPS_MAX
 
+from .callbacks import called_back
 from .engine import Times, Words
 
 if TYPE_CHECKING:
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
 
     from .link import Link
 
+Publish = tuple[float, tuple[int, ...]]
 PublishCallback = Callable[[float, tuple[int, ...]], None]
 ArraysCallback = Callable[[Times, Words], bool]
 
@@ -47,12 +52,18 @@ class Subscription:
         """Made by Link.subscribe."""
         self.group = identity % GROUPS_MAX
         self.addresses = addresses
+        self._words = len(addresses)
         self.divisor = divisor
         self._link = link  # a link lives as long as somebody has a subscription of it
         self._native = link._native
         self._identity = identity
         self._callbacks = link._callbacks
         self._open = True
+        self._ending = threading.Lock()  # of who closes it
+        self._taking = threading.Lock()  # of what was fetched and not yet called back for or drained
+        self._rows: Iterator[Publish] = iter(())
+        self._kept: list[Publish] = []
+        self._lost: tuple[int, int] | None = None
         self._callback: PublishCallback | None = None
         self.gather_s = 0.0
         self._arrays: ArraysCallback | None = None
@@ -60,21 +71,27 @@ class Subscription:
     @property
     def lost(self) -> int:
         """Publishes that were overwritten before anybody fetched them."""
-        return self._native.lost(self._identity)
+        return self._native.lost(self._identity) if self._lost is None else self._lost[0]
 
     @property
     def missing(self) -> int:
         """Publishes that were lost on the way; always 0 on a classic link, where nothing tells."""
-        return self._native.missing(self._identity)
+        return self._native.missing(self._identity) if self._lost is None else self._lost[1]
 
     @property
     def available(self) -> int:
         """Publishes that wait to be fetched."""
-        return self._native.available(self._identity)
+        with self._taking:
+            return len(self._kept) + self._native.available(self._identity)
 
     def drain(self) -> tuple[Times, Words]:
         """Take all that has come, oldest first: (n,) times in s of time.monotonic, (n, k) words."""
-        times, values = self._native.drain(self._identity, len(self.addresses))
+        with self._taking:
+            kept, self._kept = self._kept, []
+            times, values = self._native.drain(self._identity, self._words)
+        if kept:
+            times = np.concatenate([[time_s for time_s, _ in kept], times])
+            values = np.concatenate([np.array([words for _, words in kept], dtype=np.uint32), values])
         return times, values
 
     def wait(self, timeout_s: float) -> bool:
@@ -82,7 +99,13 @@ class Subscription:
 
         Raises LinkClosed once nothing can come any more: link or subscription are closed, the port is gone.
         """
-        return self._native.wait(self._identity, timeout_s)
+        try:
+            return bool(self._kept) or self._native.wait(self._identity, timeout_s)
+        except LinkClosed:
+            with self._taking:
+                if self._kept:
+                    return True
+            raise
 
     def on_publish(
         self,
@@ -123,15 +146,15 @@ class Subscription:
         self._native.notify_publishes(mailbox.descriptor)
         try:
             while True:
+                over = self._native.closed or not self._native.subscribed(self._identity)
                 times, values = self.drain()
                 for time_s, words in zip(times.tolist(), values.tolist(), strict=True):
                     yield time_s, tuple(words)
                 if len(times):
                     continue
-                if not self._open:
-                    return
-                if self._native.closed:
-                    self._native.check_alive()
+                if over:
+                    if self._open:
+                        self._native.check_alive()
                     return
                 await arrived.wait()
                 arrived.clear()
@@ -140,13 +163,41 @@ class Subscription:
             loop.remove_reader(mailbox.descriptor)
 
     def close(self) -> None:
-        """Stop the group's publishes and free the group; what came before can still be drained."""
-        if self._open:
-            self._open = False
-            self._callback = self._arrays = None
-            self._callbacks.remove(self)
-            if not self._native.closed:
-                self._native.unsubscribe(self._identity)
+        """Stop the group's publishes and free the group. Twice does nothing.
+
+        What had come is not lost: the callback has been called for all of it when this returns, and is not
+        called again; without one it can still be drained, whatever becomes of the group. Called within a
+        callback, of whatever subscription, it waits for nobody: what was not called back for can be drained.
+        Anywhere else it waits for a call under way, so hold no lock that the callback needs.
+        """
+        within = called_back()
+        if within:
+            self.hush()
+        if not self._ending.acquire(blocking=not within):  # who closes it waits for this callback
+            return
+        try:
+            if self._open:
+                self._open, self.gather_s = False, 0.0
+                self._end(within)
+        finally:
+            self._ending.release()
+
+    def _end(self, within: bool) -> None:
+        native = self._native
+        try:
+            if not native.closed:
+                native.unsubscribe(self._identity)
+        finally:
+            try:
+                if not within and (self.ended or native.closed):
+                    self._callbacks.finish(self)
+            finally:
+                self._callbacks.remove(self)
+                self.hush()
+                self._lost = native.lost(self._identity), native.missing(self._identity)
+                with self._taking:  # the next subscription of the group takes its place
+                    times, values = native.drain(self._identity, self._words)
+                    self._kept += _rows_of(times, values)
 
     def __enter__(self) -> Self:
         return self
@@ -159,27 +210,56 @@ class Subscription:
     def __repr__(self) -> str:
         return f"<Subscription of {len(self.addresses)} words, group {self.group}, divisor {self.divisor}>"
 
+    @property
+    def ended(self) -> bool:
+        """Whether nothing will come any more, because it was closed."""
+        return not self._open and not self._native.subscribed(self._identity)
+
+    def hush(self) -> None:
+        """Call back no more; what has come can be drained."""
+        self._callback = self._arrays = None
+        with self._taking:
+            self._kept += self._rows
+
     def deliver(self) -> None:
         """Fetch what has come and call back for each; what the callback raises does not stop the rest."""
         callback = self._callback
         if callback is None:
             return
-        arrays = self._arrays
-        times, values = self.drain()
-        if arrays is not None and len(times) > 1:  # one alone is sooner told as it is
+        single = self._native.take_single(self._identity, self._words)
+        if single is None:
+            self._deliver_all(callback)
+            return
+        try:
+            callback(*single)
+        except BaseException:  # sys.exit() too: it would silence the other subscriptions
+            self._report(callback)
+
+    def _deliver_all(self, callback: PublishCallback | None) -> None:
+        times, values = self._native.drain(self._identity, self._words)
+        if self._arrays is not None and len(times) > 1:  # one alone is sooner told as it is
             try:
-                if arrays(times, values):
+                if self._arrays(times, values):
                     return
             except BaseException:
-                _log.exception("arrays callback of %r failed; the publishes go on", self)
+                self._report(self._arrays)
                 return
-        rows = zip(times.tolist(), map(tuple, values.tolist()), strict=True)
-        while True:
+        self._rows = _rows_of(times, values)
+        while callback is not None:
             try:
-                for time_s, words in rows:
-                    if self._callback is not callback:  # it closed the subscription, or gave another
-                        return
+                for time_s, words in self._rows:
                     callback(time_s, words)
-                return
-            except BaseException:  # sys.exit() too: it would silence the other subscriptions
-                _log.exception("callback of %r failed; the publishes go on", self)
+                    if self._callback is not callback:  # it closed the subscription, or gave another
+                        break
+                else:
+                    return
+            except BaseException:
+                self._report(callback)
+            callback = self._callback
+
+    def _report(self, callback: object) -> None:
+        _log.exception("the callback %r of %r failed; the publishes go on", callback, self)
+
+
+def _rows_of(times: Times, values: Words) -> Iterator[Publish]:
+    return zip(times.tolist(), map(tuple, values.tolist()), strict=True)

@@ -26,30 +26,31 @@ class Listeners(Generic[T]):
         self._lock = threading.Lock()  # of who comes and goes; telling needs none: tuples are replaced
         self._publish: tuple[Callable[[float, T], object], ...] = ()
         self._change: tuple[Callable[[T], object], ...] = ()
-        self._previous: object = None  # nothing was published yet
-
-    @property
-    def heard(self) -> bool:
-        """Whether somebody wants to hear of each publish."""
-        return bool(self._publish or self._change)
+        self.previous: object = None  # what was published last: nothing yet
+        self.heard = False
+        """Whether somebody wants to hear of each publish; who does not ask `tell` then keeps `previous`."""
 
     def on_publish(self, callback: Callable[[float, T], object]) -> Callable[[], None]:
         with self._lock:
             self._publish += (callback,)
+            self.heard = True
 
         def remove() -> None:
             with self._lock:
                 self._publish = tuple(c for c in self._publish if c is not callback)
+                self.heard = bool(self._publish or self._change)
 
         return remove
 
     def on_change(self, callback: Callable[[T], object]) -> Callable[[], None]:
         with self._lock:
             self._change += (callback,)
+            self.heard = True
 
         def remove() -> None:
             with self._lock:
                 self._change = tuple(c for c in self._change if c is not callback)
+                self.heard = bool(self._publish or self._change)
 
         return remove
 
@@ -84,13 +85,13 @@ class Listeners(Generic[T]):
                 publish(time_s, value)
             except Exception:
                 self._report(publish)
-        if self._change and value != self._previous:
+        if self._change and value != self.previous:
             for change in self._change:
                 try:
                     change(value)
                 except Exception:
                     self._report(change)
-        self._previous = value
+        self.previous = value
 
     def _report(self, callback: object) -> None:
         logger.exception("%s: the callback %r raised; publishing goes on", self._item, callback)

@@ -119,11 +119,11 @@ class Publication:
     snapshot.
     """
 
-    def __init__(self, plan: PublishPlan, takers: Callable[[], Takers]) -> None:
+    def __init__(self, plan: PublishPlan, takers: Takers) -> None:
         self.plan = plan
         self.received = 0
         self.source: Source | None = None
-        self._takers = takers
+        self.takers = takers
         codecs = [value.codec for value in plan.values]
         self._simple = all(codec.integer_sign is not None and codec.words == 1 for codec in codecs)
         self._signs = [(codec.mask, codec.sign) for codec in codecs]
@@ -135,10 +135,11 @@ class Publication:
         raws: Sequence[int]
         numbers: list[Any]
         if self._simple:
-            raws = words
-            numbers = [((w & m) ^ sign) - sign for w, (m, sign) in zip(words, self._signs, strict=True)]
-            for value, raw, number in zip(values, raws, numbers, strict=True):
-                value.raw, value.latest = raw, number
+            raws, numbers = words, []
+            for value, word, (mask, sign) in zip(values, words, self._signs, strict=True):
+                value.raw = word
+                value.latest = number = ((word & mask) ^ sign) - sign
+                numbers.append(number)
         else:
             raws = join(values, words)
             try:
@@ -153,12 +154,16 @@ class Publication:
         self.received += 1
         groups: dict[ValueGroup, None] = {}  # a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
-            value.listeners.tell(time_s, number)
+            listeners = value.listeners
+            if listeners.heard:
+                listeners.tell(time_s, number)
+            else:
+                listeners.previous = number
             if value.groups:
                 groups.update(dict.fromkeys(value.groups))
         for group in groups:
             group.take(time_s, values, numbers)
-        for take, _ in self._takers():
+        for take, _ in self.takers:
             take(time_s, values, numbers, raws)
 
     def deliver_arrays(self, times: Times, words: Words) -> bool:
@@ -166,7 +171,7 @@ class Publication:
 
         Of a fast stream that is only recorded, or of which only the latest counts, arrays cost a small part.
         """
-        values, takers = self.plan.values, self._takers()
+        values, takers = self.plan.values, self.takers
         if not self._simple or any(arrays is None for _, arrays in takers):
             return False
         if any(value.groups or value.listeners.heard for value in values):

@@ -144,7 +144,7 @@ class Publisher:
         self._lock = threading.RLock()
         self._items: dict[ReadValue[Any], Publish] = {}
         self._running: list[Publication] = []
-        self._takers: tuple[tuple[Taker, ArraysTaker | None], ...] = ()
+        self._takers: Takers = ()
         self._fallback = False
 
     @property
@@ -206,7 +206,7 @@ class Publisher:
 
     def _launch(self, item: PublishPlan) -> Publication:
         if item.mode == HARDWARE:
-            publication = Publication(item, self._current_takers)
+            publication = Publication(item, self._takers)
             try:
                 subscription = item.link.subscribe(
                     item.addresses,
@@ -226,7 +226,7 @@ class Publisher:
                     publication.deliver, gather_s=self._gather_s, arrays=publication.deliver_arrays
                 )
                 return publication
-        publication = Publication(item, self._current_takers)
+        publication = Publication(item, self._takers)
         publication.source = Poller(item, publication.deliver)
         return publication
 
@@ -257,11 +257,13 @@ class Publisher:
         With `arrays` it may instead get many at once: `arrays(times, values, raws)`.
         """
         with self._lock:
-            self._takers += ((taker, arrays),)
+            self._hand_to((*self._takers, (taker, arrays)))
 
     def take_no_more(self, taker: Taker) -> None:
         with self._lock:
-            self._takers = tuple(pair for pair in self._takers if pair[0] != taker)
+            self._hand_to(tuple(pair for pair in self._takers if pair[0] != taker))
 
-    def _current_takers(self) -> Takers:
-        return self._takers
+    def _hand_to(self, takers: Takers) -> None:
+        self._takers = takers
+        for publication in self._running:
+            publication.takers = takers

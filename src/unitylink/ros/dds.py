@@ -14,7 +14,7 @@ from typing import Any
 from unitylink.errors import ToolError
 
 from .dds_types import DdsTypes
-from .dds_writer import gathering_writer
+from .dds_writer import Here, gathering_writer
 from .interface import Interface, Topic
 from .plane import SERVICE_FIELDS, Port
 from .standard import definitions
@@ -47,7 +47,7 @@ class DdsPlane:
         self._header = self.types["std_msgs/Header"]
         self._time = self.types["builtin_interfaces/Time"]
         self._takers: list[tuple[Any, Callable[[Any], None]]] = []
-        self._mine = threading.local()  # what this thread has written and not yet sent
+        self._here = Here()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="unitylink-ros-dds", daemon=True)
 
@@ -80,27 +80,17 @@ class DdsPlane:
         writer = self._writer(
             f"rt/{self.name(topic.name)}", kind, topic.queue, topic.reliable, gathering_writer()
         )
-        write, flush, mine = writer.write, writer.flush, self._mine
-
-        def send(message: Any) -> None:
-            write(message)
-            held = getattr(mine, "held", None)
-            if held is None:
-                flush()
-            else:
-                held.add(flush)
-
-        return Port(send, Matched(writer))
+        return Port(writer.sender(self._here), Matched(writer))
 
     @contextmanager
     def gathered(self) -> Iterator[None]:
         """Send what this thread publishes meanwhile in as few packets as it fits in."""
         held: set[Callable[[], None]] = set()
-        self._mine.held = held
+        self._here.held = held
         try:
             yield
         finally:
-            self._mine.held = None
+            self._here.held = None
             for flush in held:
                 flush()
 
@@ -173,6 +163,8 @@ class DdsPlane:
         # Which of them have something: to ask every reader costs a node with many topics more than a message.
         marks = [ctypes.addressof(mark) for _, mark in waiting.attached]
         takers = dict(zip(marks, self._takers, strict=True))
+        if not marks:  # DDS refuses to wait for nothing
+            return
         found = (ctypes.c_void_p * len(marks))()
         while not self._stop.is_set():
             count = waiting._waitset_wait(waiting._ref, found, len(marks), WAIT_NS)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from typing import Any
 
 from .standard import Fields
@@ -88,7 +89,7 @@ def _flat(definitions: Mapping[str, Fields], fields: Fields) -> Flat | None:
         codes += "x" * pad + _CODES[kind]
         at += pad + size
         paths.append(name)
-    return codes, paths
+    return (codes, paths) if paths else None
 
 
 def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
@@ -96,8 +97,11 @@ def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
     pack = struct.Struct(f"<4s{codes}").pack
     if len(names) == 1:
         (name,) = names
-        return lambda self, **_: pack(b"\0\1\0\0", getattr(self, name))
-    return lambda self, **_: pack(b"\0\1\0\0", *(getattr(self, name) for name in names))
+        return lambda self, buffer=None, endianness=None, use_version_2=None: pack(
+            b"\0\1\0\0", getattr(self, name)
+        )
+    fields = attrgetter(*names)
+    return lambda self, buffer=None, endianness=None, use_version_2=None: pack(b"\0\1\0\0", *fields(self))
 
 
 def _deserializer(general: Callable[..., Any], codes: str) -> Any:

@@ -4,24 +4,34 @@
 from __future__ import annotations
 
 import ctypes
+import threading
+from collections.abc import Callable
 from functools import cache
 from typing import Any
+
+_PADDING = (b"", b"\0\0\0", b"\0\0", b"\0")  # DDS takes whole words
+
+
+class Here(threading.local):
+    """What a thread has written and not yet sent: None while it sends each message by itself."""
+
+    held: set[Callable[[], None]] | None = None
 
 
 @cache
 def gathering_writer() -> Any:
     """Return a class like cyclonedds' DataWriter: what `write` takes goes out at `flush()`, or when a packet
     is full. cyclonedds has both in C, not yet in Python."""
+    from cyclonedds import pub
     from cyclonedds.core import DDSException
-    from cyclonedds.pub import DataWriter
 
-    library = DataWriter._dll_handle
+    library = pub.DataWriter._dll_handle
     batch = library.dds_qset_writer_batching
     batch.argtypes, batch.restype = (ctypes.c_void_p, ctypes.c_bool), None
     send = library.dds_write_flush
     send.argtypes, send.restype = (ctypes.c_int32,), ctypes.c_int32
 
-    class GatheringWriter(DataWriter):  # type: ignore[type-arg]
+    class GatheringWriter(pub.DataWriter):  # type: ignore[type-arg]
         def _create_writer(self, publisher: Any, topic: Any, qos: Any, listener: Any) -> Any:
             batch(qos, True)
             return super()._create_writer(publisher, topic, qos, listener)
@@ -30,6 +40,28 @@ def gathering_writer() -> Any:
             """Send what was written; raise DDSException where DDS does not take it."""
             result = send(self._ref)
             if result < 0:
-                raise DDSException(result, f"while sending what {self!r} has written")
+                self._refused(result)
+
+        def sender(self, here: Here) -> Callable[[Any], None]:
+            """Return what writes a message of the right type, and flushes unless `here` has it held back."""
+            reference, version_2, flush = self._ref, self._use_version_2, self.flush
+            write = pub.ddspy_write  # type: ignore[attr-defined]
+
+            def put(sample: Any) -> None:  # all in one function: for a lone message each call shows
+                data = sample.serialize(use_version_2=version_2)
+                result = write(reference, data + _PADDING[len(data) & 3])
+                if result >= 0:
+                    held = here.held
+                    if held is None:
+                        result = send(reference)
+                    else:
+                        held.add(flush)
+                if result < 0:
+                    self._refused(result)
+
+            return put
+
+        def _refused(self, result: int) -> None:
+            raise DDSException(result, f"while sending what {self!r} has written")
 
     return GatheringWriter

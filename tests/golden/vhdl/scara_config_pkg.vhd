@@ -31,7 +31,7 @@ package scara_config_pkg is
   constant protocol              : string := "both"; -- classic, framed or both
   constant exchanges             : natural := 2; -- exchange groups
   constant exchange_size         : natural := 30; -- words in one
-  constant window                : positive := 32; -- requests in flight
+  constant window                : positive := 64; -- requests in flight
   constant safe_values           : safe_values_t(1 to 0) := no_safe_values; -- of the dead-man
   constant gateware_version      : word32_t := x"00010000";
   constant build                 : word32_t := x"00000000";

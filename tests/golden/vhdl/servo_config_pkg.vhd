@@ -31,7 +31,7 @@ package servo_config_pkg is
   constant protocol              : string := "both"; -- classic, framed or both
   constant exchanges             : natural := 2; -- exchange groups
   constant exchange_size         : natural := 30; -- words in one
-  constant window                : positive := 32; -- requests in flight
+  constant window                : positive := 64; -- requests in flight
   constant safe_values           : safe_values_t(0 to 3) := (0 => (x"00000000", x"00000000"), 1 => (x"00000002", x"00000000"), 2 => (x"00000003", x"00000000"), 3 => (x"00000022", x"00000000")); -- of the dead-man
   constant gateware_version      : word32_t := x"00010000";
   constant build                 : word32_t := x"00000000";

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from unitylink.tools.bench.figure import BenchError, Run
-from unitylink.tools.bench.programs import Process, native
+from unitylink.tools.bench.programs import Process, Silence, native
 
 Program = Callable[[str], Path]
 
@@ -177,6 +177,29 @@ def test_a_process_that_dies_says_why() -> None:
     command = [sys.executable, "-c", "import sys; sys.exit('no such thing')"]
     with Process(command) as process, pytest.raises(BenchError, match="no such thing"):
         process.line()
+
+
+def test_a_process_that_writes_much_on_stderr_goes_on_and_its_last_lines_are_told() -> None:
+    script = (
+        "import sys\n"
+        "for number in range(30_000): print('warning', number, file=sys.stderr)\n"
+        "print(input(), flush=True)\n"
+        "print('e' * 100_000, file=sys.stderr)\n"
+        "sys.exit('beyond repair')"
+    )
+    with Process([sys.executable, "-c", script]) as process:
+        assert process.ask("still there") == "still there"  # 500 kB are more than a pipe holds
+        with pytest.raises(BenchError, match=r"ended early: e{300}\n(?s:.*)e\nbeyond repair$") as told:
+            process.line()
+    assert len(str(told.value)) < 2000
+
+
+def test_silence_tells_what_stood_on_stderr() -> None:
+    script = "import os; os.write(2, b'waiting for the port\\n'); os.close(2); input()"
+    with Process([sys.executable, "-c", script]) as process:
+        process._listener.join(30)  # to the end of its stderr
+        with pytest.raises(Silence, match="said nothing for 0 s; on stderr: waiting for the port"):
+            process.line(patience_s=0.01)
 
 
 def test_what_is_not_built_is_named(tmp_path: Path) -> None:

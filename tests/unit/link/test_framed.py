@@ -7,6 +7,7 @@ import random
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from reference.line import Line
 
@@ -31,6 +32,10 @@ def test_a_batch_is_one_message_each_way() -> None:
         with pytest.raises(ZeroDivisionError), link.batch() as batch:
             batch.write(0x10, 1 // 0)
         assert link.exchange([0x10, 0x11], writes=[(0x11, 9)]).tolist() == [0x30, 9]
+        pairs = np.array([[0x12, 7], [0x13, 1 << 31]])  # any pairs will do
+        for writes in (pairs, {0x12: 7, 0x13: 1 << 31}.items(), ((where, what) for where, what in pairs)):
+            assert link.exchange((0x12, 0x13), writes).tolist() == [7, 1 << 31]
+            link.write_many([0x12, 0x13], [0, 0])
 
 
 def test_posts_and_what_became_of_them() -> None:

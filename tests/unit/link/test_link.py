@@ -74,6 +74,12 @@ def test_many_words_are_few_messages(link: Link, device: Any) -> None:
         (lambda link: link.write(0, -1), "value -1"),
         (lambda link: link.write_many([1, 2], [3]), "2 addresses but 1 values"),
         (lambda link: link.read_many(7), "must be a sequence"),
+        (lambda link: link.exchange([1], 7), "writes must be a sequence of pairs"),
+        (lambda link: link.exchange([1], [(2, 3), 7]), r"a write must be a pair \(address, value\), not 7"),
+        (lambda link: link.exchange([1], [(2, 3, 4)]), r"must be a pair .* not \(2, 3, 4\)"),
+        (lambda link: link.exchange([1], [("x", 3)]), "address must be a whole number, not 'x'"),
+        (lambda link: link.exchange([1], [(2, 1 << 32)]), "value 4294967296 is not in"),
+        (lambda link: link.exchange([1], [(2, 3), (300, 4)]), "0x12c does not fit"),
         (lambda link: link.read_many([1, 300]), "0x12c does not fit"),
         (lambda link: link.read(1, timeout_s=0), "timeout_s must be above 0"),
         (lambda link: link.subscribe([1], divisor=65536), "divisor 65536 is above 65535"),
@@ -245,7 +251,7 @@ def test_callbacks_in_their_own_thread_and_errors_that_do_not_stop_them(
     assert enough.wait(10)
     assert got == [(device.memory[1], device.memory[2])] * 3
     assert threads == {"unitylink callbacks"}
-    assert "callback of <Subscription of 2 words" in caplog.text
+    assert "callback at" in caplog.text and "of <Subscription of 2 words" in caplog.text
     subscription.close()
 
 

@@ -98,8 +98,11 @@ def test_words(link: Link, memory: Path) -> None:
     link.write(7, 0xFFFFFFFF)
     link.write_many([8, 9], np.array([1, 2]))
     assert words[7:10].tolist() == [0xFFFFFFFF, 1, 2]
+    with pytest.raises(ValueRangeError, match=r"pairs \(address, value\)"):
+        link.exchange([8], [(8, 5), (9,)])  # type: ignore[list-item]
+    assert link.exchange([8, 9], [(8, 3)]).tolist() == [3, 2]
     assert link.configuration.data_bits == 32 and link.configuration.address_bytes == 2
-    assert link.statistics().requests == 7
+    assert link.statistics().requests == 9
 
 
 def test_a_window_within_a_file(memory: Path) -> None:

@@ -6,13 +6,11 @@ from __future__ import annotations
 import asyncio
 import queue
 import threading
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from unitylink import Link, LinkBusy, LinkClosed
-from unitylink.layer2_message import callbacks
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -64,7 +62,7 @@ def test_the_callback_thread_rests_while_all_may_wait(
     link: Link, device: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rests: queue.SimpleQueue[float] = queue.SimpleQueue()
-    monkeypatch.setattr(callbacks, "time", SimpleNamespace(sleep=rests.put))
+    monkeypatch.setattr(link._callbacks, "_rest", rests.put)
     called: queue.SimpleQueue[tuple[int, ...]] = queue.SimpleQueue()
 
     def callback(time_s: float, words: tuple[int, ...]) -> None:

@@ -9,7 +9,7 @@ import pytest
 from reference.bus import Bus
 from reference.device import ReferenceDevice
 from reference.framing import Borders, Frame, field
-from reference.scenario import Scenario
+from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
 
 from unitylink import _native
@@ -143,3 +143,23 @@ def test_a_session_locks_the_classic_side() -> None:
     assert ask(twin, b"#EPS\n\0") == b"#?E_ICC\n"
     ask(twin, Frame(p.REQUEST_KIND_CLOSE, field((0, 2))).encode(EPOCH))
     assert ask(twin, b"#W:001000000008\n\0") == b"#S_W\n"
+
+
+def test_an_id_that_was_another_requests() -> None:
+    settings = Settings(window=2)
+    reference, twin = reference_of(settings), twin_of(settings)
+    open_session(twin)
+    reference.feed(b"\0" + Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode())
+    reference.feed(Frame(p.REQUEST_KIND_OPEN, field((1, 2), (EPOCH, 2), (0, 1))).encode())
+    answers = [reference.feed(step) for step in under_a_used_id(settings, EPOCH)]
+    assert [ask(twin, step) for step in under_a_used_id(settings, EPOCH)] == answers
+    kinds = [Frame.decode(piece, EPOCH).kind - 0xC0 for answer in answers for piece in Borders().feed(answer)]
+    assert kinds[1:8] == [p.REPLY_STATUS_INVALID] * 7
+    assert kinds[8:] == [
+        p.REPLY_STATUS_NO_GROUP,
+        p.REPLY_STATUS_BAD_ADDRESS,
+        p.REPLY_STATUS_TOO_LONG,
+        0,
+        0,
+        0,
+    ]

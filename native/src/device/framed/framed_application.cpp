@@ -30,7 +30,8 @@ FramedApplication::FramedApplication(const DeviceConfiguration& configuration, S
       cache_(configuration.framed.window, configuration.framed.cache_bytes),
       dead_man_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)),
       exchanges_(configuration.framed.exchanges),
-      groups_(configuration.publish_mode > 0 ? configuration.groups : 0) {
+      groups_(configuration.publish_mode > 0 ? configuration.groups : 0),
+      nonce_(configuration.framed.nonce) {
   decoder_.set_payload_max(configuration.framed.request_max);
   waiting_payload_.reserve(frame_payload_max);
   payload_.reserve(frame_payload_max);

@@ -37,6 +37,7 @@ class FramedApplication {
   // Nothing else happens before `limit`: all bytes that leave until then are one step.
   void step(Clock now, bool port_free, Clock limit);
 
+  [[nodiscard]] std::uint16_t nonce() const noexcept { return nonce_; }
   [[nodiscard]] bool open() const noexcept { return key_.epoch != protocol::frame::open_epoch; }
   void count(std::uint32_t counter) noexcept { registers_.count(counter); }
 
@@ -106,7 +107,7 @@ class FramedApplication {
   std::uint8_t waiting_kind_ = 0;
   std::vector<std::uint8_t> waiting_payload_;
 
-  std::uint16_t nonce_ = 0;
+  std::uint16_t nonce_;                // of the last HELLO answer
   bool offered_ = false;               // a HELLO answer that no OPEN has used
   std::uint16_t session_nonce_ = 0;
   bool closed_told_ = false;

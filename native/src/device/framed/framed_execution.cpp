@@ -23,6 +23,11 @@ std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
   return std::accumulate(words.begin(), words.end(), std::size_t{0}, [](std::size_t sum, const ExchangeWord& w) { return sum + w.bytes; });
 }
 
+// Replies that the cache need not have kept are of these.
+bool may_be_long(std::uint8_t operation) {
+  return operation == request_kind::list || operation == request_kind::exchange || operation == request_kind::read_control;
+}
+
 }  // namespace
 
 void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t> payload) {
@@ -47,7 +52,7 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
       reply(place.status, place.reply);
     } else {
       data_.clear();
-      const Status why = refusal(true);
+      const Status why = may_be_long(request_.operation) ? refusal(true) : status::invalid;  // the id was another request's
       const Status outcome = why != status::ok ? why : perform(true);
       reply(outcome, data_);
     }

@@ -8,6 +8,8 @@ import json
 import select
 import subprocess
 import sys
+import threading
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -18,6 +20,9 @@ from unitylink.protocol import FRAME_CRC16_BYTES
 from .figure import BenchError
 
 PATIENCE_S = 60.0  # for one answer; every series is far shorter
+_END_S = 5.0  # for a process that was told to end
+_LAST_LINES = 6  # of what a process writes on stderr are kept
+_LINE_CHARACTERS = 300
 
 
 def find_checkout() -> Path:
@@ -79,13 +84,25 @@ class Process:
             )
         except OSError as error:
             raise BenchError(f"{self.name} did not start: {error}") from error
+        self._said: deque[str] = deque(maxlen=_LAST_LINES)
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+
+    def _listen(self) -> None:
+        """Keep the last lines of stderr; a process whose stderr nobody reads would stop at a full pipe."""
+        assert self._process.stderr is not None
+        with self._process.stderr as stderr:
+            while line := stderr.readline(_LINE_CHARACTERS):
+                if line.strip():
+                    self._said.append(line.rstrip())
 
     def line(self, patience_s: float = PATIENCE_S) -> str:
         """Return the next line the process prints; Silence after `patience_s`."""
         assert self._process.stdout is not None
         ready, _, _ = select.select([self._process.stdout], [], [], patience_s)
         if not ready:
-            raise Silence(f"{self.name} said nothing for {patience_s:.0f} s")
+            said = f"; on stderr: {self._stderr()}" if self._said else ""
+            raise Silence(f"{self.name} said nothing for {patience_s:.0f} s{said}")
         text = self._process.stdout.readline()
         if not text:
             raise BenchError(f"{self.name} ended early: {self._last_words()}")
@@ -113,12 +130,11 @@ class Process:
                 with suppress(BrokenPipeError):  # it is gone already, which is what is wanted
                     pipe.close()
         try:
-            process.wait(timeout=5)
+            process.wait(timeout=_END_S)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        if process.stderr is not None:
-            process.stderr.close()
+        self._listener.join(_END_S)  # longer only where a child of its own has the pipe, too
 
     def __enter__(self) -> Process:
         return self
@@ -128,14 +144,16 @@ class Process:
     ) -> None:
         self.close()
 
+    def _stderr(self) -> str:
+        return "\n".join(self._said)
+
     def _last_words(self) -> str:
         try:
-            code = self._process.wait(timeout=5)
+            code = self._process.wait(timeout=_END_S)
         except subprocess.TimeoutExpired:
-            return "it closed its output"
-        assert self._process.stderr is not None
-        said = self._process.stderr.read().strip()
-        return said.splitlines()[-1] if said else f"exit code {code}"
+            return self._stderr() or "it closed its output"
+        self._listener.join(_END_S)
+        return self._stderr() or f"exit code {code}"
 
 
 def twin(endpoint: str, **configuration: int) -> Process:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "faults/post_stream.hpp"
+#include "faults/goodput.hpp"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 
 #include "device/device.hpp"
@@ -17,11 +16,10 @@ using device::Device;
 constexpr std::uint64_t second = 1'000'000'000;
 constexpr std::uint64_t patience_ns = 10 * second;
 constexpr std::uint64_t clock_ns = 20;  // of the device: 50 MHz
-constexpr std::uint32_t addresses = 256;
 
-class PostStream {
+class Line {
  public:
-  explicit PostStream(const PostPlan& plan)
+  explicit Line(const GoodputPlan& plan)
       : plan_(plan),
         random_(plan.seed),
         there_(random_, protocol::frame::delimiter, plan.byte_ns, plan.delay_ns),
@@ -29,18 +27,17 @@ class PostStream {
     EngineSettings settings;
     settings.byte_time_ns = plan.byte_ns;
     settings.seed = random_();
+    settings.window = plan.window;
     engine_ = std::make_unique<FramedEngine>(settings, false);
     device::DeviceConfiguration configuration;
     configuration.address_bits = 16;
+    configuration.framed.window = plan.window;
     device_ = std::make_unique<Device>(configuration);
-    device_->bus().observe([this](std::uint32_t address, std::uint32_t value) {
-      report_.disorder += value != executed_ || address != executed_ % addresses ? 1 : 0;
-      ++executed_;
-      progressed_ns_ = now_;
-    });
+    traffic_ = make_traffic(plan.kind, plan.message_words, plan.window, *engine_, *device_);
+    device_->bus().observe([this](std::uint32_t address, std::uint32_t value) { traffic_->on_write(address, value); });
   }
 
-  PostReport run() {
+  GoodputReport run() {
     Exchange opening;
     opening.operation = Operation::resynchronise;
     opening.attempts_max = 5;
@@ -50,35 +47,35 @@ class PostStream {
     }
     there_.set({.lose = plan_.lose});
     back_.set({.lose = plan_.lose});
-    const std::uint64_t begun_ns = progressed_ns_ = now_;
-    const std::uint64_t begun_bytes = engine_->statistics().bytes_sent;
-    wanted_ = plan_.posts;
-    while (executed_ < plan_.posts) {
+    const std::uint64_t begun_ns = next_;
+    std::uint64_t progressed_ns = next_;
+    const Statistics before = engine_->statistics();
+    wanted_ = plan_.words;
+    while (traffic_->through() < plan_.words) {
+      const std::uint64_t through = traffic_->through();
       step();
-      if (now_ - progressed_ns_ > patience_ns) {
+      progressed_ns = traffic_->through() != through ? now_ : progressed_ns;
+      if (next_ - progressed_ns > patience_ns) {
         return report_;
       }
     }
-    report_.posts_per_s = static_cast<double>(plan_.posts) * 1e9 / static_cast<double>(progressed_ns_ - begun_ns);
-    report_.sent_bytes_per_post = static_cast<double>(engine_->statistics().bytes_sent - begun_bytes) / static_cast<double>(plan_.posts);
+    const auto words = static_cast<double>(plan_.words);
+    const Statistics& after = engine_->statistics();
+    report_.words_per_s = words * 1e9 / static_cast<double>(progressed_ns - begun_ns);
+    report_.sent_bytes_per_word = static_cast<double>(after.bytes_sent - before.bytes_sent) / words;
+    report_.returned_bytes_per_word = static_cast<double>(after.bytes_received - before.bytes_received) / words;
     report_.lost = there_.faults() + back_.faults();
+    report_.wrong = traffic_->wrong();
     return report_;
   }
 
  private:
-  // Everything that happens now, then to the next time at which something may.
+  // Everything that happens at the next time at which something may.
   void step() {
+    now_ = next_;
     back_.take(now_, [this](std::span<const std::uint8_t> bytes) { engine_->receive(bytes, now_); });
     engine_->advance(now_);
-    while (made_ < wanted_) {
-      for (std::uint32_t word = 0; word < plan_.words; ++word) {
-        next_[word] = {(made_ + word) % addresses, made_ + word};
-      }
-      if (!engine_->post(std::span<const Post>(next_).first(plan_.words), now_)) {
-        break;
-      }
-      made_ += plan_.words;
-    }
+    traffic_->offer(wanted_, now_);
     const std::uint64_t room_ns = plan_.buffer_bytes * plan_.byte_ns;
     while (there_.free_ns() <= now_ + room_ns) {
       const auto bytes = engine_->transmit(now_);
@@ -107,30 +104,28 @@ class PostStream {
     if (due != device::never) {
       next = std::min(next, due * clock_ns);
     }
-    now_ = std::max(now_ + 1, next);
+    next_ = std::max(now_ + 1, next);
   }
 
-  PostPlan plan_;
+  GoodputPlan plan_;
   Random random_;
   FaultyWire there_;
   FaultyWire back_;
   std::unique_ptr<FramedEngine> engine_;
   std::unique_ptr<Device> device_;
-  PostReport report_;
+  std::unique_ptr<Traffic> traffic_;
+  GoodputReport report_;
   std::uint64_t now_ = second;
-  std::uint64_t progressed_ns_ = 0;
-  std::array<Post, FramedEngine::post_words_max> next_;
+  std::uint64_t next_ = second;
   std::uint64_t wanted_ = 0;
-  std::uint32_t made_ = 0;
-  std::uint32_t executed_ = 0;
 };
 
 }  // namespace
 
-PostReport stream_posts(PostPlan plan) {
-  plan.words = std::clamp<std::uint32_t>(plan.words, 1, FramedEngine::post_words_max);
-  plan.posts += (plan.words - plan.posts % plan.words) % plan.words;  // whole messages
-  return PostStream(plan).run();
+GoodputReport goodput(GoodputPlan plan) {
+  plan.message_words = std::clamp<std::uint32_t>(plan.message_words, 1, FramedEngine::post_words_max);
+  plan.words += (plan.message_words - plan.words % plan.message_words) % plan.message_words;  // whole messages
+  return Line(plan).run();
 }
 
 }  // namespace unitylink::faults

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What Python gives for words: any whole numbers, in any sequence.
+#include <Python.h>
+
+#include <nanobind/stl/string.h>
+
+#include <span>
+#include <string>
+
+#include "bindings.hpp"
+
+namespace nb = nanobind;
+
+namespace unitylink::python {
+namespace {
+
+constexpr long long word_max = 0xFFFFFFFFLL;
+
+[[noreturn]] void raise_range(const std::string& text) {
+  raise_unless_ok({Status::range, text});
+  throw nb::value_error(text.c_str());
+}
+
+std::string told(nb::handle object) { return nb::cast<std::string>(nb::repr(object)); }
+
+// Any integer that is no `int` of Python itself, such as numpy's; and what is wrong with all others.
+std::uint32_t other_word_of(nb::handle value, const char* name) {
+  const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
+  if (!index.is_valid()) {
+    PyErr_Clear();
+    raise_range(std::string(name) + " must be a whole number, not " + told(value));
+  }
+  int overflow = 0;
+  const long long number = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
+  if (overflow != 0 || number < 0 || number > word_max) {
+    raise_range(std::string(name) + " " + nb::cast<std::string>(nb::str(index)) + " is not in 0..0xffffffff");
+  }
+  return static_cast<std::uint32_t>(number);
+}
+
+// The items of any iterable object as a list or tuple; null where it is none.
+nb::object items_of(nb::handle iterable) {
+  nb::object items = nb::steal(PySequence_Fast(iterable.ptr(), ""));
+  if (!items.is_valid()) {
+    PyErr_Clear();
+  }
+  return items;
+}
+
+std::span<PyObject*> span_of(const nb::object& items) noexcept {
+  return {PySequence_Fast_ITEMS(items.ptr()), static_cast<std::size_t>(PySequence_Fast_GET_SIZE(items.ptr()))};
+}
+
+}  // namespace
+
+std::uint32_t word_of(nb::handle value, const char* name) {
+  if (PyLong_CheckExact(value.ptr())) {
+    int overflow = 0;
+    const long long number = PyLong_AsLongLongAndOverflow(value.ptr(), &overflow);
+    if (overflow == 0 && number >= 0 && number <= word_max) {
+      return static_cast<std::uint32_t>(number);
+    }
+  }
+  return other_word_of(value, name);
+}
+
+std::vector<std::uint32_t> words_of(nb::handle sequence, const char* name) {
+  const nb::object items = items_of(sequence);
+  if (!items.is_valid()) {
+    raise_range(std::string(name) + " must be a sequence of whole numbers, not " + told(sequence));
+  }
+  std::vector<std::uint32_t> words;
+  words.reserve(span_of(items).size());
+  for (std::size_t item = 0; item < span_of(items).size(); ++item) {  // a number's own __index__ may change the list
+    const nb::object given = nb::borrow(span_of(items)[item]);
+    words.push_back(word_of(given, name));
+  }
+  return words;
+}
+
+Writes writes_of(nb::handle pairs) {
+  const nb::object items = items_of(pairs);
+  if (!items.is_valid()) {
+    raise_range("writes must be a sequence of pairs (address, value), not " + told(pairs));
+  }
+  Writes writes;
+  writes.addresses.reserve(span_of(items).size());
+  writes.values.reserve(span_of(items).size());
+  for (std::size_t item = 0; item < span_of(items).size(); ++item) {
+    const nb::object given = nb::borrow(span_of(items)[item]);
+    const nb::object pair = items_of(given);
+    if (!pair.is_valid() || span_of(pair).size() != 2) {
+      raise_range("a write must be a pair (address, value), not " + told(given));
+    }
+    const nb::object address = nb::borrow(span_of(pair)[0]);
+    const nb::object value = nb::borrow(span_of(pair)[1]);
+    writes.addresses.push_back(word_of(address, "address"));
+    writes.values.push_back(word_of(value, "value"));
+  }
+  return writes;
+}
+
+}  // namespace unitylink::python

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of one kind, as many as there is room for, and whether each of their words did what it should.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "device/device.hpp"
+#include "layer2_message/framed_engine.hpp"
+
+namespace unitylink::faults {
+
+enum class TrafficKind : std::uint8_t {
+  posts,   // writes without an answer, in order
+  writes,  // acknowledged ones
+  reads,
+};
+
+[[nodiscard]] std::optional<TrafficKind> find_traffic(std::string_view name);
+
+class Traffic {
+ public:
+  virtual ~Traffic() = default;
+  // Hands over what the engine takes now, up to `words` in all.
+  virtual void offer(std::uint64_t words, std::uint64_t now_ns) = 0;
+  // The device's bus has written a word.
+  virtual void on_write(std::uint32_t address, std::uint32_t value) = 0;
+  // Words that are through: posts executed, requests answered.
+  [[nodiscard]] virtual std::uint64_t through() const noexcept = 0;
+  [[nodiscard]] virtual std::uint64_t wrong() const noexcept = 0;
+};
+
+// Each message carries `message_words`. The device's memory is filled with what is to be read.
+[[nodiscard]] std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine,
+                                                    device::Device& device);
+
+}  // namespace unitylink::faults

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What gets through a line on a virtual clock: each word once, and how fast where frames are lost."""
+
+from __future__ import annotations
+
+import pytest
+
+from unitylink import _native
+from unitylink.tools.bench.goodput import ASKED, BYTE_NS, LOSS, POSTS, REQUESTS, Traffic, goodput
+
+WORDS = 20_000
+FRAME_BYTES = {"posts": 14, "writes": 14, "reads": 14}  # of one word, on the busier way
+LINE_PER_S = 1e9 / BYTE_NS
+
+
+@pytest.mark.parametrize("kind", FRAME_BYTES)
+def test_a_line_that_loses_none_is_full(kind: str) -> None:
+    report = _native.goodput(1, kind, WORDS, 0.0, byte_ns=BYTE_NS)
+    assert report["wrong"] == report["lost"] == 0
+    assert report["words_per_s"] >= 0.99 * LINE_PER_S / FRAME_BYTES[kind]
+    assert report["sent_bytes_per_word"] <= 1.01 * FRAME_BYTES[kind]
+
+
+@pytest.mark.parametrize("traffic", REQUESTS, ids=lambda traffic: traffic.name)
+def test_requests_are_close_to_ideal_selective_repeat(traffic: Traffic) -> None:
+    assert goodput(traffic, LOSS, words=WORDS, seed=3).share >= ASKED
+    assert goodput(traffic, 0.1, words=WORDS, seed=3).share >= 0.45
+
+
+@pytest.mark.parametrize(("lose", "share"), [(0.001, 0.9), (0.01, 0.75), (0.1, 0.3)])
+def test_posts_arrive_in_order_and_once_where_frames_are_lost(lose: float, share: float) -> None:
+    """What is behind a lost one is sent again; were that noticed late, the rate would be far lower."""
+    assert goodput(POSTS, lose, words=WORDS, seed=3).share >= share
+
+
+def test_traffic_that_is_none_is_refused() -> None:
+    with pytest.raises(KeyError, match="letters"):
+        _native.goodput(1, "letters", WORDS, 0.0)

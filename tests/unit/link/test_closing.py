@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What had come when a subscription is closed is called back for or can be drained; then all is quiet."""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import random
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from unitylink import Link, LinkClosed, connect
+from unitylink.simulate import Board, BoardConfiguration
+
+SPEC = "public robot() { @count = 0x1: READ(PUBLISH(1,1)); }"
+
+
+@pytest.fixture(params=["classic", "framed", "mapped", "sim"])
+def any_link(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Link]:
+    """A link to each kind of device; all publish by themselves, at 1 kHz at most."""
+    if request.param == "mapped":
+        (tmp_path / "registers").write_bytes(bytes(64))
+        with connect(f"mmap:{tmp_path / 'registers'}") as link:
+            yield link
+    elif request.param == "sim":
+        (tmp_path / "robot.ul").write_text(SPEC)
+        with connect(f"sim:{tmp_path / 'robot.ul'}?timeout=2") as link:
+            yield link
+    else:
+        board = Board(configuration=BoardConfiguration(protocol=request.param))
+        with board, Link(f"{board.url}?timeout=2&protocol={request.param}") as link:
+            yield link
+
+
+def numbered(device: Any, subscription: Any, numbers: range) -> None:
+    """Publish numbers, which nobody waits for: some may still be on their way."""
+    for number in numbers:
+        device.memory[subscription.addresses[0]] = number
+        device.publish(subscription.group)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_all_that_was_sent_before_is_there(link: Link, device: Any, seed: int) -> None:
+    chosen = random.Random(seed)
+    kept = link.subscribe([9], divisor=10) if chosen.random() < 0.5 else None
+    for _ in range(10):
+        subscription = link.subscribe([1], divisor=10)
+        count = chosen.choice((0, 1, 2, 50, 700))
+        got: list[int] = []
+
+        def arrays(times: Any, words: Any, got: list[int] = got) -> bool:
+            got += words[:, 0].tolist()
+            return True
+
+        if how := chosen.choice(("", "one", "many")):
+            subscription.on_publish(
+                lambda time_s, words, got=got: got.append(words[0]),  # type: ignore[misc]
+                gather_s=chosen.choice((0.0, 60.0)),
+                arrays=arrays if how == "many" else None,
+            )
+        numbered(device, subscription, range(count))
+        subscription.close()
+        if not how:
+            link.subscribe([1], divisor=10).close()  # in the same group
+            assert subscription.available == count
+            assert count == 0 or subscription.wait(0)
+            times, words = subscription.drain()
+            assert words.shape == (count, 1) and sorted(times) == times.tolist()
+            got += words[:, 0].tolist()
+        assert got == list(range(count))
+        assert subscription.available == subscription.lost == len(subscription.drain()[0]) == 0
+        with pytest.raises(LinkClosed):
+            subscription.wait(0)
+    assert kept is None or kept.available == 0
+    assert link.statistics().unclaimed_publishes == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_on_every_kind_of_board(any_link: Link, seed: int) -> None:
+    chosen = random.Random(seed)
+    before = any_link.statistics().publishes
+    total = 0
+    for _ in range(4):
+        counts: queue.SimpleQueue[int] = queue.SimpleQueue()
+        called = [0]
+
+        def call(time_s: float, words: tuple[int, ...], called: list[int] = called) -> None:
+            called[0] += 1
+            counts.put(called[0])  # noqa: B023  this round's
+
+        with any_link.subscribe([0], divisor=1) as heard, any_link.subscribe([1], divisor=2) as read:
+            heard.on_publish(call)
+            enough = chosen.randrange(1, 20)
+            while counts.get(timeout=20) < enough:
+                pass
+            assert read.wait(20)
+            first, second = (heard, read) if chosen.random() < 0.5 else (read, heard)
+            first.close()
+            second.close()
+            after = called[0]
+            total += after + len(read.drain()[0])
+        assert any_link.statistics().publishes - before == total
+        assert heard.missing == read.missing == any_link.statistics().overruns == 0
+        any_link.read(0)
+        assert called[0] == after  # not called again
+
+
+@pytest.mark.parametrize("what", ["itself", "another", "link"])
+def test_what_a_callback_that_closes_leaves_can_be_drained(link: Link, device: Any, what: str) -> None:
+    """The call that closes is the last one, also of what had been fetched for the next calls."""
+    subscription, other = link.subscribe([1], divisor=10), link.subscribe([2], divisor=10)
+    got: list[int] = []
+    others: list[int] = []
+    closed, called, go_on = threading.Event(), threading.Event(), threading.Event()
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        got.append(words[0])
+        if len(got) == 1:
+            called.set()
+            assert go_on.wait(20)  # until more have come, which are then fetched together
+        if len(got) == 5:
+            {"itself": subscription, "another": other, "link": link}[what].close()
+            closed.set()
+
+    subscription.on_publish(callback)
+    other.on_publish(lambda time_s, words: others.append(words[0]))
+    numbered(device, subscription, range(1))
+    assert called.wait(20)
+    numbered(device, subscription, range(1, 20))
+    numbered(device, other, range(3))
+    while subscription.available < 19 or other.available < 3:
+        assert subscription.wait(20)
+    go_on.set()
+    assert closed.wait(20)
+    subscription.close()
+    link.close()
+    rest = subscription.drain()[1][:, 0].tolist()
+    assert got + rest == list(range(20))
+    assert len(got) == (20 if what == "another" else 5)
+    assert others + other.drain()[1][:, 0].tolist() == list(range(3))
+
+
+def test_callbacks_that_close_each_other_do_not_wait_for_each_other() -> None:
+    with Board() as one, Board() as two, Link(one.url) as first, Link(two.url) as second:
+        both = threading.Barrier(2)
+        subscriptions = [first.subscribe([1], divisor=1), second.subscribe([1], divisor=1)]
+        done: queue.SimpleQueue[int] = queue.SimpleQueue()
+
+        def closer(other: int) -> Any:
+            def callback(time_s: float, words: tuple[int, ...]) -> None:
+                both.wait(20)
+                subscriptions[other].close()
+                done.put(other)
+
+            return callback
+
+        for number, subscription in enumerate(subscriptions):
+            subscription.on_publish(closer(1 - number))
+        assert {done.get(timeout=20), done.get(timeout=20)} == {0, 1}
+        assert done.empty()
+
+
+def test_who_closes_waits_for_a_call_under_way(link: Link, device: Any) -> None:
+    subscription = link.subscribe([1], divisor=10)
+    under_way, go_on = threading.Event(), threading.Event()
+    order: list[str] = []
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        under_way.set()
+        assert go_on.wait(20)
+        subscription.close()  # although another thread is at it, and waits
+        order.append("called")
+
+    def close() -> None:
+        subscription.close()
+        order.append("closed")
+
+    subscription.on_publish(callback)
+    numbered(device, subscription, range(3))
+    assert under_way.wait(20)
+    closing = threading.Thread(target=close)
+    closing.start()
+    while link._native.subscribed(subscription._identity):
+        assert not order
+    go_on.set()
+    closing.join(20)
+    assert order == ["called", "closed"]
+    assert subscription.drain()[1].tolist() == [[1], [2]]
+
+
+def test_who_waits_and_who_iterates_gets_the_rest(link: Link, device: Any) -> None:
+    subscription = link.subscribe([1], divisor=10)
+    got: list[int] = []
+
+    def read() -> None:
+        with pytest.raises(LinkClosed, match="the subscription is closed"):
+            while subscription.wait(20):
+                got.extend(subscription.drain()[1][:, 0].tolist())
+
+    reading = threading.Thread(target=read)
+    reading.start()
+    numbered(device, subscription, range(300))
+    subscription.close()
+    reading.join(20)
+    assert got == list(range(300))
+
+    async def iterate() -> list[int]:
+        again = link.subscribe([1], divisor=10)
+        listening = asyncio.ensure_future(listen(again))
+        await asyncio.sleep(0)
+        numbered(device, again, range(300))
+        again.close()
+        return await asyncio.wait_for(listening, 20)
+
+    async def listen(publishes: Any) -> list[int]:
+        return [words[0] async for _, words in publishes]
+
+    assert asyncio.run(iterate()) == list(range(300))
+
+
+@pytest.mark.parametrize("what", ["subscription", "link"])
+def test_what_had_come_when_the_port_went_is_called_back(link: Link, device: Any, what: str) -> None:
+    subscription = link.subscribe([1], divisor=10)
+    got: list[int] = []
+    go_on = threading.Event()
+
+    def callback(time_s: float, words: tuple[int, ...]) -> None:
+        go_on.wait(20)
+        got.append(words[0])
+
+    subscription.on_publish(callback)
+    numbered(device, subscription, range(50))
+    device.unplug()
+    while not link.closed:
+        assert not got
+    go_on.set()
+    (subscription if what == "subscription" else link).close()
+    assert got == list(range(50))

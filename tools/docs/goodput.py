@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draw what gets through a bad line, for docs/faults.md:  python tools/docs/goodput.py [--check]
+
+On a virtual clock: the same sources give the same numbers; --check compares.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from made_part import with_part
+
+from unitylink.experiments.svg import log_lines
+from unitylink.tools.bench.goodput import POSTS, REQUESTS, Point, Traffic, goodput
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PICTURE, PAGE = DOCS / "images" / "goodput.svg", DOCS / "faults.md"
+WORDS = 20_000
+LOSSES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # percent
+SHOWN = (0.1, 1.0, 10.0)
+READS = REQUESTS[0]
+ONE_BY_ONE = replace(READS, name="one read after another", window=1)
+
+
+def point(traffic: Traffic, percent: float) -> Point:
+    """Return what gets through."""
+    return goodput(traffic, percent / 100, words=WORDS)
+
+
+def picture() -> str:
+    """Return the curves as SVG: shares of what the line carries without loss."""
+    line = {traffic: goodput(traffic, 0.0, words=WORDS).words_per_s for traffic in (READS, POSTS)}
+    reads = [point(READS, percent) for percent in LOSSES]
+    series = {
+        "ideal": [each.ideal_words_per_s / line[READS] for each in reads],
+        "reads": [each.words_per_s / line[READS] for each in reads],
+        POSTS.name: [point(POSTS, percent).words_per_s / line[POSTS] for percent in LOSSES],
+        ONE_BY_ONE.name: [point(ONE_BY_ONE, percent).words_per_s / line[READS] for percent in LOSSES],
+    }
+    return log_lines(LOSSES, series, "% of the frames lost, each way", "share of the rate without loss")
+
+
+def table() -> str:
+    """Return the shares of the ideal as Markdown."""
+    head = " | ".join(f"{percent:g} %" for percent in SHOWN)
+    lines = [f"| frames lost | {head} |", f"|---|{'---|' * len(SHOWN)}"]
+    for traffic in (*REQUESTS, POSTS):
+        shares = " | ".join(f"{point(traffic, percent).share:.2f}" for percent in SHOWN)
+        lines.append(f"| {traffic.name} | {shares} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Write or compare."""
+    parser = argparse.ArgumentParser(description="Draw what gets through a line that loses frames.")
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    options = parser.parse_args()
+    page = with_part(PAGE.read_text(encoding="utf-8"), "goodput.py", table())
+    stale = [
+        (path, text)
+        for path, text in ((PICTURE, picture()), (PAGE, page))
+        if not path.is_file() or path.read_text(encoding="utf-8") != text
+    ]
+    for path, text in stale:
+        if options.check:
+            print(f"{path.name} is not what tools/docs/goodput.py makes: make docs")
+        else:
+            path.write_text(text, encoding="utf-8")
+            print(f"wrote {path.name}")
+    return 1 if options.check and stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
