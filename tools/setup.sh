@@ -36,6 +36,7 @@ has_header() { "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exi
 version() { "$1" -c 'import sys; print(*sys.version_info[:2], sep=".")'; }
 whole() { "$venv/bin/python" -m pip --version >/dev/null 2>&1; }   # an interrupted first run may leave half an environment
 compiles() { "$cxx" -std=c++20 -x c++ -fsyntax-only -; }
+interprets() { ghdl --version | grep -q mcode; }                   # the backends that compile refuse prev() and stable() of PSL
 
 pip() { "$venv/bin/python" -m pip --quiet --quiet --disable-pip-version-check "$@"; }
 
@@ -73,7 +74,8 @@ need_rtl() {
 }
 
 need_formal() {
-  need ghdl ghdl command -v ghdl                                       # makes a netlist of design and properties
+  need ghdl ghdl command -v ghdl                                       # makes a netlist of design and properties,
+  need "GHDL's own code generator" ghdl-mcode interprets               # which a GHDL that comes with gcc alone does not analyse
   need yosys yosys command -v yosys                                    # makes a model of that; brings ABC and yosys-smtbmc
   need z3 z3 command -v z3                                             # searches the model
 }

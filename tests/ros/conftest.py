@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -119,11 +120,12 @@ class Ros:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            start_new_session=True,
         ) as process:
             try:
                 out, err = process.communicate(timeout=timeout)
             except subprocess.TimeoutExpired:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)  # what it started holds the pipes, too
                 out, err = process.communicate()
         assert process.returncode == 0, f"{' '.join(command)}: {out}{err}\n{self.logs()}"
         return out
@@ -133,15 +135,29 @@ class Ros:
         return "\n".join(f"{log.name}:\n{log.read_text()}" for log in self.folder.glob("*.log"))
 
     def start(self, *command: str) -> subprocess.Popen[str]:
-        """Start a program; it is interrupted with the test."""
+        """Start a program, in a group of processes of its own; it is interrupted with the test."""
         with (self.folder / f"{Path(command[0]).name}.log").open("w") as log:
             # A shell's background job ignores interrupts, and so would what it starts.
             heeding = ("env", "--default-signal=INT", *command)
             process = subprocess.Popen(
-                heeding, env=self.environment, cwd=self.folder, stdout=log, stderr=log, text=True
+                heeding,
+                env=self.environment,
+                cwd=self.folder,
+                stdout=log,
+                stderr=log,
+                text=True,
+                start_new_session=True,
             )
         self._running.append(process)
         return process
+
+    def interrupt(self, process: subprocess.Popen[str]) -> None:
+        """Press Ctrl-C in its terminal, which is for all of its group, and wait for its end."""
+        os.killpg(process.pid, signal.SIGINT)
+        try:
+            process.wait(timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"{process.args} goes on after Ctrl-C\n{self.logs()}") from None
 
     def publish(self, topic: str, kind: str, text: str) -> None:
         """Have rostopic publish a message, latched until the test ends."""
@@ -166,7 +182,7 @@ class Ros:
             try:
                 process.wait(timeout=PATIENCE_S)
             except subprocess.TimeoutExpired:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
 
 

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
-import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -168,12 +166,11 @@ def test_the_tutorial_does_what_it_says(ros: Ros, board: MakeBoard) -> None:
     for command in commands.splitlines():
         words = shlex.split(command)
         if words[:2] in (["rostopic", "hz"], ["rostopic", "echo"], ["rosbag", "record"]):  # until Ctrl-C
-            log = ros.folder / "setsid.log"
+            log = ros.folder / f"{words[0]}.log"
             shown = {"hz": "average rate", "echo": "cpos:"}.get(words[1])
-            process = ros.start("setsid", *words)  # Ctrl-C in a terminal is for all of a group
+            process = ros.start(*words)
             ros.until(lambda log=log, shown=shown: shown in log.read_text() if shown else active.exists())
-            os.killpg(process.pid, signal.SIGINT)
-            process.wait()
+            ros.interrupt(process)
         else:
             said = ros.run(*words)
             if words[0] == "rosservice":
