@@ -22,6 +22,7 @@ RELEASE = "2024.12"
 BLOCK_WORDS = 255
 FIFO_BYTES = 4096  # holds a 255-word request and its reply
 CLOCK_HZ = 1_000_000_000
+PATIENCE_S = 600.0  # for a package index
 
 
 def environment(run: Run) -> Path:
@@ -37,11 +38,15 @@ def environment(run: Run) -> Path:
             [sys.executable, "-m", "venv", str(folder)],
             [str(python), "-m", "pip", "--quiet", "install", f"litex=={RELEASE}", "pyserial"],
         ):
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            if done.returncode:
-                raise BenchError(
-                    f"`{' '.join(command)}` failed: {(done.stderr or done.stdout).strip()[-300:]}"
+            told = " ".join(command)
+            try:
+                done = subprocess.run(
+                    command, capture_output=True, text=True, check=False, timeout=PATIENCE_S
                 )
+            except subprocess.TimeoutExpired:
+                raise BenchError(f"`{told}` does not end; is a package index reachable?") from None
+            if done.returncode:
+                raise BenchError(f"`{told}` failed: {(done.stderr or done.stdout).strip()[-300:]}")
         stamp.touch()
     return python
 

@@ -60,7 +60,7 @@ def plane(run: Run, name: str) -> Iterator[list[str]]:
     try:
         yield [python, "-m", WORKER, name]
     finally:
-        master.terminate()
+        master.kill()  # it has nothing to keep
         master.wait()
 
 
