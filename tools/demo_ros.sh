@@ -8,8 +8,11 @@ running=()
 end() { for process in "${running[@]}"; do kill -TERM "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; }
 trap end EXIT
 free_port() { "$bin/python" -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
-show() { printf '\n\033[1m$ %s\033[0m\n' "$*"; }
+bold='' plain=''
+if [ -t 1 ]; then bold=$'\033[1m' plain=$'\033[0m'; fi
+show() { printf '\n%s$ %s%s\n' "$bold" "$*" "$plain"; }
 await() { for _ in $(seq 100); do "$@" >/dev/null 2>&1 && return; sleep 0.2; done; echo "waited in vain for: $*" >&2; cat "$work"/*.log >&2; exit 1; }
+first() { timeout -k 10 60 rostopic echo -n 1 "$1" || { echo "nothing comes on $1" >&2; cat "$work"/*.log >&2; exit 1; }; }
 
 mkdir -p "$work"
 cd "$work"
@@ -34,13 +37,13 @@ show "roslaunch scara_unitylink scara.launch link:=tcp://127.0.0.1:$port"
 roslaunch scara_unitylink scara.launch link:="tcp://127.0.0.1:$port" > launch.log 2>&1 & running+=($!)
 await rostopic info /scara/j1/feedback
 show "rostopic echo -n 1 /scara/j1/feedback"
-rostopic echo -n 1 /scara/j1/feedback
+first /scara/j1/feedback
 show "rostopic hz /scara/j1/feedback"
-timeout -s INT 4 rostopic hz /scara/j1/feedback || true
+timeout -k 10 -s INT 4 rostopic hz /scara/j1/feedback || true
 show "rostopic pub -1 /scara/j1/command scara_unitylink/JointCommand '{pos_sp: 3000, spd_sp: 20000}'"
 rostopic pub -1 /scara/j1/command scara_unitylink/JointCommand '{pos_sp: 3000, spd_sp: 20000}'
 show "rostopic echo -n 1 /scara/j1/feedback/cpos"
-position=$(rostopic echo -n 1 /scara/j1/feedback/cpos | head -n 1)
+position=$(first /scara/j1/feedback/cpos | head -n 1)
 echo "$position"
 [ "$position" -gt 2900 ] || { echo "the joint has not moved" >&2; exit 1; }
 printf '\nthe SCARA has moved by rostopic pub; docs/ros.md goes on from here\n'
