@@ -11,10 +11,8 @@ exec 9>build/.lock
 flock 9                                   # two at once must not build into each other
 export PATH="$bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
 rm -rf "$out" && mkdir -p "$out/plain"
-compiled=$(cat .venv/.compiled)           # where the library of .venv was built: what is compiled there need not be again
-case "$compiled" in build/strict-*) werror=ON ;; *) werror=OFF ;; esac
-"$bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$out/plain" --config-settings="build-dir=$compiled" \
-  --config-settings=cmake.define.UNITYLINK_WERROR=$werror .
+# Where the library of .venv was built: what is compiled there, with what settings, need not be again.
+"$bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$out/plain" --config-settings="build-dir=$(cat .venv/.compiled)" .
 "$bin/auditwheel" repair --wheel-dir "$out" "$out"/plain/*.whl > build/auditwheel.log 2>&1 || { cat build/auditwheel.log >&2; exit 1; }
 rm -r "$out/plain"
 "$bin/python" -c 'import scikit_build_core.build as b; import sys; b.build_sdist(sys.argv[1])' "$out" > build/sdist.log

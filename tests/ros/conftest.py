@@ -177,7 +177,7 @@ class Ros:
     def stop(self) -> None:
         for process in reversed(self._running):
             if process.poll() is None:
-                process.send_signal(2)
+                process.send_signal(signal.SIGINT)
         for process in reversed(self._running):
             try:
                 process.wait(timeout=PATIENCE_S)

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from unitylink.tools.bench.figure import BenchError, Run
-from unitylink.tools.bench.programs import Process, Silence, native
+from unitylink.tools.bench.programs import Process, Silence, made, native
 
 Program = Callable[[str], Path]
 
@@ -208,3 +208,12 @@ def test_what_is_not_built_is_named(tmp_path: Path) -> None:
         native(run.checkout, "bench_nothing")
     with pytest.raises(BenchError, match="did not start"):
         Process([tmp_path / "bench_nothing"])
+
+
+def test_what_is_made_once_fails_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert made(["sh", "-c", "echo $WORD"], {"WORD": "here"}) == "here\n"
+    with pytest.raises(BenchError, match=r"`sh -c .*` failed: no room"):
+        made(["sh", "-c", "echo no room >&2; exit 3"])
+    monkeypatch.setattr("unitylink.tools.bench.programs._MADE_S", 0.1)
+    with pytest.raises(BenchError, match="`sleep 60` does not end"):
+        made(["sleep", "60"])

@@ -7,7 +7,6 @@ C++ program (`bench/native/bench_uartbone.cpp`), ours is the twin with a clock f
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -15,14 +14,13 @@ from pathlib import Path
 
 from .board import ADDRESS, FIRST_VALUE, layer4_word
 from .figure import BenchError, Figure, Run
-from .programs import Process, alone, native, twin
+from .programs import Process, alone, made, native, twin
 from .timing import Comparison, in_turns, times
 
 RELEASE = "2024.12"
 BLOCK_WORDS = 255
 FIFO_BYTES = 4096  # holds a 255-word request and its reply
 CLOCK_HZ = 1_000_000_000
-PATIENCE_S = 600.0  # for a package index
 
 
 def environment(run: Run) -> Path:
@@ -38,15 +36,7 @@ def environment(run: Run) -> Path:
             [sys.executable, "-m", "venv", str(folder)],
             [str(python), "-m", "pip", "--quiet", "install", f"litex=={RELEASE}", "pyserial"],
         ):
-            told = " ".join(command)
-            try:
-                done = subprocess.run(
-                    command, capture_output=True, text=True, check=False, timeout=PATIENCE_S
-                )
-            except subprocess.TimeoutExpired:
-                raise BenchError(f"`{told}` does not end; is a package index reachable?") from None
-            if done.returncode:
-                raise BenchError(f"`{told}` failed: {(done.stderr or done.stdout).strip()[-300:]}")
+            made(command)
         stamp.touch()
     return python
 

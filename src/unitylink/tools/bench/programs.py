@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
@@ -20,6 +20,7 @@ from unitylink.protocol import FRAME_CRC16_BYTES
 from .figure import BenchError
 
 PATIENCE_S = 60.0  # for one answer; every series is far shorter
+_MADE_S = 600.0  # for what is made once: it may compile, or ask a package index
 _END_S = 5.0  # for a process that was told to end
 _LAST_LINES = 6  # of what a process writes on stderr are kept
 _LINE_CHARACTERS = 300
@@ -48,6 +49,23 @@ def alone(folder: Path) -> Iterator[Path]:
     with (folder / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield folder
+
+
+def made(command: Sequence[str | Path], environment: Mapping[str, str] | None = None) -> str:
+    """Run a program that makes something; return what it printed.
+
+    Raises BenchError if it fails, or does not end.
+    """
+    told = " ".join(map(str, command))
+    try:
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=False, timeout=_MADE_S
+        )
+    except subprocess.TimeoutExpired:
+        raise BenchError(f"`{told}` does not end; is what it asks for reachable?") from None
+    if done.returncode:
+        raise BenchError(f"`{told}` failed: {(done.stderr or done.stdout).strip()[-1000:]}")
+    return done.stdout
 
 
 def frame_bytes(payload: int) -> int:

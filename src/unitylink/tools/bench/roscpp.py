@@ -16,7 +16,7 @@ from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec.model import Spec
 
 from .figure import BenchError, Figure, Run
-from .programs import Process, alone
+from .programs import Process, alone, made
 from .ros import compared, folder_of, plane
 from .ros_worker import WORDS, spec_of
 
@@ -30,9 +30,7 @@ def _make(*command: str | Path) -> None:
         "CMAKE_POLICY_VERSION_MINIMUM": "3.5",  # catkin is older than CMake 4
         "ROS_LANG_DISABLE": "geneus:genlisp:gennodejs",
     }
-    done = subprocess.run(command, env=cleared | settings, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise BenchError(f"{command[0]} failed: {done.stdout[-1000:]}{done.stderr[-1000:]}")
+    made(command, cleared | settings)
 
 
 def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
@@ -57,7 +55,7 @@ def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
             "-DCMAKE_BUILD_TYPE=Release",
         )
         asked = ["pkg-config", "--cflags", "--libs", "roscpp", "std_msgs"]
-        flags = shlex.split(subprocess.run(asked, capture_output=True, text=True, check=True).stdout)
+        flags = shlex.split(made(asked))
         source = run.checkout / "bench" / "ros" / "ros_peer.cpp"
         _make("c++", "-std=c++17", "-O2", source, "-o", peer, *flags)
     return folder / "devel" / "lib" / "bench_unitylink" / "node", peer
