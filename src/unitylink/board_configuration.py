@@ -244,17 +244,20 @@ class BoardConfiguration:
 
 
 def _link_of(spec: Spec) -> dict[str, Any]:
-    """Return what the spec's link says of the gateware; devices with different links are different boards."""
-    links = {device.link for device in spec.devices}
-    if not links:
-        return {}
-    told = {_told(link) for link in links}
-    if len(told) > 1:
+    """Return what the spec's link says of the gateware."""
+    check_one_board(spec)
+    told = {_told(device.link) for device in spec.devices}
+    return {key: value for key, value in told.pop() if value is not None} if told else {}
+
+
+def check_one_board(spec: Spec) -> None:
+    """Raise ValueRangeError where the spec has several boards: one has to be chosen with `Spec.only`."""
+    names = [board.name for board in spec.boards]
+    if len(names) > 1:
         raise ValueRangeError(
-            f"the spec has devices with different links ({', '.join(sorted(link.name for link in links))}); "
-            "a board has one: put each into a spec of its own"
+            f"{spec.source} has a board behind each of its links: {', '.join(names)}; "
+            f"choose one: --root {names[0]}, or ?root={names[0]} in a URL"
         )
-    return {key: value for key, value in told.pop() if value is not None}
 
 
 def _told(link: Link) -> tuple[tuple[str, Any], ...]:

@@ -38,9 +38,9 @@ def wire_hash(spec: Spec, data_bits: int = 32) -> int:
 
 
 def is_built_from(spec: Spec, told: int, data_bits: int = 32) -> bool:
-    """Was gateware with the hash `told` built from `spec`, or from one of its public constructors alone?
+    """Was gateware with the hash `told` built from `spec`, or from a part of it that can be a board?
 
-    Several constructors may be several boards: two arms, each behind a link of its own.
+    Each public constructor can be one, and what is behind each link: two arms, each with a link of its own.
     """
-    parts = (spec.only(root.name) for root in spec.roots) if len(spec.roots) > 1 else ()
-    return any(wire_hash(part, data_bits) == told for part in (spec, *parts))
+    parts = (spec, *spec.boards, *(spec.only(root.name) for root in spec.roots))
+    return any(wire_hash(part, data_bits) == told for part in parts)

@@ -28,6 +28,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 ROOT = Path(__file__).resolve().parents[2]
 SCARA = ROOT / "examples" / "scara" / "scara.ul"
+PAIR = ROOT / "examples" / "pa10" / "pa10_pair.ul"
 RECORDINGS = ROOT / "tests" / "conformance" / "classic-transcripts.json"
 UNITYLINK = Path(sys.executable).with_name("unitylink")
 
@@ -39,6 +40,26 @@ def test_scara_moves_on_the_gateware() -> None:
     with connect(f"rtl:{SCARA}?plant=scara") as link:
         move(link)
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
+
+
+def test_both_arms_of_one_spec_move_on_gateware_of_their_own() -> None:
+    """Each arm's board is compiled from its own design: `make demo-pa10 RTL=1` in short."""
+    spec, plant = load(PAIR), PAIR.with_name("plant.py")
+    targets = {"left": [0.02 * (joint + 1) for joint in range(7)], "right": [-0.03] * 7}
+    with ExitStack() as stack:
+        arms = {}
+        for side in targets:
+            link = stack.enter_context(connect(f"rtl:{PAIR}?plant={plant}&root={side}_arm&timeout=5"))
+            arms[side] = load_spec_objects(spec, link, root=f"{side}_arm")
+        for side, arm in arms.items():
+            for joint in range(7):
+                arm[f"arm.j[{joint}].limit"].write(3.0)
+            arm["arm.target"].write(targets[side])
+        deadline = time.monotonic() + 60
+        while {
+            side: [round(at, 2) for at in arm["arm.pos"].snapshot().values()] for side, arm in arms.items()
+        } != targets:
+            assert time.monotonic() < deadline, "an arm does not get there: is an input missing?"
 
 
 def move(link: Link) -> None:

@@ -97,6 +97,13 @@ def test_synthesis(designs: Any, name: str) -> None:
     assert f"entity {design_name(spec)}_top is" in netlist
 
 
+def test_the_boards_of_one_spec_stand_side_by_side(designs: Any) -> None:
+    spec = load(ROOT / "examples" / "pa10" / "pa10_pair.ul")
+    library = designs.library(spec)
+    for board in spec.boards:
+        assert f"entity {board.name}_top is" in library.synthesise(f"{board.name}_top")
+
+
 def test_hello_led_on_its_uart(designs: Any) -> None:
     spec = load(ROOT / "examples" / "hello_led" / "hello_led.ul")
     steps: list[str | int] = [

@@ -13,13 +13,12 @@ from pathlib import Path
 from unitylink.errors import BoardError, ToolError
 from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
 from unitylink.generate import write
-from unitylink.spec import load
 from unitylink.spec.budget import budget
 from unitylink.spec.model import Spec
 
 from .families import FAMILIES, Family, overflow
 from .line import check_line, told_baud_hz
-from .logic import Wanted, design_sources, logic_of
+from .logic import Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
 from .pins import Pinout, assign_pins, lines_of
 from .pll import pll_of
@@ -51,7 +50,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     """
     started = time.monotonic()
     board, family = order.board, FAMILIES[order.board.family]
-    spec = load(order.spec_file)
+    spec = spec_of(order)
     clock_hz, baud_hz = rates(spec, order)
     pll = None if clock_hz == board.clock_hz else pll_of(board.family, board.clock_hz, clock_hz)
     clock_hz = round(pll.hz) if pll else clock_hz

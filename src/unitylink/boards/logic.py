@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.board_configuration import BoardConfiguration, check_one_board
 from unitylink.errors import BoardError
 from unitylink.generate import generate
 from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import FOLDER, Leaf, Plan, component_ports, design_name, plan
 from unitylink.generate.vhdl.names import Names
+from unitylink.spec import load
 from unitylink.spec.model import Spec
 
 from .pins import role_of, wished_names
@@ -42,15 +43,31 @@ def design_sources(spec: Spec, folder: Path) -> list[Path]:
 class Wanted:
     """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes.
 
-    `protocol` is what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says.
+    `root` is the public constructor or the link whose board it is, where the spec has several. `protocol` is
+    what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says.
     """
 
     spec_file: str
     folder: Path
+    root: str | None = None
     logic: tuple[Path, ...] = ()
     top: str | None = None
     pins: tuple[str, ...] = ()
     protocol: str | None = None
+
+
+def spec_of(wanted: Wanted) -> Spec:
+    """Return the spec of the board that is wanted.
+
+    Raises SpecError, BoardError where there is no such `root`, ValueRangeError where one has to be chosen.
+    """
+    spec = load(wanted.spec_file)
+    try:
+        part = spec.only(wanted.root) if wanted.root is not None else spec
+    except KeyError as error:
+        raise BoardError(f"{wanted.spec_file}: {error.args[0]}; choose one with --root") from None
+    check_one_board(part)
+    return part
 
 
 def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> Logic:

@@ -97,7 +97,8 @@ class Board:
             spec,
             protocol=speaks,
             physical=self.physical,
-            send_immediate=next((link.send_immediate for link in spec.links), None) or self.send_immediate,
+            send_immediate=next((device.link.send_immediate for device in spec.devices), None)
+            or self.send_immediate,
         )
 
 

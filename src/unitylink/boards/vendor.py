@@ -11,10 +11,9 @@ from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_sources, netlist, ports_of
 from unitylink.generate import write
-from unitylink.spec import load
 
 from .line import check_line, told_baud_hz
-from .logic import Wanted, design_sources, logic_of
+from .logic import Wanted, design_sources, logic_of, spec_of
 from .pins import CLOCKS
 
 BAUD_HZ = 1_000_000  # where neither the spec nor the user tells one
@@ -56,7 +55,7 @@ def write_project(order: VendorOrder) -> list[Path]:
     """
     if order.vendor not in VENDORS:
         raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
-    spec = load(order.spec_file)
+    spec = spec_of(order)
     order.folder.mkdir(parents=True, exist_ok=True)
     configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both")
     write(spec, order.folder, "vhdl", configuration)

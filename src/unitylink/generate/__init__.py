@@ -17,7 +17,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
 from unitylink.spec.collector import collector_paused
 from unitylink.spec.model import Spec
@@ -27,7 +26,7 @@ from .json import generate_json
 from .python import generate_python
 from .ros1 import generate_ros1
 from .ros2 import generate_ros2
-from .vhdl import generate_vhdl
+from .vhdl import Chosen, generate_vhdl
 
 __all__ = [
     "ARTEFACTS",
@@ -59,12 +58,11 @@ DEFAULT = ("python",)  # made where nobody says what: what a program needs
 
 
 @collector_paused()
-def generate(
-    spec: Spec, only: str | None = None, configuration: BoardConfiguration | None = None
-) -> dict[str, str]:
+def generate(spec: Spec, only: str | None = None, configuration: Chosen = None) -> dict[str, str]:
     """Return {file name: text} of the default artefacts, or of one; a spec always gives the same text.
 
-    `configuration` is what gateware the VHDL is, by default what the spec asks for.
+    `configuration` is what gateware the VHDL is, or the fields in which it differs from what the spec asks
+    for.
     """
     if only is not None and only not in ARTEFACTS:
         raise BindingError(f"no artefact is called {only!r}; there are: {', '.join(ARTEFACTS)}")
@@ -79,7 +77,7 @@ def stale(
     spec: Spec,
     folder: str | Path,
     only: str | None = None,
-    configuration: BoardConfiguration | None = None,
+    configuration: Chosen = None,
 ) -> list[str]:
     """Say what in `folder` is not what the spec gives now; empty when all is up to date."""
     problems = []
@@ -97,7 +95,7 @@ def write(
     spec: Spec,
     folder: str | Path,
     only: str | None = None,
-    configuration: BoardConfiguration | None = None,
+    configuration: Chosen = None,
 ) -> list[Path]:
     """Write what has changed into `folder`, each file whole or not at all; return what was written.
 

@@ -33,10 +33,10 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
     `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
 
-    Options of the board: `root=NAME` (one public constructor of several), `plant=ramp|loopback|scara|FILE.py`
-    `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups= group_size= read_many= rate_bytes=
-    publish_mode= physical= send_immediate=`; all others are the link's (`timeout=` is 1 here). Close the
-    board after the link.
+    Options of the board: `root=NAME` (the public constructor or link whose board it is, of several),
+    `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups=
+    group_size= read_many= rate_bytes= publish_mode= physical= send_immediate=`; all others are the link's
+    (`timeout=` is 1 here). Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
@@ -63,6 +63,12 @@ def simulated_board(url: str) -> tuple[Board, str]:
         spec = load(path)
     except OSError as error:
         raise UrlError(f"{url!r}: {path}: {error.strerror or error}") from error
+    root = options.pop("root", None)
+    if root is not None:
+        try:
+            spec = spec.only(root)
+        except KeyError as error:
+            raise UrlError(f"{url!r}: {error.args[0]}") from None
     physical = generics.get("physical", told_physical(spec))
     if kind == "rtl" and physical in _ASKED_FOR:
         raise UrlError(
@@ -72,12 +78,6 @@ def simulated_board(url: str) -> tuple[Board, str]:
     if physical == "rs485":  # no classic text goes over a pair
         options.setdefault("protocol", "framed")
     options.setdefault("timeout", _TIMEOUT_S)
-    root = options.pop("root", None)
-    if root is not None:
-        try:
-            spec = spec.only(root)
-        except KeyError as error:
-            raise UrlError(f"{url!r}: {error.args[0]}") from None
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     board = _KINDS[kind](spec, plant, generics)
     try:

@@ -9,7 +9,7 @@ All addresses are final: word addresses on the bus with the link binding's BASE 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Union
 
@@ -199,6 +199,22 @@ class Instance:
             elif isinstance(member, Instance):
                 yield from member.walk()
 
+    def only(self, wanted: Callable[[Element], bool]) -> Instance | None:
+        """Return the instance with the elements that are `wanted`, without what has none; None if none is."""
+        members: list[Member] = []
+        for member in self.members:
+            part: Member | None
+            if isinstance(member, Instance):
+                part = member.only(wanted)
+            elif isinstance(member, Group):
+                elements = tuple(element for element in member.elements if wanted(element))
+                part = replace(member, elements=elements) if elements else None
+            else:
+                part = member if wanted(member) else None
+            if part is not None:
+                members.append(part)
+        return replace(self, members=tuple(members)) if members else None
+
 
 Member = Union[Instance, Element, Group]
 
@@ -284,10 +300,47 @@ class Spec:
         choices = ", ".join(r.name for r in self.roots)
         raise KeyError(f"no public constructor {name!r}; there are: {choices}")
 
+    @property
+    def boards(self) -> tuple[Spec, ...]:
+        """What each board is of the spec: behind each link is one, with gateware of its own.
+
+        Of a spec whose devices all have one link that is the spec itself. A part has the name of its public
+        constructor, or of its link where that is more or less than one constructor.
+        """
+        links = dict.fromkeys(device.link.name for device in self.devices)
+        return tuple(self._behind(link) for link in links) if len(links) > 1 else (self,)
+
     def only(self, name: str) -> Spec:
-        """Return what one public constructor is of the spec: a board of several; raise KeyError as `root`."""
-        devices = tuple(device for device in self.devices if device.root == name)
-        return replace(self, roots=(self.root(name),), devices=devices)
+        """Return what one public constructor is of the spec, or what is behind the link of that name.
+
+        Raises KeyError naming the choices.
+        """
+        if any(root.name == name for root in self.roots):
+            devices = tuple(device for device in self.devices if device.root == name)
+            part = replace(self, roots=(self.root(name),), devices=devices)
+            return replace(part, name=name) if len(self.roots) > 1 else part
+        links = dict.fromkeys(device.link.name for device in self.devices)
+        if len(links) == 1:
+            links.clear()
+        if name in links:
+            return self._behind(name)
+        what = "public constructor or link" if links else "public constructor"
+        choices = ", ".join(dict.fromkeys([*(root.name for root in self.roots), *links]))
+        raise KeyError(f"no {what} {name!r}; there are: {choices}")
+
+    def _behind(self, link: str) -> Spec:
+        """Return what is behind a link, which may be a part of a public constructor."""
+        devices = tuple(device for device in self.devices if device.link.name == link)
+        comms = {(device.root, device.comm) for device in devices}
+
+        def there(root: str) -> Callable[[Element], bool]:
+            return lambda element: (root, element.link.comm) in comms
+
+        parts = (root.only(there(root.name)) for root in self.roots)
+        roots = tuple(part for part in parts if part is not None)
+        whole = [device for device in self.devices if device.root == roots[0].name]
+        name = roots[0].name if len(roots) == 1 and len(whole) == len(devices) else link
+        return replace(self, name=name, roots=roots, devices=devices)
 
     def walk(self) -> Iterator[tuple[str, Element]]:
         """Yield (qualified path, element); with several roots the path starts with the root's name."""

@@ -11,6 +11,7 @@ import click
 
 from .failure import Failure
 from .output import json_option, print_table
+from .root import root_option
 
 
 @click.command()
@@ -18,6 +19,7 @@ from .output import json_option, print_table
 @click.option(
     "--board", "board_name", metavar="NAME", help="Which board; a folder with a board.toml of your own too."
 )
+@root_option("Build one board")
 @click.option("--list", "listing", is_flag=True, help="Say which boards there are.")
 @click.option(
     "--logic",
@@ -42,12 +44,15 @@ from .output import json_option, print_table
     help="What the link speaks, if not what the board's manifest says.",
 )
 @click.option("--part", metavar="PART", help="The chip, for --board vendor:vivado and vendor:quartus.")
-@click.option("--out", metavar="FOLDER", help="Where to build (build/SPEC-BOARD).")
+@click.option(
+    "--out", metavar="FOLDER", help="Where to build (build/SPEC-BOARD; with --root build/NAME-BOARD)."
+)
 @json_option("the report")
 def command(
     spec_file: str | None,
     *,
     board_name: str | None,
+    root: str | None,
     listing: bool,
     logic: tuple[str, ...],
     top: str | None,
@@ -70,6 +75,7 @@ def command(
       unitylink build --list
       unitylink build servo.ul --board icebreaker
       unitylink build arm.ul --board ulx3s:85f --pin brake=GP5 --clock-hz 40000000
+      unitylink build two_arms.ul --root left_arm --board ulx3s:85f
       unitylink build arm.ul --board vendor:vivado --part xc7a35ticsg324-1L --clock-hz 100000000
     """
     from unitylink.boards import Order, board_names, build_bitstream, load_board
@@ -80,7 +86,7 @@ def command(
     if spec_file is None or board_name is None:
         raise click.UsageError("name a SPEC and a --board; `unitylink build --list` shows which there are")
     name = Path(board_name).name.replace(":", "-").removesuffix(".toml")
-    folder = Path(out) if out is not None else Path("build") / f"{Path(spec_file).stem}-{name}"
+    folder = Path(out) if out is not None else Path("build") / f"{root or Path(spec_file).stem}-{name}"
     started = time.monotonic()
 
     def tell(text: str) -> None:
@@ -97,6 +103,7 @@ def command(
         wanted = VendorOrder(
             spec_file=spec_file,
             folder=folder,
+            root=root,
             logic=tuple(map(Path, logic)),
             top=top,
             pins=pins,
@@ -114,6 +121,7 @@ def command(
     order = Order(
         spec_file=spec_file,
         folder=folder,
+        root=root,
         board=load_board(board_name),
         logic=tuple(map(Path, logic)),
         top=top,

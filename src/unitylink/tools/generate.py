@@ -6,6 +6,7 @@ from __future__ import annotations
 import click
 
 from .failure import Failure
+from .root import part_of, root_option
 
 
 @click.command()
@@ -27,6 +28,7 @@ from .failure import Failure
 @click.option(
     "--protocol", metavar="NAME", help="What the VHDL's core speaks: both (the default), framed, classic."
 )
+@root_option("Make the VHDL of one board")
 @click.option(
     "--check", is_flag=True, help="Write nothing; exit with 1 if a file is missing, stale or edited."
 )
@@ -38,13 +40,14 @@ def command(
     physical: str | None,
     send_immediate: str | None,
     protocol: str | None,
+    root: str | None,
     check: bool,
 ) -> None:
     """Make from a spec what both ends need: typed Python classes, and a gateware design in VHDL.
 
     The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder
     vhdl/, is a complete design: the link, a register for each item, and records that give your logic the
-    items by name.
+    items by name. A spec with several links has a board behind each of them, and a design for each board.
 
     The same spec always gives the same files. Files that are up to date are left alone, and a file that is
     not a generated one is never overwritten. A generated module whose spec has changed refuses to be
@@ -55,9 +58,9 @@ def command(
       unitylink generate arm.ul --out .
       unitylink generate arm.ul --out build --only python,vhdl
       unitylink generate arm.ul --out build --only vhdl --physical ft245_async
+      unitylink generate two_arms.ul --out build --only vhdl --root left_arm
       unitylink generate arm.ul --out . --check
     """
-    from unitylink.board_configuration import BoardConfiguration
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
     from unitylink.spec import load
 
@@ -67,14 +70,15 @@ def command(
             raise click.UsageError(
                 f"--only {name}: there is no such artefact; there are: {', '.join(ARTEFACTS)}"
             )
-    given = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
-    chosen = {option[2:].replace("-", "_"): value for option, value in given.items() if value is not None}
-    if chosen and "vhdl" not in artefacts:
+    gateware = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
+    given = {**gateware, "--root": root}
+    if any(given.values()) and "vhdl" not in artefacts:
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
+    configuration = {option[2:].replace("-", "_"): value for option, value in gateware.items() if value}
     spec = load(spec_file)
-    configuration = BoardConfiguration.for_spec(spec, **chosen) if chosen else None
+    specs = {name: part_of(spec, root) if name == "vhdl" else spec for name in artefacts}
     if check:
-        problems = [problem for name in artefacts for problem in stale(spec, out, name, configuration)]
+        problems = [problem for name in artefacts for problem in stale(specs[name], out, name, configuration)]
         if problems:
             again = f"{spec_file} --out {out}" + (f" --only {only}" if only is not None else "")
             again += "".join(f" {option} {value}" for option, value in given.items() if value is not None)
@@ -83,7 +87,7 @@ def command(
         return
     unchanged = 0
     for name in artefacts:
-        files = generate(spec, name, configuration)
+        files = generate(specs[name], name, configuration)
         written = write_files(files, out)
         unchanged += len(files) - len(written)
         for path in written:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import parse_qsl
 
 import click
 
@@ -17,6 +18,7 @@ from unitylink.schemes import SCHEMES, forms
 
 from .failure import Failure
 from .names import Names
+from .root import part_of
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -92,7 +94,9 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
         return Names(None)
     if not file:
         raise Failure("sim: names no spec", "write the file after the colon: sim:arm.ul")
-    return Names(load(file), file)
+    spec = load(file)
+    root = dict(parse_qsl(link.partition("?")[2])).get("root") if link and simulated else None
+    return Names(part_of(spec, root), file)
 
 
 class _Complaints(logging.Handler):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .output import json_option, print_json
+from .root import part_of, root_option
 from .serving import endpoint_of, serve, serving_options
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ def _number(name: str, what: str, *, field: str | None = None, least: int = 1) -
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
 @serving_options
+@root_option("Serve one board")
 @click.option(
     "--plant",
     metavar="PLANT",
@@ -48,6 +50,7 @@ def command(
     udp: str | None,
     pty: str | None,
     bind: str | None,
+    root: str | None,
     plant: str | None,
     rtl: bool,
     as_json: bool,
@@ -66,12 +69,13 @@ def command(
       unitylink simulate arm.ul --pty ./arm.tty --baud 3000000 --fifo 16
       unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0
       unitylink simulate arm.ul --rtl --tcp 5555 --plant loopback
+      unitylink simulate two_arms.ul --root left_arm --tcp 5555
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind)
     from unitylink.simulate import DEFAULT_PLANT, load_plant
     from unitylink.spec import load
 
-    spec = load(spec_file)
+    spec = part_of(load(spec_file), root)
     given = {name: value for name, value in generics.items() if value is not None}
     moving = load_plant(plant or DEFAULT_PLANT, spec)
     with _board(rtl, spec, given, plant=moving, endpoint=endpoint, bind=address) as board:

@@ -164,7 +164,7 @@ _RIGHT_ARM_NAMES: dict[str, str] = {
 class LeftArm(Node):
     """The public interface `left_arm`: 28 words.
 
-    >>> left_arm = LeftArm(unitylink.connect("sim:pa10_pair.ul"))
+    >>> left_arm = LeftArm(unitylink.connect("sim:pa10_pair.ul?root=left_arm"))
     """
 
     arm: Arm
@@ -180,7 +180,7 @@ class LeftArm(Node):
 class RightArm(Node):
     """The public interface `right_arm`: 28 words.
 
-    >>> right_arm = RightArm(unitylink.connect("sim:pa10_pair.ul"))
+    >>> right_arm = RightArm(unitylink.connect("sim:pa10_pair.ul?root=right_arm"))
     """
 
     arm: Arm

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from unitylink.boards import Order, build_bitstream, load_board, read_report
+from unitylink.boards.logic import spec_of
 from unitylink.boards.report import forget
-from unitylink.errors import BoardError, ToolError
+from unitylink.errors import BoardError, ToolError, ValueRangeError
 from unitylink.resources import resource_folder
 
 SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
@@ -186,3 +187,14 @@ def test_a_logic_for_a_uart_is_passed_over_where_there_is_none(synchronous: Orde
         text.startswith("lamp_board.vhd is not used, as it is not for an FTDI chip")
         for text in report.notices
     )
+
+
+def test_the_board_of_several_has_to_be_chosen(order: Order) -> None:
+    pair = replace(order, spec_file=str(resource_folder("examples") / "pa10" / "pa10_pair.ul"))
+    with pytest.raises(ValueRangeError, match="left_arm, right_arm; choose one: --root left_arm"):
+        build_bitstream(pair)
+    with pytest.raises(
+        BoardError, match="there are: left_arm, right_arm, left, right; choose one with --root"
+    ):
+        build_bitstream(replace(pair, root="middle"))
+    assert spec_of(replace(pair, root="right_arm")).name == "right_arm"

@@ -27,6 +27,7 @@ from unitylink.tools.generate import command
 
 ROOT = Path(__file__).resolve().parents[3]
 GOLDEN = ROOT / "tests" / "golden"
+PAIR = ROOT / "examples" / "pa10" / "pa10_pair.ul"
 SPECS = [ROOT / "examples" / name / f"{name}.ul" for name in ("scara", "servo")]
 
 
@@ -102,6 +103,38 @@ def test_a_word_of_several_devices_has_one_field_and_both_directions() -> None:
     assert (dict(words.read), dict(words.write)) == ({7: 0}, {7: 0})
     user = generate_vhdl(spec)["vhdl/robot_user_pkg.vhd"]
     assert "to_pc.a.x" in user and "to_pc.b" not in user and "from_pc.c.z" in user
+
+
+def test_a_design_for_each_board_has_all_of_its_inputs() -> None:
+    spec = load(PAIR)
+    files = generate_vhdl(spec)
+    parts = ("build.sh", "config_pkg.vhd", "design.vhd", "top.vhd", "user_pkg.vhd")
+    assert sorted(files) == [f"vhdl/{arm}_{part}" for arm in ("left_arm", "right_arm") for part in parts]
+    for board in spec.boards:
+        user = files[f"vhdl/{board.name}_user_pkg.vhd"]
+        inputs = {f"to_pc.arm.j({joint}).{word}" for joint in range(7) for word in ("pos", "speed")}
+        assert {text for text in inputs if f"std_ulogic_vector({text})" in user} == inputs
+    assert generate_vhdl(spec.only("right_arm")).items() <= files.items(), "alone it is the same design"
+    spoken = generate_vhdl(spec, {"protocol": "framed"})
+    assert all('"framed"' in spoken[f"vhdl/{arm}_config_pkg.vhd"] for arm in ("left_arm", "right_arm"))
+
+
+def test_one_configuration_is_of_one_board() -> None:
+    spec = load(PAIR)
+    left = BoardConfiguration.for_spec(spec.only("left_arm"))
+    with pytest.raises(BindingError, match="has 2 boards, and one configuration"):
+        generate_vhdl(spec, left)
+    with pytest.raises(
+        ValueRangeError, match=r"left_arm, right_arm; choose one: --root left_arm, or \?root="
+    ):
+        BoardConfiguration.for_spec(spec)
+
+
+def test_boards_that_vhdl_does_not_tell_apart() -> None:
+    text = "link a (DATA=32); link A (DATA=16); "
+    text += " ".join(f"public p{n}() {{ MEMORY(LINK={n}); @x = 0x1: READ(); }}" for n in ("a", "A"))
+    with pytest.raises(BindingError, match=r"two boards of robot\.ul are both pa in VHDL"):
+        generate_vhdl(spec_of(text))
 
 
 def test_tosnet_words_belong_to_whom_the_network_says() -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import builtins
 import keyword
 import re
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 
 from unitylink.layer4_data.names import (
@@ -177,6 +177,16 @@ class _Planner:
         rows = tuple((quoted(name), python) for name, python in names.items())
         return (Table(self.class_table, "dict[str, type]", rows),) if rows else ()
 
+    def _links(self, root: Instance, attributes: Mapping[str, str]) -> str:
+        """Return arguments that connect a public constructor to virtual boards, one behind each link."""
+        boards = {device.link.name: device.comm for device in self.spec.devices if device.root == root.name}
+        if len(boards) > 1:
+            chosen = [(link, f"{attributes[comm]}=" if comm else "") for link, comm in boards.items()]
+        else:
+            chosen = [(root.name if len(self.spec.boards) > 1 else "", "")]
+        urls = [(f"sim:{self.spec.source}{f'?root={part}' if part else ''}", to) for part, to in chosen]
+        return ", ".join(f"{to}unitylink.connect({quoted(url)})" for url, to in urls)
+
     def _root(self, root: Instance) -> Class:
         name = self.root_class[root.name]
         addresses, names = self.table_names[root.name]
@@ -188,7 +198,7 @@ class _Planner:
             4,
             f"The public interface `{root.name}`: {words} words.",
             f"{links} default{'s' if len(parameters) == 1 else ''} to `link`." if parameters else "",
-            f">>> {_module_name(root.name)} = {name}(unitylink.connect({quoted('sim:' + self.spec.source)}))",
+            f">>> {_module_name(root.name)} = {name}({self._links(root, attributes)})",
         )
         given = ", ".join(f"{quoted(p)}: {attributes[p]}" for p in root.parameters)
         tree = call(

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, Union
 
 from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import BindingError
 from unitylink.spec.model import Spec
 
 from ..templates import environment
@@ -19,20 +22,39 @@ __all__ = ["Leaf", "Plan", "WordMap", "component_ports", "design_name", "generat
 
 FOLDER = "vhdl"
 _HERE = Path(__file__).parent
+Chosen = Union[BoardConfiguration, Mapping[str, Any], None]  # of gateware: all of it, or what differs
 _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 
 
-def generate_vhdl(spec: Spec, configuration: BoardConfiguration | None = None) -> dict[str, str]:
+def generate_vhdl(spec: Spec, configuration: Chosen = None) -> dict[str, str]:
     """Return {file name: text} of a spec's design: packages, design on byte streams, top level with a UART.
 
-    `configuration` is the gateware it is made of, by default what the spec asks for. Raises BindingError for
-    one that only a virtual board can have.
+    Where the spec has several links there is a design for each of its boards (`Spec.boards`).
+    `configuration` is the gateware a design is made of, or the fields in which it differs from what the spec
+    asks for. Raises BindingError for one that only a virtual board can have.
     """
-    design = plan(spec, configuration)
-    return {
-        f"{FOLDER}/{design.name}_{part}": environment(_HERE).get_template(f"{part}.jinja").render(plan=design)
-        for part in _PARTS
-    }
+    boards = spec.boards
+    if len(boards) > 1 and isinstance(configuration, BoardConfiguration):
+        raise BindingError(f"vhdl: {spec.source} has {len(boards)} boards, and one configuration is given")
+    files: dict[str, str] = {}
+    for board in boards:
+        if not isinstance(configuration, BoardConfiguration):
+            chosen = BoardConfiguration.for_spec(board, **(configuration or {}))
+        else:
+            chosen = configuration
+        design = plan(board, chosen)
+        made = {f"{FOLDER}/{design.name}_{part}": _text(part, design) for part in _PARTS}
+        if files.keys() & made.keys():
+            raise BindingError(
+                f"vhdl: two boards of {spec.source} are both {design.name} in VHDL; "
+                "rename one, or generate them into folders of their own with --root"
+            )
+        files |= made
+    return files
+
+
+def _text(part: str, design: Plan) -> str:
+    return environment(_HERE).get_template(f"{part}.jinja").render(plan=design)
 
 
 def design_name(spec: Spec) -> str:
