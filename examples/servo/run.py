@@ -10,10 +10,9 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
-import time
 from pathlib import Path
 
-from unitylink import connect
+from unitylink import Link, connect
 from unitylink.layer4_data import Node, ReadValue, WriteValue, load_spec_objects
 from unitylink.program import run_program
 from unitylink.spec import load
@@ -24,7 +23,7 @@ WIDTHS_US = (1500, 1800, 1200, 2400)  # the last one drives the wheel into its l
 TIME_S = 0.6  # for a move
 
 
-def sweep(board: Node) -> bool:
+def sweep(board: Node, link: Link) -> bool:
     """Move through all widths; return whether the switch told that the last one ended at the limit."""
     control, width_us = board["drive.control"], board["drive.width[0]"]
     position, trips = board["wheel.position"], board["trips"]
@@ -42,7 +41,7 @@ def sweep(board: Node) -> bool:
         control.write({"enable": True, "servo": True})
         for goal_us in WIDTHS_US:
             width_us.write(goal_us)
-            time.sleep(TIME_S)
+            link.sleep_until(link.now_s() + TIME_S)  # robot time: on a real board that of this program
             print(f"servo at {goal_us} us, wheel at {position.read()} counts")
         return tripped.wait(2.0)
     finally:
@@ -56,7 +55,7 @@ def main() -> int:
     parser.add_argument("--link", default=board, metavar="URL", help="board to use")
     options = parser.parse_args()
     with connect(options.link) as link:
-        if not sweep(load_spec_objects(load(SPEC), link)):
+        if not sweep(load_spec_objects(load(SPEC), link), link):
             print("servo: the limit switch did not tell that it closed", file=sys.stderr)
             return 1
     return 0

@@ -79,7 +79,8 @@ def test_a_recording_becomes_a_picture(run: Run, tmp_path: Path) -> None:
         done = run("plot", "s.csv", "j*.cpos", "--out", picture)
         assert done.returncode == 0, done.stderr
     assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG")
-    assert "j1.cpos" in (tmp_path / "s.svg").read_text() or "<svg" in (tmp_path / "s.svg").read_text()
+    drawn = (tmp_path / "s.svg").read_text()
+    assert "<svg" in drawn and all(f"<!-- j{joint}.cpos -->" in drawn for joint in range(1, 5)), "a legend"
     live = run("plot", f"sim:{SCARA}", "j1.cpos", "--duration", "0.5", "--out", "live.png")
     assert live.returncode == 0 and (tmp_path / "live.png").stat().st_size > 1000
     nothing = run("plot", "s.csv", "j9.*", "--out", "n.png")

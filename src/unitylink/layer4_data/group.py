@@ -328,12 +328,18 @@ class ValueGroup:
         """Forget samples of the tick before: they wait for their next. True when there were any.
 
         That is so when a publish of another gateware group was lost; then the groups are in step again.
+        Only groups of one link are compared: each device has a clock of its own, and two of them may differ
+        by more than a period for as long as they run.
         """
-        times_s = {sampled_s for sampled_s, _ in self._fresh.values()}
-        if len(times_s) == 1:
-            return False
-        newest_s = max(times_s)
-        stale = [v for v, (sampled_s, _) in self._fresh.items() if newest_s - sampled_s > _patience_s(v)]
+        newest_s: dict[Link, float] = {}
+        for value, (sampled_s, _) in self._fresh.items():
+            link = value.hardware.link
+            newest_s[link] = max(sampled_s, newest_s.get(link, sampled_s))
+        stale = [
+            value
+            for value, (sampled_s, _) in self._fresh.items()
+            if newest_s[value.hardware.link] - sampled_s > _patience_s(value)
+        ]
         for value in stale:
             del self._fresh[value]
         return bool(stale)

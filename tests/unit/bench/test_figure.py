@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,11 +59,17 @@ def test_a_slow_second_does_not_move_the_ratio() -> None:
     assert result.ratio == 1.5
 
 
-def test_times_calls_as_often_as_asked() -> None:
+def test_times_calls_as_often_as_asked_and_times_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock_ns = [0]
+    monkeypatch.setattr("unitylink.tools.bench.timing.perf_counter_ns", lambda: clock_ns[0])
     calls: list[int] = []
-    samples = times(lambda: calls.append(1), 17)
-    assert len(samples) == len(calls) == 17
-    assert all(sample >= 0 for sample in samples)
+
+    def call() -> None:
+        calls.append(len(calls))
+        clock_ns[0] += 10 * len(calls)
+
+    assert list(times(call, 17)) == [10 * (call + 1) for call in range(17)]
+    assert len(calls) == 17
 
 
 def test_report_shows_and_saves_what_was_missed(tmp_path: Path) -> None:

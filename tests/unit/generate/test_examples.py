@@ -35,8 +35,6 @@ def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 )
 def test_example_runs(example: str, arguments: list[str], said: str) -> None:
     done = run(example, *arguments)
-    if (done.returncode, done.stderr) == (1, ""):  # in real time, of which a busy machine may take some
-        done = run(example, *arguments)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert said in done.stdout
 

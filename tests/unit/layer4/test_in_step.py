@@ -50,3 +50,26 @@ def test_the_slowest_sets_the_pace() -> None:
     fast = [("a", 10 * n, n) for n in range(12)]
     assert sets("both", *fast[:11], ("slow", 100, 5), fast[11]) == [(10, 5)]
     assert sets("both", ("slow", 0, 4), *fast[:3]) == [(0, 4)]
+
+
+def test_links_whose_clocks_differ_keep_making_sets() -> None:
+    """Two boards, two clocks: one link's times may stay 50 ms behind the other's."""
+    spec = compile_text(TEXT, "two.ul").spec
+    assert spec is not None
+    configuration = BoardConfiguration.for_spec(spec, protocol="framed")
+    with (
+        Board(configuration=configuration) as left,
+        Board(configuration=configuration) as right,
+        Link(f"{left.url}?timeout=2") as one,
+        Link(f"{right.url}?timeout=2") as other,
+    ):
+        reads = [load_spec_objects(spec, link)["a"] for link in (one, other)]
+        group = ValueGroup({"left": reads[0], "right": reads[1]})
+        told: list[tuple[int, ...]] = []
+        group.listeners.on_publish(lambda _time_s, snapshot: told.append(tuple(snapshot.values())))
+        for read in group.reads.values():
+            read.groups += (group,)
+        for tick in range(5):
+            group.take(tick / 100, [group.reads["left"]], [tick])
+            group.take(tick / 100 - 0.05, [group.reads["right"]], [tick])
+        assert told == [(tick, tick) for tick in range(5)]
