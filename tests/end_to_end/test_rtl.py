@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from unit.cli.every_command import converse
 
 from tests.reference.rs485 import ModelNode, Pair, PairNode, WireNode
 from unitylink import connect
@@ -76,6 +77,19 @@ def move(link: Link) -> None:
     assert seen[0] < 100
     assert max(seen) >= 700
     assert len(set(seen)) > 5, "positions are published on the way"
+
+
+def test_every_command_takes_the_gateware(tmp_path: Path) -> None:
+    said = converse(
+        lambda: f"rtl:{SCARA}?plant=scara",
+        SCARA,
+        tmp_path,
+        own_spec=True,
+        refused={"doctor": "is a virtual board"},
+        items=("j1.cpos", "j1.pos_sp"),
+    )
+    assert said["watch"].count("j1.cpos=") == 2 and "samples in" in said["record"]
+    assert "the robot has 16 values" in said["bridge"]
 
 
 def test_scara_moves_behind_an_ft245_and_the_driver_of_its_chip(

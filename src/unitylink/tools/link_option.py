@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_SCHEME = re.compile(r"[a-z]+:")
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")  # of a URL, as RFC 3986 has it
 
 
 def is_link(text: str) -> bool:

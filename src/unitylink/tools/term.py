@@ -16,6 +16,7 @@ from unitylink import protocol
 from unitylink.capture import CaptureMessage, MessageReader, Pieces
 from unitylink.errors import LinkError
 from unitylink.layer1_stream import ClassicEncoder
+from unitylink.schemes import scheme_of
 
 from .failure import Failure
 from .link_option import link_argument, load_names, spec_option
@@ -61,6 +62,8 @@ def command(link: str, spec_file: str | None) -> None:
       unitylink term "serial:/dev/ttyUSB0?baud=3000000" --spec arm.ul
       printf '#RLC\\n#R:x.position\\n' | unitylink term sim:arm.ul
     """
+    if scheme_of(link).name == "rs485":
+        raise Failure(f"{link} carries frames only, and what is typed is text", "`unitylink read` asks it")
     names = load_names(link, spec_file)
     from unitylink.connection import open_driver
 
