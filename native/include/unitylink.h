@@ -139,6 +139,9 @@ UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const u
 
 /* Which protocol the device speaks: "framed" or "classic". Never NULL. docs/protocol.md */
 UL_API const char* ul_protocol(ul_link* link);
+/* Was the gateware built from `spec` (what the error calls it), whose wire hash is one of `hashes`? UL_MISMATCH: it says that it was not, and the URL has no
+ * spec_hash=any. `unverified`, if not NULL, gets why that is not known, or is overridden: "" where it was; until the next call, or the link is freed. */
+UL_API ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified);
 /* Writes, then reads; framed: in one message each way where the device's buffers allow. Each is done once, or the status is UL_UNKNOWN: the
  * device was reset meanwhile. `atomic` 1: with the bus held from the first word to the last, or UL_MISMATCH. */
 UL_API ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // NativeLink: what the framed protocol adds.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
 
 #include "link_arguments.hpp"
 
@@ -136,6 +138,12 @@ nb::dict description(const Link& link) {
   return result;
 }
 
+std::string check_spec(const Link& link, std::string_view spec, const std::vector<std::uint64_t>& hashes) {
+  std::string unverified;
+  raise_unless_ok(link.check_spec(spec, hashes, unverified));
+  return unverified;
+}
+
 nb::tuple clock_state(Link& link) {
   ClockState state;
   {
@@ -162,6 +170,7 @@ void bind_framed(nb::class_<Link>& link) {
       .def("arm", &arm, "timeout_s"_a.none())
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())
       .def("clock", &clock_state)
+      .def("check_spec", &check_spec, "spec"_a, "hashes"_a)
       .def_prop_ro("protocol", [](const Link& link) { return link.framed() ? "framed" : "classic"; })
       .def_prop_ro("notice", [](const Link& link) { return link.notice(); })
       .def_prop_ro("description", &description);

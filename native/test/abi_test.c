@@ -59,6 +59,10 @@ int abi_test(const char* url) {
   if (strcmp(ul_protocol(link), "framed") == 0) {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_OK && value == 0x554C4652);
     EXPECT(ul_read_control(link, 0, &value, 0, NULL) == UL_RANGE);
+    const uint64_t hash = 1;
+    const char* unverified = NULL;
+    EXPECT(ul_check_spec(link, "arm.ul", &hash, 1, &unverified) == UL_OK && strstr(unverified, "without saying from which spec") != NULL);
+    EXPECT(ul_check_spec(link, NULL, &hash, 1, NULL) == UL_ARGUMENT && ul_check_spec(link, "arm.ul", NULL, 1, NULL) == UL_ARGUMENT);
     EXPECT(ul_write_control(link, 0, 1, NULL) == UL_PROTOCOL_ERROR);
   } else {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_MISMATCH);

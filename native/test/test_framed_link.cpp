@@ -160,6 +160,32 @@ TEST_CASE("the device's own registers, and a spec that is not the gateware's") {
   CHECK(other.outcome.text.find("0000000000001235") != std::string::npos);
 }
 
+TEST_CASE("whose gateware answers is known, not known, or overridden") {
+  device::DeviceConfiguration configuration;
+  configuration.framed.spec_hash = 0x1234;
+  const std::uint64_t whole_or_part[] = {0x1235, 0x1234}, others[] = {0x1235};
+  std::string unverified = "?";
+  const Desk desk("", configuration);
+  CHECK(desk.link->check_spec("arm.ul", whole_or_part, unverified).ok());
+  CHECK(unverified.empty());
+  const Outcome refused = desk.link->check_spec("arm.ul", others, unverified);
+  CHECK(refused.status == Status::mismatch);
+  CHECK(refused.text.find("another spec than arm.ul: its wire hash is 0000000000001234, and 0000000000001235") != std::string::npos);
+  const Desk any("spec_hash=any", configuration);
+  CHECK(any.link->check_spec("arm.ul", others, unverified).ok());
+  CHECK(unverified.find("spec_hash=any goes on") != std::string::npos);
+  CHECK(any.link->check_spec("arm.ul", whole_or_part, unverified).ok());
+  CHECK(unverified.empty());
+  const Desk nameless("", device::DeviceConfiguration{});
+  CHECK(nameless.link->check_spec("arm.ul", others, unverified).ok());
+  CHECK(unverified.find("without saying from which spec") != std::string::npos);
+  CHECK(Desk("spec_hash=1234").outcome.status == Status::mismatch);
+  const Desk classic("protocol=classic", configuration);
+  CHECK(classic.link->check_spec("arm.ul", others, unverified).ok());
+  CHECK(unverified.find("classic gateware cannot say") != std::string::npos);
+  CHECK(Desk("protocol=classic&spec_hash=1234", configuration).outcome.status == Status::mismatch);
+}
+
 TEST_CASE("the C ABI over frames, from C") {
   device::Board board(device::DeviceConfiguration{}, device::make_endpoint("fd", "127.0.0.1"));
   board.start();

@@ -318,7 +318,7 @@ def _framed_of(spec: Spec, board: BoardConfiguration) -> FramedConfiguration:
         plain,
         request_max=max(plain.request_max, 9 + address_bytes * board.group_size),
         reply_max=max(plain.reply_max, 7 + data_bytes * board.group_size),
-        spec_hash=wire_hash(spec, board.data_bits),
+        spec_hash=wire_hash(spec),
         safe_words=safe_words(spec, board.data_bits),
     )
 

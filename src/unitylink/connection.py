@@ -26,7 +26,8 @@ def connect(url: str) -> Link:
 
     The framed protocol is spoken where the device knows it, else the classic one (`link.protocol`,
     `link.notice`): `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its
-    outputs safe), `spec_hash=HEX` (DeviceMismatch where the gateware was built from another spec).
+    outputs safe), `spec_hash=HEX` (DeviceMismatch where the gateware has another wire hash) or
+    `spec_hash=any` (objects are made although it was built from another spec; that is logged).
 
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
     options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's

@@ -86,7 +86,7 @@ def test_every_command_takes_the_gateware(tmp_path: Path) -> None:
         tmp_path,
         own_spec=True,
         refused={"doctor": "is a virtual board"},
-        items=("j1.cpos", "j1.pos_sp"),
+        items=("j1.cpos", "j1.pos_sp", "0x80"),
     )
     assert said["watch"].count("j1.cpos=") == 2 and "samples in" in said["record"]
     assert "the robot has 16 values" in said["bridge"]

@@ -153,6 +153,7 @@ class Robot {
     if (!up) return 2;
     const std::lock_guard<std::mutex> lock(link_mutex_);
     if (link_ == nullptr) return 2;
+    facts.emplace_back("gateware", gateware_);
     device_.tell(facts);
     return !armed || device_.tripped() || refused > 0 || failed > 0 ? 1 : 0;
   }
@@ -263,6 +264,10 @@ class Robot {
     configuration.size = sizeof configuration;
     ul_get_configuration(link_, &configuration);
     if (configuration.data_bytes * 8 != table_.data_bits) return "the device has words of another width: this is not the board the spec is for";
+    const char* unverified = "";
+    if (ul_check_spec(link_, table_.spec, table_.gateware, table_.gateware_count, &unverified) != UL_OK) return failure();
+    gateware_ = *unverified == '\0' ? "verified" : std::string("not verified: ") + unverified;
+    if (*unverified != '\0') say_(1, gateware_);
     base_hz_ = configuration.base_hz != 0 ? static_cast<double>(configuration.base_hz) : 1000.0;
     outputs_.open(link_);
     forget();
@@ -419,6 +424,7 @@ class Robot {
   std::vector<std::uint64_t> written_;
   Outputs outputs_;
   Device device_;
+  std::string gateware_ = "not verified: there is no link";
   std::mutex setting_, link_mutex_, newest_mutex_;
   mutable std::mutex state_mutex_;
   std::string state_ = "waiting for the device";

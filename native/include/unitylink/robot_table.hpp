@@ -44,6 +44,9 @@ struct Unit {
 
 struct Table {
   const char* robot;
+  const char* spec;               // its file
+  const std::uint64_t* gateware;  // wire hashes that gateware built from it may have
+  std::size_t gateware_count;
   std::uint32_t data_bits;
   const Value* values;
   std::size_t value_count;

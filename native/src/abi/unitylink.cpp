@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "layer2_message/link.hpp"
 
@@ -13,6 +14,7 @@ using namespace unitylink;
 
 struct ul_link {
   std::unique_ptr<Link> link;
+  std::string unverified;  // what ul_check_spec tells
 };
 
 namespace {
@@ -235,6 +237,19 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
 }
 
 const char* ul_protocol(ul_link* link) { return link != nullptr && link->link->framed() ? "framed" : "classic"; }
+
+ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified) {
+  if (link == nullptr || spec == nullptr || (count > 0 && hashes == nullptr)) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] {
+    const ul_status status = told(link->link->check_spec(spec, {hashes, count}, link->unverified));
+    if (unverified != nullptr) {
+      *unverified = link->unverified.c_str();
+    }
+    return status;
+  });
+}
 
 ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes, const uint32_t* addresses,
                       uint32_t* values, size_t reads, int32_t atomic, const ul_options* options) {

@@ -89,6 +89,9 @@ class Link {
   [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   // All zero on a classic link.
   [[nodiscard]] const Description& description() const noexcept { return description_; }
+  // Was the gateware built from `spec` (what errors call it), which has one of `hashes`? mismatch: it says that it was not. `unverified`
+  // is why that is not known, and what the user overrides by spec_hash=any; empty: it was.
+  [[nodiscard]] Outcome check_spec(std::string_view spec, std::span<const std::uint64_t> hashes, std::string& unverified) const;
   [[nodiscard]] ClockState clock();
 
   [[nodiscard]] Outcome read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how);

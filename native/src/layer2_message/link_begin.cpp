@@ -61,6 +61,9 @@ Outcome Link::begin() {
   if (options_.deadman_s > 0) {
     return {Status::mismatch, "deadman= needs gateware with the framed protocol, and this device has only the classic one"};
   }
+  if (options_.spec_hash) {
+    return {Status::mismatch, "spec_hash= asks for gateware of a certain spec, and classic gateware cannot say from which it was built; leave it out"};
+  }
   Outcome outcome = settle_configuration(options_, reported, configuration_);
   if (outcome.ok()) {
     engine_->configure(configuration_);
@@ -159,15 +162,37 @@ Outcome Link::describe_device() {
       .discovered = true,
   };
   configuration_.read_many = static_cast<std::uint32_t>(words_read(true));
-  if (options_.spec_hash && *options_.spec_hash != told.spec_hash) {
-    return {Status::mismatch, "this program was made for a spec with the hash " + hash_text(*options_.spec_hash) + ", the gateware for one with " +
-                                  hash_text(told.spec_hash) + ": addresses, widths, access or groups differ; build the gateware from this " +
-                                  "spec, or generate the program anew from the gateware's"};
+  if (options_.spec_hash) {
+    std::string unverified;
+    if (Outcome outcome = check_spec("the one of spec_hash=", std::span(&*options_.spec_hash, 1), unverified); !outcome.ok() || !unverified.empty()) {
+      return {Status::mismatch, outcome.ok() ? unverified : outcome.text};
+    }
   }
   const std::scoped_lock lock(mutex_);
   engine_->configure(configuration_);
   framed_->set_clock_hz(description_.clock_hz);
   return {};
+}
+
+Outcome Link::check_spec(std::string_view spec, std::span<const std::uint64_t> hashes, std::string& unverified) const {
+  const std::uint64_t told = description_.spec_hash;
+  if (told != 0 && std::ranges::find(hashes, told) != hashes.end()) {
+    unverified.clear();
+    return {};
+  }
+  if (told == 0) {
+    unverified = framed() ? "this gateware was built without saying from which spec"
+                          : "classic gateware cannot say which spec it was built from; check that the two belong together";
+    return {};
+  }
+  const std::string other = "the gateware was built from another spec than " + std::string(spec) + ": its wire hash is " + hash_text(told) +
+                            ", and " + (hashes.empty() ? "none" : hash_text(hashes.front())) + " is expected";
+  if (options_.any_spec) {
+    unverified = other + "; spec_hash=any goes on";
+    return {};
+  }
+  return {Status::mismatch, other + ", so names, addresses, types, units, limits or safe values differ; build the gateware from this spec, use the "
+                                    "spec that it was built from, or, where you know that they belong together, add spec_hash=any to the URL"};
 }
 
 }  // namespace unitylink

@@ -104,10 +104,14 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     return {};
   }
   if (name == "spec_hash") {
+    if (value == "any") {
+      options.any_spec = true;
+      return {};
+    }
     std::uint64_t hash = 0;
     const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), hash, 16);
     if (value.empty() || error != std::errc{} || stop != value.data() + value.size()) {
-      return wrong(url, name, value, "a hash of at most 16 hex digits");
+      return wrong(url, name, value, "a hash of at most 16 hex digits, or any");
     }
     options.spec_hash = hash;
     return {};

@@ -19,7 +19,8 @@ struct LinkOptions {
   EngineSettings engine;          // timeout= fifo= window= polynomial=
   Protocol protocol = Protocol::automatic;
   double deadman_s = 0;           // deadman=, 0: none
-  std::optional<std::uint64_t> spec_hash;  // spec_hash=: of the spec the caller was made for
+  std::optional<std::uint64_t> spec_hash;  // spec_hash=HEX: of the spec the caller was made for
+  bool any_spec = false;                   // spec_hash=any: the user knows that the two belong together
   std::uint32_t attempts = 3;
   bool checked = false;           // crc=
   bool publish_checked = true;    // publish_crc=

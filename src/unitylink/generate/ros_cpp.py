@@ -13,6 +13,7 @@ from unitylink.ros.interface import JOINTS, RECORD, SCALAR, Topic
 from unitylink.spec.model import Element, Instance, LinkBinding, Spec
 from unitylink.spec.types import Field as BitField
 from unitylink.values import Quantity
+from unitylink.wire_hash import wire_hashes
 
 from .ros_package import Package
 
@@ -47,6 +48,8 @@ class CppJoint:
 
 @dataclass(frozen=True)
 class CppRobot:
+    spec: str
+    gateware: tuple[str, ...]  # wire hashes
     values: tuple[str, ...]  # initialisers
     groups: tuple[CppGroup, ...]
     units: tuple[str, ...]
@@ -96,6 +99,8 @@ class _Cpp:
                 published.append(self._published(topic, group))
         joints = next((t for t in self.interface.commanded if t.form == JOINTS), None)
         return CppRobot(
+            _text(self.spec.source),
+            tuple(f"0x{told:016X}U" for told in wire_hashes(self.spec, self.root.name)),
             tuple(self._value(element) for element in self.elements),
             tuple(self.groups),
             tuple(_unit(link) for link in self.units),

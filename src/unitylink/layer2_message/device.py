@@ -3,7 +3,17 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+from unitylink.errors import DeviceMismatch
+
+if TYPE_CHECKING:
+    from .engine import Engine
+
+_log = logging.getLogger("unitylink.link")
 
 
 @dataclass(frozen=True)
@@ -29,7 +39,7 @@ class Description:
     exchanges: int
     exchange_size: int
     spec_hash: int
-    """64 bits over all of the spec that reaches the wire."""
+    """The wire hash of the spec that it was built from (`unitylink.wire_hash`); 0: it does not know."""
 
 
 @dataclass(frozen=True)
@@ -86,3 +96,17 @@ class Clock:
     """By how much that is longer than the device says."""
     uncertainty_ns: float
     """How far a time stamp can be off: half of the quickest round trip."""
+
+
+def checked_spec(engine: Engine, url: str, spec: str, hashes: Sequence[int]) -> str:
+    """Return why it is not known that the gateware was built from `spec`, which has one of `hashes`.
+
+    Empty where it was; DeviceMismatch where it was not, unless the URL says `spec_hash=any`, which is logged.
+    """
+    try:
+        unverified = engine.check_spec(spec, hashes)
+    except DeviceMismatch as error:
+        raise DeviceMismatch(f"{url}: {error.message}") from None
+    if "spec_hash=any" in unverified:
+        _log.warning("%s: %s", url, unverified)
+    return unverified

@@ -17,7 +17,7 @@ from unitylink.protocol import CONTROL_ARM, CONTROL_DEADMAN_TICKS, CONTROL_FRAME
 from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
-from .device import Clock, DeadMan, Description, Health
+from .device import Clock, DeadMan, Description, Health, checked_spec
 from .engine import Pairs, Words, open_engine
 from .exchange_group import ExchangeGroup, Word
 from .mailbox import LoopMailbox
@@ -44,6 +44,8 @@ class Link:
     """Why the classic protocol is spoken although it was not asked for; empty otherwise."""
     description: Description | None
     """What the gateware says about itself; None on a classic link."""
+    unverified: str
+    """Why it is not known that the gateware was built from this program's spec; empty where it was."""
     _unclosed = False  # while it must still be closed, whatever has become of the port
 
     def __init__(self, url: str) -> None:
@@ -58,6 +60,7 @@ class Link:
         self.protocol = self._native.protocol
         self.notice = self._native.notice
         self.description = Description(**self._native.description) if self.protocol == "framed" else None
+        self.unverified = "no spec was compared with the gateware's"
         self._callbacks = CallbackThread(self._native)
         self._mailboxes: dict[asyncio.AbstractEventLoop, LoopMailbox] = {}
         self._on_close: list[Callable[[], None]] = []
@@ -349,11 +352,7 @@ class Link:
         self._native.set_dead_man(silence_s, timeout_s)
 
     def dead_man(self) -> DeadMan | None:
-        """Ask the device how its dead-man stands; None on a classic link, which has none.
-
-        if link.dead_man().tripped:
-            link.arm()
-        """
+        """Ask the device how its dead-man stands; None on a classic link, which has none."""
         if self.protocol != "framed":
             return None
         state, ticks = (
@@ -375,6 +374,14 @@ class Link:
         """The device's clock in the host's time; None before the first subscription and on a classic link."""
         period_ns, drift_ppm, uncertainty_ns = self._native.clock()
         return Clock(period_ns, drift_ppm, uncertainty_ns) if period_ns > 0 else None
+
+    def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
+        """Raise DeviceMismatch where the gateware was built from another spec than `spec` of `hashes`.
+
+        What cannot say, and all with `spec_hash=any` in the URL, which is logged, is let pass: see `unverified`.
+        Objects of a spec and the command line do this by themselves (`unitylink.wire_hash`).
+        """
+        self.unverified = checked_spec(self._native, self.url, spec, hashes)
 
     # ---- the rest
 

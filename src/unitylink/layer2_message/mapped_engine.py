@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -270,6 +271,9 @@ class MappedEngine:
 
     def now_s(self) -> float:
         return time.monotonic()
+
+    def check_spec(self, spec: str, hashes: Sequence[int]) -> str:
+        return "mapped memory cannot say which spec it was built from; check that the two belong together"
 
     def clock(self) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0

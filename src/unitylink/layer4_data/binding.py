@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
@@ -60,7 +60,9 @@ class Tree:
     """What the nodes of one tree share: links by name, addresses, display names, classes, publisher.
 
     `links` has the links that are not `link`, by the name of a COMM or CTRL parameter or of a declared link;
-    `classes` the Python classes of enumerations and packed values.
+    `classes` the Python classes of enumerations and packed values; `source` is what the spec is called, and
+    `gateware` the wire hashes that the gateware behind each link may have. Values are made only where it has
+    one, or cannot say: see `Link.check_spec`.
     """
 
     def __init__(
@@ -68,16 +70,21 @@ class Tree:
         link: Link,
         links: Mapping[str, Link | None] | None = None,
         *,
+        source: str,
+        gateware: Sequence[int],
         addresses: Mapping[str, int],
         names: Mapping[str, str] | None = None,
         classes: Mapping[str, type[Any]] | None = None,
     ) -> None:
         self.link = link
         self.links = dict(links or {})
+        self.source = source
+        self.gateware = gateware
         self.addresses = addresses
         self.names = names or {}
         self.classes = classes or {}
         self.publisher = Publisher()
+        self._checked: set[Link] = set()
 
     def hardware(
         self,
@@ -90,9 +97,19 @@ class Tree:
         link: str = "",
     ) -> HardwareProxy:
         """Return the proxy of a link binding; `comm` carries the data, `ctrl` what controls the module."""
-        return hardware_for(kind, self._named(comm, link), base, self._named(ctrl, link), size)
+        control = self.link_of(ctrl, link)
+        if ctrl is not None:
+            self.check(control)
+        return hardware_for(kind, self.link_of(comm, link), base, control, size)
 
-    def _named(self, parameter: str | None, declared: str) -> Link:
+    def check(self, link: Link) -> None:
+        """Raise DeviceMismatch where the gateware behind `link` was built from another spec; ask it once."""
+        if link not in self._checked:
+            link.check_spec(self.source, self.gateware)
+            self._checked.add(link)
+
+    def link_of(self, parameter: str | None, declared: str) -> Link:
+        """Return the link of a COMM or CTRL parameter, or of a declared link's name."""
         for name in (parameter, declared):
             chosen = self.links.get(name) if name else None
             if chosen is not None:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from unitylink import values
 from unitylink.spec.model import Element, Group, Instance, Spec
 
-BINDING_VERSION = 2  # what generated code expects of this layer; raised when that changes
+BINDING_VERSION = 3  # what generated code expects of this layer; raised when that changes
 
 # The public names of Node; a test compares. A spec may use them: its attribute then ends in "_".
 NODE_NAMES = frozenset(

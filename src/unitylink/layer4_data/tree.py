@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import BindingError, DeviceMismatch
+from unitylink.errors import BindingError
 from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
+from unitylink.wire_hash import constructors_there, wire_hashes
 
 from .binding import Tree
 from .names import attribute_of, event_lines, python_names
@@ -30,9 +31,11 @@ def load_spec_objects(
 ) -> Node:
     """Build the objects of a spec's public constructor: `node.j1.cpos.read()`.
 
-    With several public constructors `root` chooses one; without it each becomes a part of the returned node,
-    and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM parameters, and the links
+    With several public constructors `root` chooses one; without it each that the gateware has becomes a part
+    of the returned node, and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM parameters, and the links
     which the spec declares, by name where they are not `link`.
+
+    Raises DeviceMismatch where the gateware says that it was built from another spec: see `Link.check_spec`.
 
     >>> robot = load_spec_objects(unitylink.spec.load("scara.ul"), link)   # doctest: +SKIP
     >>> robot["j1.cpos"].read()                                            # doctest: +SKIP
@@ -49,44 +52,28 @@ def load_spec_objects(
             raise BindingError(
                 f"{spec.source}: no parameter {name!r}; there are {', '.join(sorted(known)) or 'none'}"
             )
-    _refuse_other_gateware(spec, link)
     several = len(roots) > 1
     addresses: dict[str, int] = {}
     names: dict[str, str] = {}
     for item in roots:
         prefix = f"{item.name}." if several else ""
         _tables(item, prefix, addresses, names)
-    tree = Tree(link, links, addresses=addresses, names=names)
+    gateware = dict.fromkeys(told for item in roots for told in wire_hashes(spec, item.name))
+    tree = Tree(link, links, source=spec.source, gateware=tuple(gateware), addresses=addresses, names=names)
     if not several:
         node = Node(tree, roots[0].name)
         _Builder(spec, roots[0]).fill(node, roots[0], None)
         return node
     top = Node(tree, spec.name)
-    attributes = python_names([item.name for item in roots])
-    for item in roots:
+    there = constructors_there(
+        spec, lambda item: {tree.link_of(e.link.comm, e.link.link) for e in item.walk()}
+    )
+    attributes = python_names([item.name for item in there])
+    for item in there:
         child = Node(top, item.name)
         _Builder(spec, item).fill(child, item, None)
         setattr(top, attributes[item.name], child)
     return top
-
-
-def _refuse_other_gateware(spec: Spec, link: Link) -> None:
-    """Raise DeviceMismatch where the device says that it was built from another spec."""
-    told = link.description
-    if told is None or told.spec_hash == 0:
-        return
-    from unitylink.wire_hash import (
-        is_built_from,
-        wire_hash,
-    )  # only here: most programs start with a generated file
-
-    if not is_built_from(spec, told.spec_hash, link.configuration.data_bits):
-        ours = wire_hash(spec, link.configuration.data_bits)
-        raise DeviceMismatch(
-            f"{spec.source} has the wire hash {ours:016x}, the gateware at {link.url} was built from a spec "
-            f"with {told.spec_hash:016x}: addresses, widths, access, groups or safe values differ; build the "
-            "gateware from this spec, or use the one it was built from"
-        )
 
 
 def _tables(instance: Instance, prefix: str, addresses: dict[str, int], names: dict[str, str]) -> None:

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Protocol
 from urllib.parse import parse_qsl
 
 from unitylink import protocol
-from unitylink.errors import BusError, LinkError, LinkTimeout, UrlError
+from unitylink.errors import BusError, DeviceMismatch, LinkError, LinkTimeout, UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
+from unitylink.wire_hash import constructors_there
 
 from .findings import Finding, finding
 from .ftdi import chosen, ftdi_channels
@@ -333,8 +334,15 @@ class _Doctor:
 
     def against_spec(self, spec: Spec) -> list[Finding]:
         self.say(f"comparing with {spec.source}")
-        elements = [element for _, element in spec.walk()]
         with self.open_link(self.place.url) as link:
+            try:
+                there = constructors_there(spec, lambda root: (link,))
+            except DeviceMismatch as error:
+                return [finding("other-gateware", spec=spec.source, reason=error.message)]
+            found = []
+            if link.unverified:
+                found = [finding("unverified-gateware", spec=spec.source, reason=link.unverified)]
+            elements = [element for root in there for element in root.walk()]
             configuration = link.configuration
             beyond = [e for e in elements if e.address >> configuration.address_bits]
             if beyond:
@@ -361,8 +369,8 @@ class _Doctor:
             refused = [e for e in readable if not _reads(link, e.address)]
         if refused:
             count, total, example = len(refused), len(readable), _named(refused[0])
-            return [finding("wrong-spec", count=count, total=total, example=example)]
-        return []
+            found.append(finding("wrong-spec", count=count, total=total, example=example))
+        return found
 
 
 def _reads(link: Link, address: int) -> bool:

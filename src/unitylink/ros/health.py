@@ -41,6 +41,7 @@ def health(node: RobotNode, link: Link | None, session: _Session | None) -> Heal
         return Health(ERROR, node.keeper.state, "", facts)
     inbox = session.inbox
     facts |= {
+        "gateware": f"not verified: {link.unverified}" if link.unverified else "verified",
         "dead-man": session.guard.told(),
         "publishes taken": str(session.outbox.received),
         "publishes lost": str(sum(report.lost for report in session.tree.publisher.reports())),

@@ -86,6 +86,8 @@ class RobotNode:
 
     def _begin(self, link: Link, again: bool) -> _Session:
         tree = self._build(link)
+        if link.unverified:
+            self._plane.say(1, f"the gateware is not verified: {link.unverified}")
         values = {value.path: value for value in tree}
         missing = [path for t in self.interface.published for path in t.paths if path not in values]
         if missing:

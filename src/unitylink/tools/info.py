@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from unitylink.errors import DeviceMismatch
 from unitylink.schemes import SCHEMES
-from unitylink.wire_hash import is_built_from, wire_hash
 
 from .link_option import Target, link_argument, open_target, spec_option
 from .output import json_option, print_fields, print_json
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Configuration
     from unitylink.spec.model import Spec
 
-_UNVERIFIED = "classic gateware cannot say which spec it was built from; check that the two belong together"
-_NAMELESS = "this gateware was built without saying from which spec"
 _WIDTH = max(len(scheme.form) for scheme in SCHEMES.values())
 _HELP = """Show the configuration of a device, what its network does, and the statistics of the link.
 
@@ -44,7 +42,7 @@ _PUBLISHING = {0: "none", 1: "after requests", 2: "before requests"}
 @json_option("all of it")
 def command(link: str, spec_file: str | None, as_json: bool) -> None:
     """See `help` above."""
-    with open_target(link, spec_file) as target:
+    with open_target(link, spec_file, check=False) as target:
         configuration = target.link.configuration
         networks = {f"0x{base:04X}": _network(target, base) for base in _tosnet_bases(target.spec)}
         report: dict[str, Any] = {
@@ -123,21 +121,15 @@ def _spec(target: Target) -> dict[str, Any] | None:
 def _binding(target: Target) -> dict[str, Any]:
     """Say whether the gateware was built from the spec that is given."""
     link = target.link
-    if link.description is None:
-        return {"verified": False, "reason": _UNVERIFIED}
-    told = link.description.spec_hash
-    if told == 0:
-        return {"verified": False, "reason": _NAMELESS}
-    if target.spec is None:
-        return {"verified": False, "reason": f"no spec is given; the gateware's has the hash {told:016x}"}
-    if is_built_from(target.spec, told, link.configuration.data_bits):
-        return {"verified": True, "reason": ""}
-    ours = wire_hash(target.spec, link.configuration.data_bits)
-    differ = "addresses, widths, access, groups or safe values differ"
-    return {
-        "verified": False,
-        "reason": f"the gateware's hash is {told:016x}, this spec's {ours:016x}: {differ}",
-    }
+    if target.spec is not None:
+        try:
+            target.names.on(link)
+        except DeviceMismatch as error:
+            return {"verified": False, "reason": error.message}
+        return {"verified": not link.unverified, "reason": link.unverified}
+    told = link.description.spec_hash if link.description else 0
+    known = f"the gateware's has the wire hash {told:016x}" if told else "the gateware does not tell its own"
+    return {"verified": False, "reason": f"no spec is given; {known}"}
 
 
 def _configuration_fields(c: Configuration) -> list[tuple[str, str]]:

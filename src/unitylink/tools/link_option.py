@@ -115,10 +115,12 @@ class _Complaints(logging.Handler):
 
 
 @contextmanager
-def open_target(link: str, spec_file: str | None, *, quiet: bool = False) -> Iterator[Target]:
+def open_target(
+    link: str, spec_file: str | None, *, quiet: bool = False, check: bool = True
+) -> Iterator[Target]:
     """Open LINK and load its names; the link is closed at the end.
 
-    What is logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
+    Raises DeviceMismatch where the gateware was built from another spec, unless `check` is False. What is logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
     """
     names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
     from unitylink import connect
@@ -128,6 +130,8 @@ def open_target(link: str, spec_file: str | None, *, quiet: bool = False) -> Ite
     try:
         with connect(link) as opened:
             complaints.link = opened
+            if check:
+                names = names.on(opened)
             yield Target(opened, names)
     finally:
         logger.removeHandler(complaints)

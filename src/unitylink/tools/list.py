@@ -11,7 +11,7 @@ from unitylink.protocol import ADDRESS_BITS_MAX
 from unitylink.values import format_value
 
 from .failure import Failure
-from .link_option import is_link, load_names, spec_option
+from .link_option import is_link, load_names, open_target, spec_option
 from .names import Item
 from .output import json_option, print_json, print_table
 
@@ -42,8 +42,12 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
     names = load_names(link, spec_file)
     if names.spec is None:
         raise Failure(f"{link} has no names of its own", "add --spec FILE.ul")
+    base_hz, address_bits = _BASE_HZ, ADDRESS_BITS_MAX
+    if link is not None:
+        with open_target(link, spec_file) as target:
+            names, configuration = target.names, target.link.configuration
+            base_hz, address_bits = configuration.base_hz, configuration.address_bits
     items = names.find(patterns) if patterns else names.all()
-    base_hz, address_bits = _ask(link) if link is not None else (_BASE_HZ, ADDRESS_BITS_MAX)
     entries = [entry(item, base_hz, address_bits) for item in items]
     if as_json:
         listed = {item.name for item in items}
@@ -114,12 +118,3 @@ def _row(e: dict[str, Any]) -> tuple[str, ...]:
 def _published(publish: dict[str, Any]) -> str:
     when = f"on {publish['on']}" if publish["on"] else f"{publish['rate_hz']:g} Hz"
     return f"{when}, {publish['by']}" + (f", {publish['group']}" if publish["group"] else "")
-
-
-def _ask(link: str) -> tuple[int, int]:
-    """Return (base publish frequency in Hz, bits of the address bus rounded up to bytes) of the device."""
-    from unitylink import connect
-
-    with connect(link) as opened:
-        configuration = opened.configuration
-        return configuration.base_hz, configuration.address_bits

@@ -7,13 +7,18 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
 from unitylink.protocol import ADDRESS_BITS_MAX
 from unitylink.spec.model import Element, Instance, Spec
 from unitylink.spec.suggest import nearest
 from unitylink.values import Quantity
+from unitylink.wire_hash import constructors_there
 
 from .failure import Failure
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
 
 _ADDRESS = re.compile(r"0[xX][0-9a-fA-F_]+")
 _GLOB = re.compile(r"[*?\[]")
@@ -45,21 +50,37 @@ class Item:
 class Names:
     """All names of a spec (or none), with search."""
 
-    def __init__(self, spec: Spec | None, source: str = "") -> None:
+    def __init__(
+        self, spec: Spec | None, source: str = "", *, roots: Sequence[Instance] | None = None
+    ) -> None:
+        """`roots` are the public constructors that there are names of; without it, all."""
         self.spec = spec
         self.source = source or (spec.source if spec else "")
-        self.elements: dict[str, Element] = dict(spec.walk()) if spec else {}
+        roots = roots if roots is not None else spec.roots if spec else ()
+        self.elements: dict[str, Element] = {}
         self.instances: dict[str, list[str]] = {}  # name -> names of all elements below
         self.groups: dict[str, list[str]] = {}  # name -> names of its elements
         self.lines: dict[str, int] = {}  # name -> event line
         if spec:
+            prefixes = {root.name: f"{root.name}." if len(spec.roots) > 1 else "" for root in roots}
             for device in spec.devices:
-                prefix = f"{device.root}." if len(spec.roots) > 1 else ""
+                if device.root not in prefixes:
+                    continue
+                prefix = prefixes[device.root]
                 for group in device.groups:
                     if group.trigger != "rate":
                         self.lines |= {prefix + element.path: group.number for element in group.elements}
-            for root in spec.roots:
-                self._collect(root, f"{root.name}." if len(spec.roots) > 1 else "")
+            for root in roots:
+                prefix = prefixes[root.name]
+                self.elements |= {prefix + element.path: element for element in root.walk()}
+                self._collect(root, prefix)
+
+    def on(self, link: Link) -> Names:
+        """Return the names of what the gateware behind `link` has; DeviceMismatch where it has another spec."""
+        if self.spec is None:
+            return self
+        there = constructors_there(self.spec, lambda root: (link,))
+        return self if len(there) == len(self.spec.roots) else Names(self.spec, self.source, roots=there)
 
     def _collect(self, instance: Instance, prefix: str) -> None:
         name = prefix + instance.path if instance.path else instance.name

@@ -35,7 +35,7 @@ package scara_config_pkg is
   constant safe_values           : safe_values_t(1 to 0) := no_safe_values; -- of the dead-man
   constant gateware_version      : word32_t := x"00010000";
   constant build                 : word32_t := x"00000000";
-  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"83F87A5AEC91A8D3"; -- of what reaches the wire
+  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"758D3F5C65DEA3BA"; -- of what reaches the wire
 
   -- Word addresses, by the path of the word in the spec.
   constant j1_cpos_address   : unsigned(31 downto 0) := x"00000088"; -- READ, signed, published at the base rate / 10: joint 1:cpos

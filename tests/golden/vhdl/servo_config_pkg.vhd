@@ -35,7 +35,7 @@ package servo_config_pkg is
   constant safe_values           : safe_values_t(0 to 3) := (0 => (x"00000000", x"00000000"), 1 => (x"00000002", x"00000000"), 2 => (x"00000003", x"00000000"), 3 => (x"00000022", x"00000000")); -- of the dead-man
   constant gateware_version      : word32_t := x"00010000";
   constant build                 : word32_t := x"00000000";
-  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"9E278FEAECC8BCCE"; -- of what reaches the wire
+  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"330607D12FA28203"; -- of what reaches the wire
 
   -- Word addresses, by the path of the word in the spec.
   constant drive_control_address        : unsigned(31 downto 0) := x"00000000"; -- READWRITE, unsigned

@@ -42,21 +42,22 @@ def converse(
     *,
     own_spec: bool = False,
     refused: Mapping[str, str] | None = None,
-    items: tuple[str, str] = ("position", "target"),
+    items: tuple[str, str, str] = ("position", "target", "0x13"),
 ) -> dict[str, str]:
     """Run every command on a link; return what each said. AssertionError for one that could not do its work.
 
     `own_spec`: the link brings its spec, as `sim:` does. `refused` are commands that such a link has no place
-    for, and a part of what they say then. `items` are one that is published and one that is written.
+    for, and a part of what they say then. `items` are one that is published, one
+    that is written, and a bare address.
     """
-    measured, written = items
+    measured, written, bare = items
     given = [] if own_spec else ["--spec", str(spec)]
     sampled = [measured, *given, "--duration", "0.3", "--out"]
     lines: dict[str, Callable[[str], list[str]]] = {
         "info": lambda link: [link, *given],
         "list": lambda link: [link, *given],
         "write": lambda link: [link, f"{written}=-7", *given],
-        "read": lambda link: [link, written, "0x13", *given],
+        "read": lambda link: [link, written, bare, *given],
         "watch": lambda link: [link, measured, *given, "--count", "2"],
         "record": lambda link: [link, *sampled, str(folder / "recorded.csv")],
         "plot": lambda link: [link, *sampled, str(folder / "plotted.svg")],

@@ -24,10 +24,19 @@ MAY_IMPORT: dict[str, set[str]] = {
     "spec": {"isochrony", *SHARED},
     "values": {"spec", "errors"},
     "safe_words": {"values", "spec", *SHARED},
-    "wire_hash": {"safe_words", "spec", *SHARED},
+    "wire_hash": {"spec", *SHARED},
     "board_configuration": {"safe_words", "wire_hash", "spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
-    "generate": {"board_configuration", "resources", "ros", "spec", "values", "layer4_data", *SHARED},
+    "generate": {
+        "board_configuration",
+        "wire_hash",
+        "resources",
+        "ros",
+        "spec",
+        "values",
+        "layer4_data",
+        *SHARED,
+    },
     "layer0_driver": {"_native", *SHARED},
     "layer1_stream": {"layer0_driver", "_native", *SHARED},
     "layer2_message": {"layer1_stream", "_native", *SHARED},
@@ -51,7 +60,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "resources": SHARED,
     "recording": SHARED,
     # The doctor tries what a link would do, below it and through it.
-    "ports": {"layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
+    "ports": {"wire_hash", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},
     # A bitstream is made of generated VHDL; its report has the budget of the spec.
     "boards": {"board_configuration", "generate", "gateware", "resources", "spec", *SHARED},

@@ -291,11 +291,32 @@ def test_publishing() -> None:
     assert list(found) == ["publishing"]
 
 
+def test_other_gateware() -> None:
+    """Here the same words under other names: a write would move the wrong one, and no bus error tells."""
+    text = "public arm() { @x = 0x10: WRITE(); @y = 0x11: WRITE(); }"
+    with Twin(compile_text(text, "arm.ul").spec, endpoint="tcp:0") as board:
+        found = against(text.replace("0x10", "0x12").replace("0x11", "0x10").replace("0x12", "0x11"), board)
+        assert list(found) == ["other-gateware"] and found["other-gateware"].severity == "error"
+        assert against(text, board) == {}
+
+
+def test_unverified_gateware() -> None:
+    text = "public arm() { @x = 0x10: WRITE(); }"
+    with Twin(endpoint="tcp:0") as board:
+        found = against(text, board)
+    assert list(found) == ["unverified-gateware"] and found["unverified-gateware"].severity == "note"
+
+
 def test_wrong_spec() -> None:
     other = compile_text(b"public lamp(c,u) { TOSNET(CTRL=c,COMM=u); @led = 0x40: READ(); }", "lamp.ul").spec
-    with Twin(other, endpoint="tcp:0") as board:
+    assert isinstance(other, Spec)
+    classic = BoardConfiguration.for_spec(other, protocol="classic")  # framed gateware says it itself
+    with Twin(other, configuration=classic, endpoint="tcp:0") as board:
         found = against(PUBLISHING.replace("0x10", "0x480"), board)
-    assert list(found) == ["wrong-spec"] and "angle at 0x0480" in found["wrong-spec"].cause
+    assert (
+        list(found) == ["wrong-spec", "unverified-gateware"]
+        and "angle at 0x0480" in found["wrong-spec"].cause
+    )
 
 
 def test_the_right_spec() -> None:

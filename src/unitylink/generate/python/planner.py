@@ -21,6 +21,7 @@ from unitylink.spec.model import Element, Group, Instance, LinkBinding, Publish,
 from unitylink.spec.model import Member as SpecMember
 from unitylink.spec.types import INT32, UINT32
 from unitylink.values import Quantity
+from unitylink.wire_hash import wire_hashes
 
 from ..kept import kept
 from .said import places as _places
@@ -207,6 +208,8 @@ class _Planner:
             [
                 "link",
                 f"{{{given}}}",
+                f"source={quoted(self.spec.source)}",
+                f"gateware={_hashes(wire_hashes(self.spec, root.name))}",
                 f"addresses={addresses}",
                 f"names={names}",
                 *([f"classes={self.class_table}"] if self.types.names else []),
@@ -317,6 +320,11 @@ def _arrays(instance: Instance) -> dict[str, list[int]]:
         if not isinstance(member, Group):
             found.setdefault(attribute_of(member), []).append(position)
     return found
+
+
+def _hashes(hashes: tuple[int, ...]) -> str:
+    text = ", ".join(f"0x{told:016X}" for told in hashes)
+    return f"({text},)" if len(hashes) == 1 else f"({text})"
 
 
 def _publish(publish: Publish) -> str | Call:
