@@ -13,7 +13,7 @@ SPEC = """
 enum mode: u2 { idle = 0; run = 1; }
 bits flags: u8 { hot: bool @ 0; level: u3 @ 6..4 (UNIT="V", SCALE=0.5); }
 public robot() {
-    @power = 0x10: u16 WRITE(ID="the power", UNIT="V", SCALE=0.5, OFFSET=1, MIN=2, MAX=1000, INITIAL=7, SAFE=5);
+    @power = 0x10: u16 WRITE(ID="it", UNIT="V", SCALE=0.5, OFFSET=1, MIN=2, MAX=1000, INITIAL=7, SAFE=5);
     @speed = 0x11: i32 READ(PUBLISH(1, 10));
     @mode = 0x12: mode WRITE();
     @flags = 0x13: flags READ(PUBLISH(on change));
@@ -37,7 +37,7 @@ def of(text: str) -> int:
 
 HARMLESS = [
     ("// the motor", ""),
-    ('ID="the power", ', ""),
+    ('ID="it", ', ""),
     ("(1, 10)", "(1, 20)"),  # the program asks for the rate of its own spec
     ("enum mode", "enum way"),
     ("bits flags", "bits signs"),
@@ -54,7 +54,7 @@ HARMFUL = [
     ("u16 WRITE", "u15 WRITE"),
     ("u16 WRITE", "i16 WRITE"),
     ("fixed(8, 8)", "fixed(4, 12)"),
-    ('WRITE(ID="the', 'READWRITE(ID="the'),
+    ("WRITE(ID", "READWRITE(ID"),
     ('UNIT="V", SCALE', 'UNIT="mV", SCALE'),
     ("SCALE=0.5, OFFSET", "SCALE=0.25, OFFSET"),
     ("OFFSET=1", "OFFSET=0"),

@@ -378,7 +378,7 @@ class Link:
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
         """Raise DeviceMismatch where the gateware was built from another spec than `spec` of `hashes`.
 
-        What cannot say, and all with `spec_hash=any` in the URL, which is logged, is let pass: see `unverified`.
+        What cannot say, and with `spec_hash=any` in the URL all (logged), is let pass: see `unverified`.
         Objects of a spec and the command line do this by themselves (`unitylink.wire_hash`).
         """
         self.unverified = checked_spec(self._native, self.url, spec, hashes)

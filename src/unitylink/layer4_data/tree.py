@@ -32,8 +32,8 @@ def load_spec_objects(
     """Build the objects of a spec's public constructor: `node.j1.cpos.read()`.
 
     With several public constructors `root` chooses one; without it each that the gateware has becomes a part
-    of the returned node, and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM parameters, and the links
-    which the spec declares, by name where they are not `link`.
+    of the returned node, and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM
+    parameters, and the links which the spec declares, by name where they are not `link`.
 
     Raises DeviceMismatch where the gateware says that it was built from another spec: see `Link.check_spec`.
 

@@ -207,17 +207,17 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The gateware was built from another spec",
             "{reason}",
             "give the spec of this gateware (--spec), or build the gateware from {spec}",
-            "A name may stand at another address there, or have another type, unit or limit: a write could move "
-            "the wrong joint, so every program refuses it. `spec_hash=any` in the link's URL goes on all the "
-            "same, and says so.",
+            "A name may stand at another address there, or have another type, unit or limit: a write could "
+            "move the wrong joint, so every program refuses it. `spec_hash=any` in the link's URL goes on, "
+            "and says so.",
         ),
         "unverified-gateware": FindingKind(
             "note",
             "Whether spec and gateware belong together cannot be verified",
             "{reason}",
             "compare {spec} with the one this gateware was built from",
-            "Only gateware with the framed protocol that was generated from a spec says which it was. Classic "
-            "gateware, that of 2012 and cores of your own do not.",
+            "Only gateware with the framed protocol that was generated from a spec says which it was. "
+            "Classic gateware, that of 2012 and cores of your own do not.",
         ),
         "widths": FindingKind(
             "error",

@@ -120,7 +120,8 @@ def open_target(
 ) -> Iterator[Target]:
     """Open LINK and load its names; the link is closed at the end.
 
-    Raises DeviceMismatch where the gateware was built from another spec, unless `check` is False. What is logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
+    Raises DeviceMismatch where the gateware was built from another spec, unless `check` is False. What is
+    logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
     """
     names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
     from unitylink import connect

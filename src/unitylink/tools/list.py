@@ -40,7 +40,8 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
         meant = f"; did you mean --spec {words[0]}?" if words and words[0].endswith(".ul") else ""
         raise click.UsageError(f"give a spec (--spec FILE.ul) or a link that brings one (sim:FILE.ul){meant}")
     names = load_names(link, spec_file)
-    if names.spec is None:
+    spec = names.spec
+    if spec is None:
         raise Failure(f"{link} has no names of its own", "add --spec FILE.ul")
     base_hz, address_bits = _BASE_HZ, ADDRESS_BITS_MAX
     if link is not None:
@@ -54,8 +55,8 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
         groups = [
             {"name": name, "items": items} for name, items in names.groups.items() if listed.issuperset(items)
         ]
-        spec = {"spec": names.spec.name, "file": names.source, "hash": names.spec.hash}
-        print_json({**spec, "items": entries, "groups": groups})
+        told = {"spec": spec.name, "file": names.source, "hash": spec.hash}
+        print_json({**told, "items": entries, "groups": groups})
         return
     columns = list(
         zip(

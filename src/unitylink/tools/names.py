@@ -76,7 +76,7 @@ class Names:
                 self._collect(root, prefix)
 
     def on(self, link: Link) -> Names:
-        """Return the names of what the gateware behind `link` has; DeviceMismatch where it has another spec."""
+        """Return the names of what the gateware behind `link` has; DeviceMismatch: it has another spec."""
         if self.spec is None:
             return self
         there = constructors_there(self.spec, lambda root: (link,))
