@@ -55,6 +55,10 @@ _SCARA_NAMES: dict[str, str] = {
     "j4.pos_sp": "joint 4:pos_sp",
     "j4.spd_sp": "joint 4:spd_SP",
 }
+_SCARA_GATEWARE: dict[str, tuple[int, ...]] = {
+    "ctrl": (0x758D3F5C65DEA3BA,),
+    "comm": (0x758D3F5C65DEA3BA,),
+}
 
 
 class Scara(Node):
@@ -87,7 +91,7 @@ class Scara(Node):
             link,
             {"ctrl": ctrl, "comm": comm},
             source="scara.ul",
-            gateware=(0x758D3F5C65DEA3BA,),
+            gateware=_SCARA_GATEWARE,
             addresses=_SCARA_ADDRESSES,
             names=_SCARA_NAMES,
         )

@@ -60,9 +60,9 @@ class Tree:
     """What the nodes of one tree share: links by name, addresses, display names, classes, publisher.
 
     `links` has the links that are not `link`, by the name of a COMM or CTRL parameter or of a declared link;
-    `classes` the Python classes of enumerations and packed values; `source` is what the spec is called, and
-    `gateware` the wire hashes that the gateware behind each link may have. Values are made only where it has
-    one, or cannot say: see `Link.check_spec`.
+    `classes` the Python classes of enumerations and packed values. `source` is what the spec is called, and
+    `gateware` has the wire hashes that the gateware behind each link in use may have, by the link's name, ""
+    for `link`: DeviceMismatch where one has another, see `Link.check_spec`.
     """
 
     def __init__(
@@ -70,21 +70,20 @@ class Tree:
         link: Link,
         links: Mapping[str, Link | None] | None = None,
         *,
-        source: str,
-        gateware: Sequence[int],
+        source: str = "",
+        gateware: Mapping[str, Sequence[int]] | None = None,
         addresses: Mapping[str, int],
         names: Mapping[str, str] | None = None,
         classes: Mapping[str, type[Any]] | None = None,
     ) -> None:
         self.link = link
         self.links = dict(links or {})
-        self.source = source
-        self.gateware = gateware
         self.addresses = addresses
         self.names = names or {}
         self.classes = classes or {}
         self.publisher = Publisher()
-        self._checked: set[Link] = set()
+        for name, hashes in (gateware or {}).items():
+            self.link_of(name).check_spec(source, hashes)
 
     def hardware(
         self,
@@ -97,18 +96,9 @@ class Tree:
         link: str = "",
     ) -> HardwareProxy:
         """Return the proxy of a link binding; `comm` carries the data, `ctrl` what controls the module."""
-        control = self.link_of(ctrl, link)
-        if ctrl is not None:
-            self.check(control)
-        return hardware_for(kind, self.link_of(comm, link), base, control, size)
+        return hardware_for(kind, self.link_of(comm, link), base, self.link_of(ctrl, link), size)
 
-    def check(self, link: Link) -> None:
-        """Raise DeviceMismatch where the gateware behind `link` was built from another spec; ask it once."""
-        if link not in self._checked:
-            link.check_spec(self.source, self.gateware)
-            self._checked.add(link)
-
-    def link_of(self, parameter: str | None, declared: str) -> Link:
+    def link_of(self, parameter: str | None, declared: str = "") -> Link:
         """Return the link of a COMM or CTRL parameter, or of a declared link's name."""
         for name in (parameter, declared):
             chosen = self.links.get(name) if name else None

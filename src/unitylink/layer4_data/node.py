@@ -80,7 +80,6 @@ class Node:
 
     def _value(self, kind: type[V], name: str, facts: dict[str, Any]) -> V:
         path = self._path(name)
-        self._tree.check(self._hardware.link)
         facts.setdefault("words", 1)
         value = kind(
             path,

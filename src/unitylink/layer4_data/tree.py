@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import BindingError
+from unitylink.errors import BindingError, DeviceMismatch
 from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
-from unitylink.wire_hash import constructors_there, wire_hashes
+from unitylink.wire_hash import wire_hashes
 
 from .binding import Tree
 from .names import attribute_of, event_lines, python_names
@@ -58,22 +58,35 @@ def load_spec_objects(
     for item in roots:
         prefix = f"{item.name}." if several else ""
         _tables(item, prefix, addresses, names)
-    gateware = dict.fromkeys(told for item in roots for told in wire_hashes(spec, item.name))
-    tree = Tree(link, links, source=spec.source, gateware=tuple(gateware), addresses=addresses, names=names)
+    tree = Tree(link, links, addresses=addresses, names=names)
     if not several:
+        _check_gateware(spec, roots[0], tree)
         node = Node(tree, roots[0].name)
         _Builder(spec, roots[0]).fill(node, roots[0], None)
         return node
+    there, refused = [], []
+    for item in roots:
+        try:
+            _check_gateware(spec, item, tree)
+            there.append(item)
+        except DeviceMismatch as error:
+            refused.append(error)
+    if not there:
+        raise refused[0]
     top = Node(tree, spec.name)
-    there = constructors_there(
-        spec, lambda item: {tree.link_of(e.link.comm, e.link.link) for e in item.walk()}
-    )
     attributes = python_names([item.name for item in there])
     for item in there:
         child = Node(top, item.name)
         _Builder(spec, item).fill(child, item, None)
         setattr(top, attributes[item.name], child)
     return top
+
+
+def _check_gateware(spec: Spec, root: Instance, tree: Tree) -> None:
+    """Raise DeviceMismatch where a link leads to gateware that has not what `root` reaches through it."""
+    for ctrl, comm, declared in {(e.link.ctrl, e.link.comm, e.link.link) for e in root.walk()}:
+        for link in {tree.link_of(ctrl, declared), tree.link_of(comm, declared)}:
+            link.check_spec(spec.source, wire_hashes(spec, root.name, comm))
 
 
 def _tables(instance: Instance, prefix: str, addresses: dict[str, int], names: dict[str, str]) -> None:

@@ -19,7 +19,7 @@ from unitylink import protocol
 from unitylink.errors import BusError, DeviceMismatch, LinkError, LinkTimeout, UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
-from unitylink.wire_hash import constructors_there
+from unitylink.wire_hash import part_behind
 
 from .findings import Finding, finding
 from .ftdi import chosen, ftdi_channels
@@ -336,13 +336,13 @@ class _Doctor:
         self.say(f"comparing with {spec.source}")
         with self.open_link(self.place.url) as link:
             try:
-                there = constructors_there(spec, lambda root: (link,))
+                part = part_behind(link, spec)
             except DeviceMismatch as error:
                 return [finding("other-gateware", spec=spec.source, reason=error.message)]
             found = []
             if link.unverified:
                 found = [finding("unverified-gateware", spec=spec.source, reason=link.unverified)]
-            elements = [element for root in there for element in root.walk()]
+            elements = [element for _, element in part.walk()]
             configuration = link.configuration
             beyond = [e for e in elements if e.address >> configuration.address_bits]
             if beyond:

@@ -13,7 +13,7 @@ from unitylink.protocol import ADDRESS_BITS_MAX
 from unitylink.spec.model import Element, Instance, Spec
 from unitylink.spec.suggest import nearest
 from unitylink.values import Quantity
-from unitylink.wire_hash import constructors_there
+from unitylink.wire_hash import part_behind
 
 from .failure import Failure
 
@@ -50,28 +50,24 @@ class Item:
 class Names:
     """All names of a spec (or none), with search."""
 
-    def __init__(
-        self, spec: Spec | None, source: str = "", *, roots: Sequence[Instance] | None = None
-    ) -> None:
-        """`roots` are the public constructors that there are names of; without it, all."""
+    def __init__(self, spec: Spec | None, source: str = "", *, part: Spec | None = None) -> None:
+        """`part` is what there are names of, where that is not all of the spec."""
         self.spec = spec
         self.source = source or (spec.source if spec else "")
-        roots = roots if roots is not None else spec.roots if spec else ()
+        part = part if part is not None else spec
         self.elements: dict[str, Element] = {}
         self.instances: dict[str, list[str]] = {}  # name -> names of all elements below
         self.groups: dict[str, list[str]] = {}  # name -> names of its elements
         self.lines: dict[str, int] = {}  # name -> event line
-        if spec:
-            prefixes = {root.name: f"{root.name}." if len(spec.roots) > 1 else "" for root in roots}
-            for device in spec.devices:
-                if device.root not in prefixes:
-                    continue
-                prefix = prefixes[device.root]
+        if spec and part:
+            several = len(spec.roots) > 1
+            for device in part.devices:
+                prefix = f"{device.root}." if several else ""
                 for group in device.groups:
                     if group.trigger != "rate":
                         self.lines |= {prefix + element.path: group.number for element in group.elements}
-            for root in roots:
-                prefix = prefixes[root.name]
+            for root in part.roots:
+                prefix = f"{root.name}." if several else ""
                 self.elements |= {prefix + element.path: element for element in root.walk()}
                 self._collect(root, prefix)
 
@@ -79,8 +75,7 @@ class Names:
         """Return the names of what the gateware behind `link` has; DeviceMismatch: it has another spec."""
         if self.spec is None:
             return self
-        there = constructors_there(self.spec, lambda root: (link,))
-        return self if len(there) == len(self.spec.roots) else Names(self.spec, self.source, roots=there)
+        return Names(self.spec, self.source, part=part_behind(link, self.spec))
 
     def _collect(self, instance: Instance, prefix: str) -> None:
         name = prefix + instance.path if instance.path else instance.name

@@ -32,6 +32,10 @@ _ARM_NAMES: dict[str, str] = {
     "other": "plain",
     "other.import": "plain",
 }
+_ARM_GATEWARE: dict[str, tuple[int, ...]] = {
+    "link": (0x337A4F254BD744BF, 0x192430620744E4A3),
+    "self": (0x337A4F254BD744BF, 0x192430620744E4A3),
+}
 _TABLE_ADDRESSES: dict[str, int] = {
     "None": 0x800,
     "signal": 0x801,
@@ -39,6 +43,9 @@ _TABLE_ADDRESSES: dict[str, int] = {
     "none.path": 0x803,
 }
 _TABLE_NAMES: dict[str, str] = {}
+_TABLE_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0x337A4F254BD744BF, 0x6A305CDFCBC174B2),
+}
 
 
 class Arm(Node):
@@ -71,7 +78,7 @@ class Arm(Node):
             link,
             {"link": link_, "self": self_},
             source="awkward.ul",
-            gateware=(0x337A4F254BD744BF, 0x192430620744E4A3),
+            gateware=_ARM_GATEWARE,
             addresses=_ARM_ADDRESSES,
             names=_ARM_NAMES,
         )
@@ -108,7 +115,7 @@ class Table(Node):
             link,
             {},
             source="awkward.ul",
-            gateware=(0x337A4F254BD744BF, 0x6A305CDFCBC174B2),
+            gateware=_TABLE_GATEWARE,
             addresses=_TABLE_ADDRESSES,
             names=_TABLE_NAMES,
         )

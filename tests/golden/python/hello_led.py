@@ -25,6 +25,9 @@ _HELLO_LED_NAMES: dict[str, str] = {
     "buttons": "push buttons, one bit each",
     "uptime_ms": "milliseconds since reset",
 }
+_HELLO_LED_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0xE2BF813830B49459,),
+}
 
 
 class HelloLed(Node):
@@ -49,7 +52,7 @@ class HelloLed(Node):
             link,
             {},
             source="hello_led.ul",
-            gateware=(0xE2BF813830B49459,),
+            gateware=_HELLO_LED_GATEWARE,
             addresses=_HELLO_LED_ADDRESSES,
             names=_HELLO_LED_NAMES,
         )

@@ -82,6 +82,10 @@ _PA10_NAMES: dict[str, str] = {
     "w2.pos_sp": "W2:pos_sp",
     "w2.spd_sp": "W2:spd_sp",
 }
+_PA10_GATEWARE: dict[str, tuple[int, ...]] = {
+    "ctrl": (0x98DFC24CB782B35B,),
+    "comm": (0x98DFC24CB782B35B,),
+}
 
 
 class Pa10(Node):
@@ -133,7 +137,7 @@ class Pa10(Node):
             link,
             {"ctrl": ctrl, "comm": comm},
             source="pa10.ul",
-            gateware=(0x98DFC24CB782B35B,),
+            gateware=_PA10_GATEWARE,
             addresses=_PA10_ADDRESSES,
             names=_PA10_NAMES,
         )

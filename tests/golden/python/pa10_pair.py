@@ -91,6 +91,9 @@ _LEFT_ARM_NAMES: dict[str, str] = {
     "arm.j[6].target": "left joint 7 set-point",
     "arm.j[6].limit": "left joint 7 speed limit",
 }
+_LEFT_ARM_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0xFCC2D7217480890F, 0x8D4391DF548A3D9C),
+}
 _RIGHT_ARM_ADDRESSES: dict[str, int] = {
     "arm.j[0].pos": 0x040,
     "arm.j[0].speed": 0x041,
@@ -159,6 +162,9 @@ _RIGHT_ARM_NAMES: dict[str, str] = {
     "arm.j[6].target": "right joint 7 set-point",
     "arm.j[6].limit": "right joint 7 speed limit",
 }
+_RIGHT_ARM_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0xFCC2D7217480890F, 0xC759317BBD9C4DF6),
+}
 
 
 class LeftArm(Node):
@@ -175,7 +181,7 @@ class LeftArm(Node):
             link,
             {},
             source="pa10_pair.ul",
-            gateware=(0xFCC2D7217480890F, 0x8D4391DF548A3D9C),
+            gateware=_LEFT_ARM_GATEWARE,
             addresses=_LEFT_ARM_ADDRESSES,
             names=_LEFT_ARM_NAMES,
         )
@@ -198,7 +204,7 @@ class RightArm(Node):
             link,
             {},
             source="pa10_pair.ul",
-            gateware=(0xFCC2D7217480890F, 0xC759317BBD9C4DF6),
+            gateware=_RIGHT_ARM_GATEWARE,
             addresses=_RIGHT_ARM_ADDRESSES,
             names=_RIGHT_ARM_NAMES,
         )

@@ -64,6 +64,10 @@ _PROFILE_ADDRESSES: dict[str, int] = {
     "samples.waiting": 0x081,
 }
 _PROFILE_NAMES: dict[str, str] = {}
+_PROFILE_GATEWARE: dict[str, tuple[int, ...]] = {
+    "ctrl": (0x14380A6073E1B9DC,),
+    "comm": (0x14380A6073E1B9DC,),
+}
 
 
 class Profile(Node):
@@ -110,7 +114,7 @@ class Profile(Node):
             link,
             {"ctrl": ctrl, "comm": comm},
             source="profile.ul",
-            gateware=(0x14380A6073E1B9DC,),
+            gateware=_PROFILE_GATEWARE,
             addresses=_PROFILE_ADDRESSES,
             names=_PROFILE_NAMES,
         )

@@ -65,6 +65,9 @@ _SERVO_ADDRESSES: dict[str, int] = {
     "lamp": 0x022,
 }
 _SERVO_NAMES: dict[str, str] = {}
+_SERVO_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0x330607D12FA28203,),
+}
 _CLASSES: dict[str, type] = {
     "pwm_control": PwmControl,
 }
@@ -109,7 +112,7 @@ class Servo(Node):
             link,
             {},
             source="servo.ul",
-            gateware=(0x330607D12FA28203,),
+            gateware=_SERVO_GATEWARE,
             addresses=_SERVO_ADDRESSES,
             names=_SERVO_NAMES,
             classes=_CLASSES,

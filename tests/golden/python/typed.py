@@ -136,6 +136,9 @@ _TYPED_NAMES: dict[str, str] = {
     "j[2].pos": "joint 3:pos",
     "j[2].target": "joint 3:target",
 }
+_TYPED_GATEWARE: dict[str, tuple[int, ...]] = {
+    "": (0x437AF4135417D36F,),
+}
 _CLASSES: dict[str, type] = {
     "mode": Mode,
     "level": Level,
@@ -186,7 +189,7 @@ class Typed(Node):
             link,
             {},
             source="typed.ul",
-            gateware=(0x437AF4135417D36F,),
+            gateware=_TYPED_GATEWARE,
             addresses=_TYPED_ADDRESSES,
             names=_TYPED_NAMES,
             classes=_CLASSES,

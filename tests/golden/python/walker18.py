@@ -97,6 +97,10 @@ _WALKER18_NAMES: dict[str, str] = {
     "rear.r.knee_sp": "rear right:knee_sp",
     "rear.r.foot_sp": "rear right:foot_sp",
 }
+_WALKER18_GATEWARE: dict[str, tuple[int, ...]] = {
+    "ctrl": (0x7375E7850025C236,),
+    "comm": (0x7375E7850025C236,),
+}
 
 
 class Walker18(Node):
@@ -136,7 +140,7 @@ class Walker18(Node):
             link,
             {"ctrl": ctrl, "comm": comm},
             source="walker18.ul",
-            gateware=(0x7375E7850025C236,),
+            gateware=_WALKER18_GATEWARE,
             addresses=_WALKER18_ADDRESSES,
             names=_WALKER18_NAMES,
         )

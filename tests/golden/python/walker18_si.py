@@ -105,6 +105,10 @@ _WALKER18_NAMES: dict[str, str] = {
     "leg[5].knee_sp": "leg 6:knee_sp",
     "leg[5].foot_sp": "leg 6:foot_sp",
 }
+_WALKER18_GATEWARE: dict[str, tuple[int, ...]] = {
+    "ctrl": (0x3534D7D64DE2BE8A,),
+    "comm": (0x3534D7D64DE2BE8A,),
+}
 
 
 class Walker18(Node):
@@ -140,7 +144,7 @@ class Walker18(Node):
             link,
             {"ctrl": ctrl, "comm": comm},
             source="walker18_si.ul",
-            gateware=(0x3534D7D64DE2BE8A,),
+            gateware=_WALKER18_GATEWARE,
             addresses=_WALKER18_ADDRESSES,
             names=_WALKER18_NAMES,
         )

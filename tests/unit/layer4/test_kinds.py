@@ -47,7 +47,7 @@ def robot(fake: ModuleType, **options: Any) -> tuple[Any, Node]:
     where = dict(
         zip(["angle", "target", "mode", "count", "flags", "reset", "time"], range(0x10, 0x17), strict=True)
     )
-    node = Node(Tree(link, source="robot.ul", gateware=(), addresses=where), "robot")
+    node = Node(Tree(link, addresses=where), "robot")
     node._read("angle", quantity=ANGLE, publish=(1, 10))
     node._write("target", quantity=Quantity(ANGLE.type, scale=0.001, unit="rad", initial=0.5, safe=0.0))
     node._read_write("mode", quantity=Quantity(MODE, initial=1))

@@ -117,9 +117,13 @@ class _Planner:
         self.taken.add(free)
         return free
 
-    def _claim_tables(self, name: str) -> tuple[str, str]:
+    def _claim_tables(self, name: str) -> tuple[str, str, str]:
         prefix = f"_{re.sub(r'(?<=[a-z0-9])(?=[A-Z])', '_', name).upper()}"
-        return self._claim(f"{prefix}_ADDRESSES"), self._claim(f"{prefix}_NAMES")
+        return (
+            self._claim(f"{prefix}_ADDRESSES"),
+            self._claim(f"{prefix}_NAMES"),
+            self._claim(f"{prefix}_GATEWARE"),
+        )
 
     def _collect(self, instance: Instance) -> None:
         for part in instance.instances:
@@ -166,17 +170,33 @@ class _Planner:
             classes=classes,
         )
 
-    def _tables(self, root: Instance) -> tuple[Table, Table]:
-        addresses, names = self.table_names[root.name]
+    def _tables(self, root: Instance) -> tuple[Table, ...]:
+        addresses, names, gateware = self.table_names[root.name]
         digits = max([3, *(len(f"{element.address:X}") for element in root.walk())])
         where = tuple((quoted(e.path), f"0x{e.address:0{digits}X}") for e in root.walk())
         shown = tuple((quoted(i.path), quoted(i.display)) for i in _named(root) if i.display != i.path)
-        return Table(addresses, "dict[str, int]", where), Table(names, "dict[str, str]", shown)
+        return (
+            Table(addresses, "dict[str, int]", where),
+            Table(names, "dict[str, str]", shown),
+            Table(gateware, "dict[str, tuple[int, ...]]", self._gateware(root)),
+        )
 
     def _class_table(self) -> tuple[Table, ...]:
         names = self.types.names
         rows = tuple((quoted(name), python) for name, python in names.items())
         return (Table(self.class_table, "dict[str, type]", rows),) if rows else ()
+
+    def _gateware(self, root: Instance) -> tuple[tuple[str, str], ...]:
+        """Return what hashes the gateware behind each link may have."""
+        hashes: dict[str, dict[int, None]] = {}
+        for ctrl, comm in dict.fromkeys((e.link.ctrl, e.link.comm) for e in root.walk()):
+            for name in (ctrl, comm):
+                hashes.setdefault(name or "", {}).update(
+                    dict.fromkeys(wire_hashes(self.spec, root.name, comm))
+                )
+        return tuple(
+            (quoted(name), Call("", [f"0x{h:016X}" for h in told]).flat()) for name, told in hashes.items()
+        )
 
     def _links(self, root: Instance, attributes: Mapping[str, str]) -> str:
         """Return arguments that connect a public constructor to virtual boards, one behind each link."""
@@ -190,7 +210,7 @@ class _Planner:
 
     def _root(self, root: Instance) -> Class:
         name = self.root_class[root.name]
-        addresses, names = self.table_names[root.name]
+        addresses, names, gateware = self.table_names[root.name]
         attributes = python_names(root.parameters, {"self", "link", "tree", "super", *self.taken})
         parameters = [attributes[p] for p in root.parameters]
         words = sum(element.words for element in root.walk())
@@ -209,7 +229,7 @@ class _Planner:
                 "link",
                 f"{{{given}}}",
                 f"source={quoted(self.spec.source)}",
-                f"gateware={_hashes(wire_hashes(self.spec, root.name))}",
+                f"gateware={gateware}",
                 f"addresses={addresses}",
                 f"names={names}",
                 *([f"classes={self.class_table}"] if self.types.names else []),
@@ -320,11 +340,6 @@ def _arrays(instance: Instance) -> dict[str, list[int]]:
         if not isinstance(member, Group):
             found.setdefault(attribute_of(member), []).append(position)
     return found
-
-
-def _hashes(hashes: tuple[int, ...]) -> str:
-    text = ", ".join(f"0x{told:016X}" for told in hashes)
-    return f"({text},)" if len(hashes) == 1 else f"({text})"
 
 
 def _publish(publish: Publish) -> str | Call:
