@@ -57,6 +57,7 @@ entity core is
     tx_last      : out std_ulogic;
     tx_publish   : out std_ulogic;
     events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+    tripped      : out std_ulogic;
     wishbone_m2s : out wishbone_m2s_t;
     wishbone_s2m : in  wishbone_s2m_t
   );
@@ -82,7 +83,7 @@ begin
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
-      events => events,
+      events => events, tripped => tripped,
       bii_request => bii_request, bii_response => bii_response);
 
   wishbone_master : entity work.wishbone_master

@@ -3,7 +3,7 @@
 -- The Unity-Link core without a bus: a protocol or both on byte streams, requests and publishes on the bus-independent
 -- interface. `core` puts a Wishbone master behind it, `core_axi_lite` an AXI4-Lite one; yours may be another.
 --
---   rx --> port_splitter --> classic, framed <--> application_switch <--> bii
+--   rx --> port_splitter --> classic, framed <--> application_switch <--> dead_man <--> bii
 --   tx <-- port_joiner   <------+                        |
 --                                              subscription_manager <-- events
 --
@@ -11,10 +11,12 @@
 -- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message, tx_publish: with all bytes of a
 --           publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
 --           events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
+--           tripped: of the dead-man (dead_man), high from its trip until `arm` or reset; low where there is none.
 -- Latency   From the last byte of a request to the first of its reply: 6 clocks. Then a byte a clock, as far as the bus and
 --           the reply go: the figures are in docs/gateware/core.md and asserted in tests/gateware/test_cycles.py.
 -- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
--- Pressure  tx_ready stalls replies, then execution, then rx_ready. Two requests are kept, in execution and behind it.
+-- Pressure  tx_ready stalls replies, then execution, then rx_ready; never the dead-man. Two requests are kept, in execution
+--           and behind it.
 -- Checksum  "none" also takes checked requests and EPC away.
 -- Datalink  "lite" and "none" keep nothing: a request is executed while it comes in (docs/gateware/datalink.md).
 
@@ -23,6 +25,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
 use work.subscription_pkg.all;
@@ -67,6 +70,7 @@ entity core_bii is
     tx_last      : out std_ulogic;
     tx_publish   : out std_ulogic;
     events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+    tripped      : out std_ulogic;
     bii_request  : out bii_request_t;
     bii_response : in  bii_response_t
   );
@@ -91,6 +95,10 @@ architecture rtl of core_bii is
   signal subscription_response : subscription_response_t;
   signal classic_bii, framed_bii : bii_request_t;
   signal classic_bii_response, framed_bii_response : bii_response_t;
+  signal asked                : bii_request_t;   -- of the bus, by whichever side has it
+  signal answered             : bii_response_t;
+  signal dead_man_request     : dead_man_request_t;
+  signal dead_man_response    : dead_man_response_t;
 
   function groups_of(mode : natural) return natural is
   begin
@@ -129,9 +137,8 @@ begin
       generic map (
         address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
         groups => groups_of(publish_mode), group_size => group_size, rate_bytes => rate_bytes, exchanges => exchanges,
-        exchange_size => exchange_size, lists => lists, deadman => deadman, safe_values => safe_values,
-        window => window, classic => has_classic, gateware_version => gateware_version, build => build,
-        spec_hash => spec_hash)
+        exchange_size => exchange_size, lists => lists, deadman => deadman, window => window,
+        classic => has_classic, gateware_version => gateware_version, build => build, spec_hash => spec_hash)
       port map (
         clock => clock, reset => reset,
         frame_valid => frame_valid, frame_ready => frame_ready, frame_data => rx_data, receive_overrun => rx_error(2),
@@ -139,6 +146,7 @@ begin
         tx_last => frame_tx_last, tx_publish => frame_tx_publish,
         session_open => session_open, may_begin => framed_may_begin, wants => framed_wants, busy => framed_busy,
         subscription_request => framed_subscription, subscription_response => subscription_response,
+        dead_man_request => dead_man_request, dead_man_response => dead_man_response,
         bii_request => framed_bii, bii_response => framed_bii_response);
   end generate;
 
@@ -171,7 +179,7 @@ begin
         framed_busy => framed_busy, framed_wants => framed_wants, framed_may_begin => framed_may_begin,
         framed_subscription => framed_subscription, framed_bii => framed_bii,
         framed_bii_response => framed_bii_response,
-        subscription_request => subscription_request, bii_request => bii_request, bii_response => bii_response);
+        subscription_request => subscription_request, bii_request => asked, bii_response => answered);
   end generate;
 
   classic_alone : if not has_framed generate
@@ -186,8 +194,8 @@ begin
     tx_last              <= classic_tx_last;
     tx_publish           <= classic_tx_publish;
     subscription_request <= classic_subscription;
-    bii_request          <= classic_bii;
-    classic_bii_response <= bii_response;
+    asked                <= classic_bii;
+    classic_bii_response <= answered;
   end generate;
 
   framed_alone : if not has_classic generate
@@ -199,8 +207,24 @@ begin
     tx_last              <= frame_tx_last;
     tx_publish           <= frame_tx_publish;
     subscription_request <= framed_subscription;
-    bii_request          <= framed_bii;
-    framed_bii_response  <= bii_response;
+    asked                <= framed_bii;
+    framed_bii_response  <= answered;
+  end generate;
+
+  -- It stands behind the switch, so that the classic side has nothing to say about it either.
+  watched : if has_framed and deadman generate
+    dead_man : entity work.dead_man
+      generic map (
+        address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
+        safe_values => safe_values)
+      port map (
+        clock => clock, reset => reset, request => dead_man_request, response => dead_man_response, tripped => tripped,
+        asked => asked, answered => answered, bii_request => bii_request, bii_response => bii_response);
+  else generate
+    tripped           <= '0';
+    dead_man_response <= dead_man_response_idle;
+    bii_request       <= asked;
+    answered          <= bii_response;
   end generate;
 
   publishing : if publish_mode > 0 generate

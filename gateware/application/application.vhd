@@ -316,9 +316,9 @@ begin
         access_done <= '1';
         if bii_response.status = silent then
           failure <= to_unsigned(position_silent, 2);
-        elsif bii_response.status = error and bus_write = '1' then
+        elsif bii_response.status /= ok and bus_write = '1' then
           failure <= to_unsigned(position_refused_write, 2);
-        elsif bii_response.status = error then
+        elsif bii_response.status /= ok then
           failure <= to_unsigned(position_refused_read, 2);
         end if;
       elsif act_now = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and

@@ -14,7 +14,8 @@ package bii_pkg is
   type bii_status_t is (
     ok,      -- done
     error,   -- a slave refused
-    silent   -- nothing answered in time
+    silent,  -- nothing answered in time
+    denied   -- a write, and the dead-man has tripped: it was not made
   );
 
   type bii_request_t is record

@@ -61,7 +61,7 @@ architecture properties of frame_application_formal is
     address_width => 8, data_width => 8, address_bytes => 1, data_bytes => 1, clock_hz => 4, base_hz => 1, groups => 0,
     group_size => 0, rate_bytes => 1, exchanges => 0, exchange_size => 0, window => 2,
     cache_bytes => frame_cache_bytes_default_c, request_max => 250, reply_max => 250, credit => 512, classic => false,
-    lists => false, deadman => false, safe_count => 0, gateware_version => x"00000000", build => x"00000000",
+    lists => false, deadman => false, gateware_version => x"00000000", build => x"00000000",
     spec_hash => x"0000000000000000");
 
   constant content : word_memory_t := memory_content(settings, no_safe_values);
@@ -245,7 +245,7 @@ begin
 
       if begins = '1' then
         entry    <= to_integer(unsigned(entry_now));
-        frame    <= to_bit(unsigned(entry_now) < entry_tick);
+        frame    <= to_bit(unsigned(entry_now) < entry_trip);
         had_id   <= to_bit(length >= 2);
         dones    <= 0;
         kinds    <= 0;
@@ -285,7 +285,7 @@ begin
   epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
 
   -- The receiver tells what it may: a request in a session only, what is dropped without payload.
-  frames_are_frames : assume always arrives = '1' -> holds(unsigned(entry_in) < entry_tick and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
+  frames_are_frames : assume always arrives = '1' -> holds(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
                       (unsigned(entry_in) > 15 or in_session = '1') and (unsigned(entry_in) < entry_check or length_in = 0));
 
   -- The transmitter is idle until it is given something.

@@ -7,17 +7,21 @@
 -- Ports     request, take, rewind, request_done: see frame_receiver. reply, reply_ready, reply_idle: see frame_transmitter.
 --           bii: see bii_pkg. subscription: see subscription_pkg. epoch: FFFF while no session is open. may_begin: low while
 --           another application has the bus; busy: this one has it. overrun: one-clock pulses, each counted.
+--           dead_man: see dead_man_pkg; `alive` is not of here.
 -- Latency   From a request to the kind of its reply, with a 2-clock bus and 2 address bytes: 8 clocks for a read; a read
 --           every 17 clocks, a post every 12.
 -- Errors    The status of docs/protocol.md. A refused request changes nothing but counters.
--- Arbitration  Ticks, then publishes, then requests; between messages only.
--- Pressure  reply_ready stalls the program wherever it wants to say something; nothing is lost.
+-- Arbitration  Publishes, then requests; between messages only.
+-- Pressure  reply_ready stalls the program where it wants to say something: an answer waits for room, and all frames behind it.
+--           A publish begins only where there is room for all of it. Until then posts are executed; one that is due again in
+--           the meantime is left out and counted (publish_overruns).
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.dead_man_pkg.all;
 use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
@@ -29,8 +33,7 @@ use work.width_pkg.all;
 
 entity frame_application is
   generic (
-    settings    : frame_settings_t;  -- see framed
-    safe_values : safe_values_t := no_safe_values
+    settings : frame_settings_t  -- see framed
   );
   port (
     clock                 : in  std_ulogic;
@@ -51,6 +54,8 @@ entity frame_application is
     publish_overrun       : in  std_ulogic := '0';
     subscription_request  : out subscription_request_t;
     subscription_response : in  subscription_response_t := subscription_response_idle;
+    dead_man_request      : out dead_man_request_t;
+    dead_man_response     : in  dead_man_response_t := dead_man_response_idle;
     bii_request           : out bii_request_t;
     bii_response          : in  bii_response_t
   );
@@ -64,57 +69,49 @@ architecture rtl of frame_application is
   constant deadman    : boolean  := settings.deadman;
 
   constant program       : frame_program_t := frame_program_for(settings);
-  constant content       : word_memory_t   := memory_content(settings, safe_values);
+  constant content       : word_memory_t   := memory_content(settings);
   constant address_bits  : positive        := 8 * settings.address_bytes;
   constant data_bytes    : positive        := settings.data_bytes;
-
   constant once          : byte_t          := byte_t(to_unsigned(shape_once, 8));
   constant up            : byte_t          := byte_t(to_unsigned(shape_up, 8));
 
   subtype pointer_t is unsigned(bits_for(content'length) - 1 downto 0);
 
   signal instruction  : frame_instruction_t;
-  signal number_now   : byte_t;
-  signal first, last  : std_ulogic;
-  signal holds, jump  : std_ulogic;
+  signal number_now, said, recalled : byte_t;
+  signal first, last, holds, jump, pending, begins : std_ulogic;
   signal act_now      : std_ulogic;  -- the instruction is done in this clock
   signal does         : std_ulogic;  -- unless it awaited an access that failed
   signal finishes     : std_ulogic;  -- and for the last time
-  signal pending, begins : std_ulogic;
   signal entry        : entry_t;
 
   signal data         : word32_t := (others => '0');
   signal address      : unsigned(address_bits - 1 downto 0) := (others => '0');
   signal id           : std_ulogic_vector(15 downto 0) := (others => '0');
   signal epoch_now    : crc16_t := (others => '1');
-  signal count        : unsigned(7 downto 0) := (others => '0');
-  signal group_number : unsigned(7 downto 0) := (others => '0');
+  signal count, group_number : unsigned(7 downto 0) := (others => '0');
   signal size         : unsigned(2 downto 0) := (others => '0');
-  signal flags        : byte_t := (others => '0');
-  signal marks        : byte_t := (others => '0');
-  signal shape        : byte_t := (others => '0');
+  signal flags, own_flags : byte_t := (others => '0');
+  signal sets, clears : std_ulogic;  -- of them, in this clock
+  signal marks, shape : byte_t := (others => '0');
   signal passes       : std_ulogic;  -- it is take_item, and takes nothing: all words have one address
   signal pointer      : pointer_t := (others => '0');
 
   signal word_index : pointer_t;
   signal word       : word32_t;
-  signal word_full  : std_ulogic;
 
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
   signal kept_count              : unsigned(4 downto 0);
   signal remember, forget, starts, keep, recall : std_ulogic;
-  signal recalled                : byte_t;
 
   signal time_now : unsigned(31 downto 0);
-  signal half, look, turned, ticking, tick_seen : std_ulogic;
-  signal heard, publish : std_ulogic;
+  signal half, look, turned, publish : std_ulogic;
 
-  signal said     : byte_t;
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` moves up a byte
   signal distance : unsigned(15 downto 0);         -- of the lower half of `data` from that of the word
-  signal reads, writes, holds_bus, found, access_done, failed, silent_bus : std_ulogic;
+  signal reads, writes, holds_bus, found, access_done, failed, silent_bus, denied_write : std_ulogic;
 
   function to_bit(value : boolean) return std_ulogic is
   begin
@@ -128,10 +125,8 @@ begin
 
   assert settings.exchange_size * data_bytes <= 255
     report "frame_application: exchange_size words must be fewer than 256 bytes" severity failure;
-  assert settings.safe_count < 128
-    report "frame_application: there are more than 127 safe values" severity failure;
   assert content'length <= 512
-    report "frame_application: groups, exchange groups and safe values need more than 512 words" severity failure;
+    report "frame_application: groups and exchange groups need more than 512 words" severity failure;
 
   sequencer : entity work.frame_sequencer
     generic map (program => program, sizes => exchanges > 0)
@@ -143,7 +138,7 @@ begin
   memory : entity work.frame_memory
     generic map (content => content)
     port map (clock => clock, index => word_index, store => instruction(store_f), enable => finishes,
-      data => data, word => word, full => word_full);
+      data => data, word => word);
 
   cache : entity work.reply_cache
     generic map (window => settings.window)
@@ -154,24 +149,22 @@ begin
       data_in => said, recall => recall, data_out => recalled);
 
   timer : entity work.frame_clock
-    generic map (clock_hz => settings.clock_hz, base_hz => settings.base_hz, ticks => deadman)
-    port map (
-      clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned,
-      running => flags(1), ticking => ticking, seen => tick_seen);
+    port map (clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned);
 
   dispatcher : entity work.frame_dispatcher
     generic map (publishing => groups > 0, deadman => deadman)
     port map (
-      clock => clock, reset => reset, turned => turned, ticking => ticking, publish => publish,
-      receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => request.valid,
-      frame_entry => request.entry, begins => begins, pending => pending, entry => entry, heard => heard);
+      clock => clock, reset => reset, turned => turned, tripped => dead_man_response.uncounted, publish => publish,
+      room => reply_ready, receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => request.valid,
+      frame_entry => request.entry, begins => begins, pending => pending, entry => entry);
 
   bus_access : entity work.frame_bus
     generic map (address_width => settings.address_width, data_width => settings.data_width)
     port map (
       clock => clock, reset => reset, read => reads, write => writes, hold => holds_bus, free => instruction(do_begin),
       address => std_ulogic_vector(address(settings.address_width - 1 downto 0)), data => data, found => found,
-      done => access_done, failed => failed, silent_bus => silent_bus, bii_request => bii_request, bii_response => bii_response);
+      done => access_done, failed => failed, silent_bus => silent_bus, denied_write => denied_write,
+      bii_request => bii_request, bii_response => bii_response);
 
   -- What to do next.
 
@@ -201,7 +194,6 @@ begin
       when if_low_not      => holds <= to_bit(data(7 downto 0) /= number_now);
       when if_above        => holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
       when if_top          => holds <= data(31) and to_bit(exchanges > 0);
-      when if_full         => holds <= word_full and to_bit(deadman);
       when if_no_register  =>
         holds <= not to_bit(pointer <= control_spec_hash_low_c or
                             (pointer >= control_frames_c and pointer <= control_deadman_trips_c) or
@@ -209,6 +201,7 @@ begin
       when if_pointer      => holds <= to_bit(resize(pointer, 8) = unsigned(number_now));
       when if_failed       => holds <= failed;
       when if_silent       => holds <= silent_bus;
+      when if_denied       => holds <= denied_write and to_bit(deadman);
       when if_busy         => holds <= not reply_idle;
       when if_rate_pending => holds <= not subscription_response.done;
       when if_half_turn    => holds <= half;
@@ -283,7 +276,6 @@ begin
   keep     <= does and to_bit(instruction(say_f) = say_kept);
   recall   <= does and to_bit(instruction(source_f) = from_cache);
   look     <= finishes and to_bit(instruction(special_f) = half_turn);
-  tick_seen <= begins and to_bit(entry = std_ulogic_vector(to_unsigned(entry_tick, 5)));
   publish   <= subscription_response.publish and flags(2);
 
   reads     <= finishes and not jump and instruction(do_read);
@@ -325,7 +317,7 @@ begin
                 data <= data and word;
               end if;
             when data_and_not =>
-              if lists or deadman then
+              if lists then
                 data <= data and not word;
               end if;
             when others => null;
@@ -349,7 +341,7 @@ begin
         end if;
       end if;
       if finishes = '1' then
-        if instruction(do_load_address) = '1' and (exchanges > 0 or deadman) then
+        if instruction(do_load_address) = '1' and exchanges > 0 then
           address <= unsigned(word(address'range));
         elsif instruction(do_find_address) = '1' and groups > 0 then
           address <= unsigned(subscription_response.word(address'range));
@@ -370,7 +362,7 @@ begin
 
       if instruction(do_begin) = '1' then
         count <= (others => '0');
-        marks <= (7 => heard and to_bit(deadman), others => '0');
+        marks <= (others => '0');
         if groups > 0 then
           group_number <= subscription_response.publish_group;
         end if;
@@ -379,8 +371,8 @@ begin
           count <= count - 1;
         end if;
         case special is
-          when set_flags    => flags        <= flags or number_now;
-          when clear_flags  => flags        <= flags and not number_now;
+          when set_flags    => own_flags    <= own_flags or number_now;
+          when clear_flags  => own_flags    <= own_flags and not number_now;
           when set_marks    => marks        <= marks or number_now;
           when load_shape   =>
             shape <= shape_of(data(7 downto 0));
@@ -392,11 +384,10 @@ begin
           when load_group   => group_number <= unsigned(data(7 downto 0));
           when load_size    => size         <= unsigned(word(26 downto 24));
           when load_epoch   => epoch_now    <= data(15 downto 0);
-          when load_running => flags(1)     <= or data and to_bit(deadman);
           when others       => null;
         end case;
         if instruction(manage_f) = manage_publish and groups > 0 then
-          flags(2) <= data(0);
+          own_flags(2) <= data(0);
         end if;
 
         if instruction(do_point) = '1' then
@@ -415,12 +406,22 @@ begin
 
       if reset = '1' then
         epoch_now <= (others => '1');
-        flags     <= (others => '0');
+        own_flags <= (others => '0');
       end if;
     end if;
   end process;
 
   epoch <= epoch_now;
+
+  -- Three flags are the dead-man's; setting and clearing them are commands to it.
+  flags  <= own_flags(7 downto 4) & dead_man_response.tripped_now & own_flags(2) & dead_man_response.running &
+            dead_man_response.tripped;
+  sets   <= finishes and to_bit(instruction(special_f) = set_flags);
+  clears <= finishes and to_bit(instruction(special_f) = clear_flags);
+  dead_man_request <= (
+    alive => '0', start => finishes and to_bit(instruction(special_f) = start_dead_man), ticks => data,
+    trip => sets and number_now(0), arm => clears and number_now(0), renew => clears and number_now(3),
+    counted => begins and to_bit(entry = std_ulogic_vector(to_unsigned(entry_trip, 5))));
 
   manage_groups : process (all)
   begin

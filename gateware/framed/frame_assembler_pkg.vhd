@@ -27,7 +27,7 @@ package frame_assembler_pkg is
     next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
     finish_plain, write_ok,
     invalid, bad_address, denied, too_long, order,
-    behind, no_group, failed, count_failure, count_silence, drop_kind, drop_stale, drop_done, clear_next, cleared,
+    behind, no_group, failed, count_failure, count_silence, count_denial, drop_kind, drop_stale, drop_done, clear_next, cleared,
     -- sessions
     hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer,
     close_wait, session_begins, begin_next, begin_rest,
@@ -37,7 +37,7 @@ package frame_assembler_pkg is
     check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read, exec_write,
     -- control registers, time, dead-man
     registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
-    registers_kept, registers_say, turn_down, tick_heard, tick_count, tick_trip, trip, trip_next, tripped, write_arm,
+    registers_kept, registers_say, turn_down, write_arm,
     write_publish, write_ticks,
     -- posts
     post_other, post_old, post_denied, post_failed, post_note, post_noted, post_formed, post_end,

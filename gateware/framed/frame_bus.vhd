@@ -3,10 +3,10 @@
 -- One access after the other on the bus-independent interface, for the framed application.
 --
 -- Ports     read, write: begin an access in the next clock, with address and data as they are then; steady until `done`. What a
---           read found stands with `found` for one clock. failed, silent: of the last access. hold: the bus is kept from now on
---           until `free`.
+--           read found stands with `found` for one clock. failed, silent_bus, denied_write: of the last access. hold: the bus is
+--           kept from now on until `free`.
 -- Latency   done is high from the clock behind the answer until the next access begins.
--- Errors    failed: the bus refused, or nobody answered, which silent tells.
+-- Errors    failed: the bus refused; nobody answered, which silent_bus tells; or the dead-man has tripped: denied_write.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,6 +32,7 @@ entity frame_bus is
     done         : out std_ulogic;
     failed       : out std_ulogic;
     silent_bus   : out std_ulogic;
+    denied_write : out std_ulogic;
     bii_request  : out bii_request_t;
     bii_response : in  bii_response_t
   );
@@ -54,11 +55,15 @@ begin
         over  <= '1';
         failed     <= '0';
         silent_bus <= '0';
+        denied_write <= '0';
         if bii_response.status /= ok then
           failed <= '1';
         end if;
         if bii_response.status = silent then
           silent_bus <= '1';
+        end if;
+        if bii_response.status = denied then
+          denied_write <= '1';
         end if;
       elsif read = '1' or write = '1' then
         valid  <= '1';

@@ -1,51 +1,65 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Says what the framed application does next: what happened besides, a tick, a publish, or the next frame.
+-- Says what the framed application does next: what happened besides, a publish, or the next frame.
 --
 -- Ports     entry: of frame_pkg, while `pending`. begins: it is taken. receive_overrun, publish_overrun: one-clock pulses, each
---           kept until it is taken. heard: a request or post of the session was taken since the last tick was.
+--           kept until it is taken. tripped: the dead-man has, and it is not counted yet. room: the transmitter takes a whole
+--           payload.
 -- Latency   None.
 -- Errors    None. An overrun of the line that comes while another one waits joins it; of publishes 15 wait.
--- Arbitration  In this order: half_turn, overruns, ticks, publishes, frames.
+-- Arbitration  In this order: half_turn, overruns, tripped, publishes, frames.
+-- Pressure  A publish begins only if there is room for all of it. One that is due without room lets posts and what is dropped
+--           begin, which say nothing; other frames would wait for the room, too, and then it goes first.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.frame_pkg.all;
+use work.protocol_pkg.all;
 
 entity frame_dispatcher is
   generic (
     publishing : boolean := true;  -- there are publishes
-    deadman    : boolean := true   -- there are ticks
+    deadman    : boolean := true   -- there is one
   );
   port (
     clock           : in  std_ulogic;
     reset           : in  std_ulogic;
     turned          : in  std_ulogic;
-    ticking         : in  std_ulogic;
+    tripped         : in  std_ulogic;
     publish         : in  std_ulogic;
+    room            : in  std_ulogic;
     receive_overrun : in  std_ulogic;
     publish_overrun : in  std_ulogic;
     frame_valid     : in  std_ulogic;
     frame_entry     : in  entry_t;
     begins          : in  std_ulogic;
     pending         : out std_ulogic;
-    entry           : out entry_t;
-    heard           : out std_ulogic
+    entry           : out entry_t
   );
 end entity;
 
 architecture rtl of frame_dispatcher is
 
-  signal receive_overran, was_heard : std_ulogic := '0';
+  signal receive_overran : std_ulogic := '0';
   signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not taken yet
   signal choice : entry_t;
+  signal says_nothing : std_ulogic;  -- the frame has no answer
 
 begin
 
   entry <= choice;
-  heard <= was_heard;
+
+  silence : process (all)
+  begin
+    says_nothing <= '0';
+    case to_integer(unsigned(frame_entry)) is
+      when request_kind_post_c mod 16 | request_kind_post_list_c mod 16 | entry_check | entry_long | entry_kind =>
+        says_nothing <= '1';
+      when others => null;
+    end case;
+  end process;
 
   choose : process (all)
   begin
@@ -57,10 +71,12 @@ begin
       choice <= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5));
     elsif publishing and publish_overruns /= 0 then
       choice <= std_ulogic_vector(to_unsigned(entry_publish_overrun, 5));
-    elsif deadman and ticking = '1' then
-      choice <= std_ulogic_vector(to_unsigned(entry_tick, 5));
-    elsif publishing and publish = '1' then
+    elsif deadman and tripped = '1' then
+      choice <= std_ulogic_vector(to_unsigned(entry_trip, 5));
+    elsif publishing and publish = '1' and room = '1' then
       choice <= std_ulogic_vector(to_unsigned(entry_publish, 5));
+    elsif publishing and publish = '1' then
+      pending <= frame_valid and says_nothing;
     else
       pending <= frame_valid;
     end if;
@@ -80,16 +96,11 @@ begin
       if begins = '1' then
         if unsigned(choice) = entry_receive_overrun then
           receive_overran <= receive_overrun;
-        elsif unsigned(choice) = entry_tick then
-          was_heard <= '0';
-        elsif choice(choice'left) = '0' then
-          was_heard <= '1';
         end if;
       end if;
       if reset = '1' then
-        receive_overran <= '0';
+        receive_overran  <= '0';
         publish_overruns <= (others => '0');
-        was_heard        <= '0';
       end if;
     end if;
   end process;

@@ -58,11 +58,11 @@ package frame_instruction_pkg is
   constant if_low_not      : natural := 18;
   constant if_above        : natural := 19;  -- `data` is more than `number`
   constant if_top          : natural := 22;  -- highest bit of `data`
-  constant if_full         : natural := 23;  -- the word is all ones
   constant if_no_register  : natural := 24;  -- `pointer` is no control register
   constant if_pointer      : natural := 25;  -- it is `number`
   constant if_failed       : natural := 26;  -- the access
   constant if_silent       : natural := 27;  -- the access that failed: nobody answered
+  constant if_denied       : natural := 23;  -- the access that failed: a write, and the dead-man has tripped
   constant if_busy         : natural := 28;  -- a frame is on its way out
   constant if_rate_pending : natural := 29;
   constant if_half_turn    : natural := 30;  -- the clock's highest bit was one when last looked at
@@ -138,7 +138,7 @@ package frame_instruction_pkg is
   constant load_group   : std_ulogic_vector(4 downto 0) := "01000";  -- from the lowest byte of `data`
   constant load_size    : std_ulogic_vector(4 downto 0) := "01001";  -- from the highest byte of the word
   constant load_epoch   : std_ulogic_vector(4 downto 0) := "01010";  -- from the lower half of `data`
-  constant load_running : std_ulogic_vector(4 downto 0) := "01011";  -- the flag: `data` is not zero
+  constant start_dead_man : std_ulogic_vector(4 downto 0) := "01011";  -- for `data` ticks, 0: stop
   constant address_up   : std_ulogic_vector(4 downto 0) := "01110";  -- of an operation at rising addresses
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit

@@ -4,7 +4,7 @@
 --
 --   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md, section 6)
 --   0x45 what the program keeps to itself  0x60 constants  0x70 sequences of up to 16 groups
---   from 0x80: those of more groups, exchange groups, safe values
+--   from 0x80: those of more groups, exchange groups
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -46,7 +46,6 @@ package frame_layout_pkg is
     classic          : boolean;
     lists            : boolean;
     deadman          : boolean;
-    safe_count       : natural;
     gateware_version : word32_t;
     build            : word32_t;
     spec_hash        : std_ulogic_vector(63 downto 0);
@@ -59,8 +58,6 @@ package frame_layout_pkg is
   constant word_session  : natural := 16#49#;  -- nonce and epoch of the session; no session: all ones
   constant word_failed   : natural := 16#4A#;  -- posts that failed, in the lower half; the upper half is all ones
   constant word_high     : natural := 16#4C#;  -- upper half of the clock
-  constant word_silent   : natural := 16#4D#;  -- ticks without a frame: counts up to all ones
-  constant word_ticks    : natural := 16#4E#;  -- where it starts
   constant word_barrier  : natural := 16#4F#;
   constant word_total    : natural := 16#50#;  -- of a list: words
   constant word_reads    : natural := 16#51#;  -- those read
@@ -84,7 +81,9 @@ package frame_layout_pkg is
   constant word_hello    : natural := 16#68#;  -- what HELLO tells of the device behind the epoch
   constant hello_words   : natural := 5;
 
-  -- What the program remembers from frame to frame; the first three are the register `arm`.
+  -- What is remembered from frame to frame; the first three are the register `arm`. The dead-man has three of them, to which
+  -- setting and clearing are commands: setting flag_tripped trips it if it runs, clearing arms; clearing flag_tripped_now
+  -- begins a session (dead_man_pkg).
   constant flag_tripped     : natural := 1;   -- the dead-man has, and nobody has armed since
   constant flag_running     : natural := 2;   -- the dead-man is
   constant flag_publishing  : natural := 4;
@@ -99,7 +98,6 @@ package frame_layout_pkg is
   constant mark_fifo      : natural := 4;    -- the list has a read_fifo
   constant mark_posting   : natural := 16;   -- it is a post
   constant mark_executing : natural := 32;   -- list or group has been checked
-  constant mark_heard     : natural := 128;  -- of a tick: a frame of the session has come since the last one
 
   -- The status of a place whose id nothing has been executed for.
   constant no_status : natural := 15;
@@ -124,13 +122,12 @@ package frame_layout_pkg is
   function exchange_stride(s : frame_settings_t) return positive;
   function sequence_base(s : frame_settings_t) return natural;
   function exchange_base(s : frame_settings_t) return natural;
-  function safe_base(s : frame_settings_t) return natural;
   function memory_words(s : frame_settings_t) return positive;
 
   function features_of(s : frame_settings_t) return natural;
 
   type word_memory_t is array (natural range <>) of word32_t;
-  function memory_content(s : frame_settings_t; safe_values : safe_values_t) return word_memory_t;
+  function memory_content(s : frame_settings_t) return word_memory_t;
 
 end package;
 
@@ -206,7 +203,7 @@ package body frame_layout_pkg is
     return (start + size - 1) / size * size;
   end function;
 
-  function safe_base(s : frame_settings_t) return natural is
+  function tables_last(s : frame_settings_t) return natural is
   begin
     if s.exchanges = 0 then
       return tables_end(s);
@@ -216,7 +213,7 @@ package body frame_layout_pkg is
 
   function memory_words(s : frame_settings_t) return positive is
   begin
-    return power_of_two(maximum(256, safe_base(s) + 2 * s.safe_count));  -- a register has a byte of address
+    return power_of_two(maximum(256, tables_last(s)));  -- a register has a byte of address
   end function;
 
   function features_of(s : frame_settings_t) return natural is
@@ -240,7 +237,7 @@ package body frame_layout_pkg is
     return bits;
   end function;
 
-  function memory_content(s : frame_settings_t; safe_values : safe_values_t) return word_memory_t is
+  function memory_content(s : frame_settings_t) return word_memory_t is
     variable words : word_memory_t(0 to memory_words(s) - 1) := (others => (others => '0'));
 
     procedure set(place : natural; value : natural) is
@@ -285,10 +282,6 @@ package body frame_layout_pkg is
     words(word_hello + 2) := bytes(s.window, s.cache_bytes, features_of(s) / 256, features_of(s) mod 256);
     words(word_hello + 3) := s.spec_hash(63 downto 32);
     words(word_hello + 4) := s.spec_hash(31 downto 0);
-    for index in 0 to s.safe_count - 1 loop
-      words(safe_base(s) + 2 * index)     := safe_values(safe_values'low + index).address;
-      words(safe_base(s) + 2 * index + 1) := safe_values(safe_values'low + index).value;
-    end loop;
     return words;
   end function;
 

@@ -4,7 +4,7 @@
 --
 -- Ports     index: the word that is looked at, which stands in `word` one clock later; in a clock in which something is stored
 --           at index nothing is looked at. store: see frame_instruction_pkg, with `enable`, which may come late in the clock;
---           data: what store_data stores. full: the word is all ones.
+--           data: what store_data stores.
 -- Latency   One clock.
 -- Errors    None.
 
@@ -26,8 +26,7 @@ entity frame_memory is
     store : in  std_ulogic_vector(1 downto 0);
     enable : in std_ulogic;
     data  : in  word32_t;
-    word  : out word32_t;
-    full  : out std_ulogic
+    word  : out word32_t
   );
 end entity;
 
@@ -44,7 +43,6 @@ begin
   known <= to_stdulogicvector(to_bitvector(looked));
   word <= known;
   ones <= and known;
-  full <= ones;
 
   choose : process (all)
   begin

@@ -21,7 +21,7 @@ package frame_pkg is
   constant entry_long      : natural := 19;  -- dropped: longer than any request
   constant entry_session   : natural := 20;  -- dropped: no session is open
   constant entry_kind      : natural := 21;  -- dropped: no kind of a host
-  constant entry_tick      : natural := 22;  -- no frame but a tick of base_hz
+  constant entry_trip      : natural := 22;  -- no frame but the dead-man, which has tripped
   constant entry_publish   : natural := 23;  -- nor that, but a publish
   constant entry_half_turn : natural := 24;  -- nor that: the clock has come half around
   constant entry_receive_overrun : natural := 25;

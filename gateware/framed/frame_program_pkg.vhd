@@ -91,17 +91,28 @@ package body frame_program_pkg is
     call(p, count_failure, say(say_again));
     put(p, say(say_kind, from_other) or number(status_of_data));
     put(p, number(mark_repeated), if_mark, tail_plain);
+    if s.deadman then
+      put(p, number(reply_status_denied_c), if_low, tail_plain);
+    end if;
     call(p, head);
     at(p, end_failed);
     put(p, say(say_end) or act(do_place) or number(status_of_data) or act(do_done));
     go_to(p, next_work);
     at(p, count_failure);  -- and its status into `data`
     put(p, nothing_done, if_silent, count_silence);
+    if s.deadman then
+      put(p, nothing_done, if_denied, count_denial);
+    end if;
     bump(p, control_bus_errors_c);
     load(p, word_one, act(do_return));
     at(p, count_silence);
     bump(p, control_bus_timeouts_c);
     load(p, word_two, act(do_return));
+    if s.deadman then
+      at(p, count_denial);
+      bump(p, control_refused_c);
+      load(p, word_four, act(do_return));
+    end if;
 
     at(p, denied);
     bump(p, control_refused_c);
@@ -227,7 +238,7 @@ package body frame_program_pkg is
     put(p, number(0), if_low_not, drop_stale);  -- a flag
     put(p, also(clear_flags, flag_offered));
     if s.deadman then
-      put(p, number(flag_running) or act(do_call), if_flag, trip);
+      put(p, also(set_flags, flag_tripped));  -- if it runs
     end if;
     at(p, open_begin);
     put(p, nothing_done, if_busy, open_begin);

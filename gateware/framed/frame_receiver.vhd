@@ -40,7 +40,8 @@ entity frame_receiver is
     take        : in  std_ulogic;
     take_bytes  : in  unsigned(7 downto 0) := x"01";
     rewind      : in  std_ulogic;
-    done        : in  std_ulogic
+    done        : in  std_ulogic;
+    alive       : out std_ulogic   -- for one clock: a frame of the session was judged
   );
 end entity;
 
@@ -150,6 +151,8 @@ begin
       pauses <= '1';
     end if;
   end process;
+
+  alive <= judged and not verdict(4);
 
   -- What is dropped has no payload.
   kept      <= not verdict(4) or nor verdict(3 downto 1);

@@ -14,35 +14,12 @@ use work.protocol_pkg.all;
 
 package frame_state_pkg is
 
-  -- READ_CONTROL, WRITE_CONTROL, and what a tick does.
+  -- READ_CONTROL, WRITE_CONTROL, and what is noted of a trip.
   procedure registers(p : inout assembler_t; s : frame_settings_t);
 
 end package;
 
 package body frame_state_pkg is
-
-  -- The dead-man trips: safe values, whatever the bus says to them.
-  procedure safe(p : inout assembler_t; s : frame_settings_t) is
-  begin
-    at(p, trip);
-    put(p, also(set_flags, flag_tripped + flag_tripped_now));
-    put(p, also(clear_flags, flag_running));
-    load(p, word_zero);
-    put(p, store(store_data, control_deadman_ticks_c));
-    bump(p, control_deadman_trips_c);
-    if s.safe_count > 0 then
-      point(p, safe_base(s));
-      at(p, trip_next);
-      put(p, act(do_load_address) or act(do_pointer) or act(do_point_up) or times(2));
-      put(p, data(data_word) or act(do_pointer) or act(do_point_up) or times(2));
-      put(p, act(do_write));
-      put(p, act(do_await));
-      put(p, number((safe_base(s) + 2 * s.safe_count) mod 256), if_pointer, tripped);
-      go_to(p, trip_next);
-    end if;
-    at(p, tripped);
-    put(p, act(do_return));
-  end procedure;
 
   procedure read_control(p : inout assembler_t; s : frame_settings_t) is
   begin
@@ -127,12 +104,9 @@ package body frame_state_pkg is
         go_to(p, write_ok);
 
       at(p, write_ticks);
-      put(p, take(take_first) or times(4) or number(flag_tripped), if_flag, denied);
-      put(p, store(store_data, control_deadman_ticks_c) or also(load_running, control_deadman_ticks_c));
-      load(p, word_ones);
-      put(p, data(data_and_not) or number(control_deadman_ticks_c) or times(2));
-      put(p, store(store_data, word_ticks));
-      put(p, store(store_data, word_silent));
+      take_bytes(p, 4);
+      put(p, also(start_dead_man) or number(flag_tripped), if_flag, denied);
+      put(p, store(store_data, control_deadman_ticks_c));
         go_to(p, write_ok);
     end if;
   end procedure;
@@ -142,20 +116,11 @@ package body frame_state_pkg is
     read_control(p, s);
     write_control(p, s);
     if s.deadman then
-      at_entry(p, entry_tick);
-      put(p, number(mark_heard), if_mark, tick_heard);
-      at(p, tick_count);
-      bump(p, word_silent);
-      put(p, number(word_silent) or times(2), if_full, tick_trip);
+      at_entry(p, entry_trip);
+      load(p, word_zero);
+      put(p, store(store_data, control_deadman_ticks_c));
+      bump(p, control_deadman_trips_c);
       go_to(p, next_work);
-      at(p, tick_heard);
-      load(p, word_ticks);
-      put(p, store(store_data, word_silent));
-      go_to(p, tick_count);
-      at(p, tick_trip);
-      call(p, trip);
-      go_to(p, next_work);
-      safe(p, s);
     end if;
   end procedure;
 

@@ -5,13 +5,16 @@
 --   frame --> frame_receiver --> frame_application <--> bii, subscription
 --   tx <----- frame_transmitter <------+
 --
--- All there is to say stands in the three of them.
+-- All there is to say stands in the three of them. What the dead-man has to know goes to an entity of its own in front of the
+-- bus (dead_man), which also stops what this side does not know of. A sign of life is a frame of the session whose check was
+-- right, when its last byte has come in: it counts before it is executed, and also while nothing is.
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
@@ -31,7 +34,6 @@ entity framed is
     exchange_size : natural  range 0 to 60  := 16;
     lists         : boolean                 := true;
     deadman       : boolean                 := true;
-    safe_values   : safe_values_t           := no_safe_values;
     window        : positive range 2 to 128 := frame_window_default_c;
     classic       : boolean                 := false;
     gateware_version : word32_t             := (others => '0');
@@ -56,6 +58,8 @@ entity framed is
     busy                  : out std_ulogic;
     subscription_request  : out subscription_request_t;
     subscription_response : in  subscription_response_t := subscription_response_idle;
+    dead_man_request      : out dead_man_request_t;  -- to the dead-man in front of the bus, where there is one
+    dead_man_response     : in  dead_man_response_t := dead_man_response_idle;
     bii_request           : out bii_request_t;
     bii_response          : in  bii_response_t
   );
@@ -71,10 +75,12 @@ architecture rtl of framed is
     data_bytes => bytes_for(data_width), clock_hz => clock_hz, base_hz => base_hz, groups => groups,
     group_size => group_size, rate_bytes => rate_bytes, exchanges => exchanges, exchange_size => exchange_size,
     window => window, cache_bytes => frame_cache_bytes_default_c, request_max => payload_max, reply_max => payload_max,
-    credit => ring_bytes, classic => classic, lists => lists, deadman => deadman, safe_count => safe_values'length,
+    credit => ring_bytes, classic => classic, lists => lists, deadman => deadman,
     gateware_version => gateware_version, build => build, spec_hash => spec_hash);
 
   signal epoch                        : crc16_t;
+  signal alive                        : std_ulogic;
+  signal commands                     : dead_man_request_t;
   signal request                      : frame_request_t;
   signal take, rewind, request_done   : std_ulogic;
   signal take_bytes                   : unsigned(7 downto 0);
@@ -90,10 +96,10 @@ begin
     port map (
       clock => clock, reset => reset, epoch => epoch,
       frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
-      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done);
+      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done, alive => alive);
 
   application : entity work.frame_application
-    generic map (settings => settings, safe_values => safe_values)
+    generic map (settings => settings)
     port map (
       clock => clock, reset => reset,
       request => request, take => take, take_bytes => take_bytes, rewind => rewind, request_done => request_done,
@@ -101,7 +107,14 @@ begin
       may_begin => may_begin, wants => wants, busy => busy, receive_overrun => receive_overrun,
       publish_overrun => subscription_response.overrun,
       subscription_request => subscription_request, subscription_response => subscription_response,
+      dead_man_request => commands, dead_man_response => dead_man_response,
       bii_request => bii_request, bii_response => bii_response);
+
+  tell_dead_man : process (all)
+  begin
+    dead_man_request       <= commands;
+    dead_man_request.alive <= alive;
+  end process;
 
   transmitter : entity work.frame_transmitter
     port map (

@@ -22,7 +22,7 @@ architecture bench of frame_application_tb is
     address_width => 12, data_width => 16, address_bytes => 2, data_bytes => 2, clock_hz => 50_000_000, base_hz => 1000,
     groups => 0, group_size => 0, rate_bytes => 2, exchanges => 0, exchange_size => 0, window => 4, cache_bytes => 16,
     request_max => 250, reply_max => 250, credit => 512, classic => false, lists => false, deadman => false,
-    safe_count => 0, gateware_version => x"00000000", build => x"00000000", spec_hash => x"0000000000000000");
+    gateware_version => x"00000000", build => x"00000000", spec_hash => x"0000000000000000");
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';

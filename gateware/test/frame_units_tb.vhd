@@ -24,22 +24,21 @@ architecture bench of frame_units_tb is
   signal ended : boolean := false;
 
   signal time_now : unsigned(31 downto 0);
-  signal half, look, turned, running, ticking, seen : std_ulogic := '0';
+  signal half, look, turned : std_ulogic := '0';
 
   constant content : word_memory_t(0 to 7) := (3 => x"FFFFFFFE", 5 => x"0000FFFF", others => x"00000000");
   signal index : unsigned(2 downto 0) := "000";
   signal store : std_ulogic_vector(1 downto 0) := store_nothing;
   signal enable : std_ulogic := '1';
   signal put_word, word : word32_t := x"00000000";
-  signal full  : std_ulogic;
 
-  signal reads, writes, hold, free, found, over, failed, silent_bus : std_ulogic := '0';
+  signal reads, writes, hold, free, found, over, failed, silent_bus, denied_write : std_ulogic := '0';
   signal address      : std_ulogic_vector(11 downto 0) := x"123";
   signal written      : word32_t := x"89ABCDEF";
   signal bii_request  : bii_request_t;
   signal bii_response : bii_response_t := bii_response_idle;
 
-  signal d_turned, d_ticking, publish, rx_overrun, publish_overrun, frame_valid, begins, pending, heard : std_ulogic := '0';
+  signal d_turned, tripped, publish, room, rx_overrun, publish_overrun, frame_valid, begins, pending : std_ulogic := '0';
   signal frame_entry, entry : entry_t := "00010";
 
   function program return frame_program_t is
@@ -69,6 +68,9 @@ architecture bench of frame_units_tb is
     return p;
   end function;
 
+  type entries_t is array (1 to 5) of natural;
+  constant says_nothing : entries_t := (4, 6, entry_check, entry_long, entry_kind);
+
   signal act_now, holds, s_begins, jump, first, last : std_ulogic := '0';
   signal size        : unsigned(2 downto 0) := "011";
   signal instruction : frame_instruction_t;
@@ -78,27 +80,24 @@ begin
   clock <= not clock after 5 ns when not ended;
 
   timer : entity work.frame_clock
-    generic map (clock_hz => 1000, base_hz => 100)
-    port map (
-      clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned,
-      running => running, ticking => ticking, seen => seen);
+    port map (clock => clock, reset => reset, time_now => time_now, half => half, look => look, turned => turned);
 
   memory : entity work.frame_memory
     generic map (content => content)
-    port map (clock => clock, index => index, store => store, enable => enable, data => put_word, word => word, full => full);
+    port map (clock => clock, index => index, store => store, enable => enable, data => put_word, word => word);
 
   bus_access : entity work.frame_bus
     generic map (address_width => 12, data_width => 16)
     port map (
       clock => clock, reset => reset, read => reads, write => writes, hold => hold, free => free, address => address,
-      data => written, found => found, done => over, failed => failed, silent_bus => silent_bus,
+      data => written, found => found, done => over, failed => failed, silent_bus => silent_bus, denied_write => denied_write,
       bii_request => bii_request, bii_response => bii_response);
 
   dispatcher : entity work.frame_dispatcher
     port map (
-      clock => clock, reset => reset, turned => d_turned, ticking => d_ticking, publish => publish,
+      clock => clock, reset => reset, turned => d_turned, tripped => tripped, publish => publish, room => room,
       receive_overrun => rx_overrun, publish_overrun => publish_overrun, frame_valid => frame_valid,
-      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry, heard => heard);
+      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry);
 
   sequencer : entity work.frame_sequencer
     generic map (program => program, sizes => true)
@@ -138,28 +137,14 @@ begin
       check_equal(to_integer(unsigned(entry)), number, what);
     end procedure;
 
-    variable start : natural;
   begin
     clocks(2);
     reset <= '0';
 
-    -- frame_clock: a tick every 10 clocks since reset while it runs; one that is not seen joins the next one.
+    -- frame_clock
     clocks(4);
     check_equal(to_integer(time_now), 4, "clocks since reset");
     check_equal(turned, '0', "half a turn");
-    running <= '1';
-    clocks(6);
-    check_equal(ticking, '1', "a tick");
-    pulse(seen);
-    check_equal(ticking, '0', "no tick");
-    start := to_integer(time_now);
-    wait until ticking = '1';
-    check_equal(to_integer(time_now) - start, 9, "clocks to the next tick");
-    running <= '0';
-    clocks(11);
-    pulse(seen);
-    clocks(20);
-    check_equal(ticking, '0', "no ticks when nobody wants them");
     pulse(look);
     check_equal(half, '0', "half");
 
@@ -172,7 +157,6 @@ begin
     store <= store_nothing;
     clocks(1);
     check_equal(word, x"FFFFFFFF", "one more");
-    check_equal(full, '1', "full");
     store <= store_count;
     clocks(1);
     store <= store_nothing;
@@ -234,13 +218,23 @@ begin
     clocks(1);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus, "100", "all is well again");
+    pulse(writes);
+    bii_response <= (done => '1', status => denied, data => x"00000000");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    check_equal(over & failed & silent_bus & denied_write, "1101", "the dead-man has tripped");
+    pulse(reads);
+    bii_response <= (done => '1', status => error, data => x"00000000");
+    clocks(1);
+    bii_response <= bii_response_idle;
+    check_equal(over & failed & silent_bus & denied_write, "1100", "refused, by a slave");
 
     -- frame_dispatcher
     wait for 1 ns;
     check_equal(pending, '0', "nothing is pending");
     frame_valid <= '1';
     publish     <= '1';
-    d_ticking   <= '1';
+    tripped     <= '1';
     d_turned    <= '1';
     pulse(rx_overrun);
     pulse(publish_overrun);
@@ -250,22 +244,21 @@ begin
     pulse(begins);
     expects(entry_publish_overrun, "an overrun of publishes");
     pulse(begins);
-    expects(entry_tick, "a tick");
-    pulse(begins);
-    d_ticking <= '0';
+    expects(entry_trip, "a trip");
+    tripped <= '0';
+    wait for 1 ns;
+    check_equal(pending, '0', "neither a publish nor a request while there is no room");
+    for silent in 1 to 5 loop
+      frame_entry <= std_ulogic_vector(to_unsigned(says_nothing(silent), 5));
+      expects(says_nothing(silent), "what says nothing");
+    end loop;
+    frame_entry <= "00010";
+    room <= '1';
     expects(entry_publish, "a publish");
     publish <= '0';
     expects(2, "a frame");
-    check_equal(heard, '0', "none was heard");
-    pulse(begins);
-    check_equal(heard, '1', "one was heard");
-    d_ticking <= '1';
-    pulse(begins);
-    d_ticking <= '0';
-    check_equal(heard, '0', "none since the tick");
-    frame_entry <= std_ulogic_vector(to_unsigned(entry_hello, 5));
-    pulse(begins);
-    check_equal(heard, '0', "HELLO is not of the session");
+    room <= '0';
+    expects(2, "a frame, which waits by itself");
 
     -- frame_sequencer
     act_now <= '1';

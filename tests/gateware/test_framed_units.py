@@ -24,6 +24,11 @@ def test_bench(ghdl: Any, bench: str) -> None:
     ghdl.run(bench)
 
 
+@pytest.mark.parametrize("count", [1, 3, 16, 17, 60])
+def test_dead_man(ghdl: Any, count: int) -> None:
+    ghdl.run("dead_man_tb", count=count, seed=count)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_splitter_and_joiner(ghdl: Any, seed: int) -> None:
     ghdl.run("port_tb", seed=seed)

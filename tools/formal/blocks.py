@@ -221,25 +221,46 @@ BLOCKS = (
         ),
     ),
     Block(
-        "deadman",
-        "`framed/frame_clock` and `framed/frame_dispatcher`, a tick every 4 clocks",
+        "dead_man",
+        "`framed/dead_man`, two safe values, up to 3 ticks of 4 clocks, whatever applications do or not",
+        depth=8,
+        deep=40,
+        reach=24,
+        pdr=True,
+        not_proven="more values, longer times; that accesses end (see masters), that signs of life are true",
+        mutants=(
+            Mutant("dead_man.vhd", "and has_tripped and not passing;", "and has_tripped and ours;"),
+            Mutant(
+                "dead_man.vhd",
+                "ours    <= writing and not passing;",
+                "ours    <= writing and not asked.valid;",
+            ),
+            Mutant("dead_man.vhd", "asked.block_hold and not writing;", "asked.block_hold;"),
+            Mutant("dead_man.vhd", "(tick and due and", "(tick and due and not asked.block_hold and"),
+            Mutant("dead_man.vhd", "if request.alive = '1' or request.start", "if request.start"),
+            Mutant(
+                "dead_man.vhd", "if request.arm = '1' and tripped_now = '0' then", "if request.arm = '1' then"
+            ),
+            Mutant("dead_man.vhd", "            missed <= '1';", "            missed <= '0';"),
+            Mutant("dead_man.vhd", "ours and not ended and not whole;", "ours and not whole;"),
+        ),
+    ),
+    Block(
+        "frame_dispatcher",
+        "`framed/frame_dispatcher`",
         depth=8,
         deep=20,
         pdr=True,
-        not_proven="what the program does at a tick, and that it comes back for work: the benches try it",
+        not_proven="that the program comes back for work: with an answer it waits for room",
         mutants=(
-            Mutant("frame_dispatcher.vhd", "elsif choice(choice'left) = '0' then", "else"),
+            Mutant("frame_dispatcher.vhd", "publish = '1' and room = '1'", "publish = '1'"),
+            Mutant("frame_dispatcher.vhd", "frame_valid and says_nothing", "'0'"),
             Mutant(
                 "frame_dispatcher.vhd",
-                "deadman and ticking = '1'",
-                "deadman and ticking = '1' and frame_valid = '0'",
+                "deadman and tripped = '1'",
+                "deadman and tripped = '1' and frame_valid = '0'",
             ),
-            Mutant(
-                "frame_dispatcher.vhd",
-                "          was_heard <= '0';\n        elsif",
-                "          null;\n        elsif",
-            ),
-            Mutant("frame_clock.vhd", "if seen = '1' then", "if seen = '1' or look = '1' then"),
+            Mutant("frame_dispatcher.vhd", "receive_overran <= receive_overrun;", "receive_overran <= '1';"),
         ),
     ),
     Block(

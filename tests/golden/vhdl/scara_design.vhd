@@ -10,6 +10,7 @@
 -- Ports     rx, tx: byte streams, valid/ready/data; rx_error: parity, framing, overrun of the physical layer (physical_pkg).
 --           tx_last: with the last byte of a message; tx_publish: with the bytes of a publish.
 --           events: a line a publish group. All synchronous to the clock, reset too.
+--           tripped: the dead-man has made the outputs safe; high until the PC arms it, or a reset (dead_man.vhd).
 --           Word i of read_words is bits 32*i+31 to 32*i, of all words the PC reads by rising address; so in write_words
 --           of those it writes. written(i) is high in the first clock of a new word i.
 -- Addresses Where the spec has no word, a read or write ends with a bus error.
@@ -44,6 +45,7 @@ entity scara_design is
     read_words  : in  std_ulogic_vector(255 downto 0);
     write_words : out std_ulogic_vector(255 downto 0);
     written     : out std_ulogic_vector(7 downto 0);
+    tripped     : out std_ulogic;
     events      : in  std_ulogic_vector(15 downto 0) := (others => '0')
   );
 end entity;
@@ -92,7 +94,7 @@ begin
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
-      events => lines,
+      events => lines, tripped => tripped,
       wishbone_m2s => master_m2s, wishbone_s2m => master_s2m);
 
   lines(15 downto 0) <= events(15 downto 0);

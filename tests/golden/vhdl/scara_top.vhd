@@ -17,6 +17,7 @@
 -- Ports     reset: high starts anew; asynchronous, may stay low for ever, for the design resets itself at power-up.
 --           rx_line, tx_line: asynchronous, idle high. user_reset: the reset of the design, for your logic.
 --           to_pc, from_pc, written, events: synchronous to clock. See scara_user_pkg.
+--           tripped: the dead-man has made the outputs safe; high until the PC arms it, or a reset: may switch drivers off.
 -- Latency, errors, pressure: see uart.vhd and core.vhd.
 
 library ieee;
@@ -39,6 +40,7 @@ entity scara_top is
     to_pc      : in  scara_to_pc_t;
     from_pc    : out scara_from_pc_t;
     written    : out scara_written_t;
+    tripped    : out std_ulogic;
     events     : in  std_ulogic_vector(15 downto 0) := (others => '0')
   );
 end entity;
@@ -81,7 +83,7 @@ begin
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish,
       read_words => read_words,
       write_words => write_words, written => written_words,
-      events => events);
+      tripped => tripped, events => events);
 
   user_reset <= synchronous_reset;
   read_words <= to_words(to_pc);

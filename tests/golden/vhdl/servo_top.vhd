@@ -17,6 +17,7 @@
 -- Ports     reset: high starts anew; asynchronous, may stay low for ever, for the design resets itself at power-up.
 --           rx_line, tx_line: asynchronous, idle high. user_reset: the reset of the design, for your logic.
 --           to_pc, from_pc, written, events: synchronous to clock. See servo_user_pkg.
+--           tripped: the dead-man has made the outputs safe; high until the PC arms it, or a reset: may switch drivers off.
 -- Latency, errors, pressure: see uart.vhd and core.vhd.
 
 library ieee;
@@ -43,6 +44,7 @@ entity servo_top is
     wheel_a    : in  std_ulogic;
     wheel_b    : in  std_ulogic;
     wheel_index : in  std_ulogic;
+    tripped    : out std_ulogic;
     events     : in  std_ulogic_vector(15 downto 0) := (others => '0')
   );
 end entity;
@@ -89,7 +91,7 @@ begin
       wheel_a => wheel_a,
       wheel_b => wheel_b,
       wheel_index => wheel_index,
-      events => events);
+      tripped => tripped, events => events);
 
   user_reset <= synchronous_reset;
   read_words <= to_words(to_pc);

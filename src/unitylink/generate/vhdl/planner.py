@@ -36,7 +36,7 @@ _PORTS += ["spi_sck", "spi_cs_n", "spi_mosi", "spi_miso", "spi_miso_drive", "spi
 _PORTS += ["rs485_rx", "rs485_tx", "rs485_drive", "rs485_node"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
-_PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc"]
+_PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc", "tripped"]
 _STROBE = FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
 

@@ -1,0 +1,96 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Properties of frame_dispatcher: what the framed application begins, and that nothing waits for room but what needs it.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+use work.frame_pkg.all;
+
+entity frame_dispatcher_formal is
+  port (
+    clk             : in std_ulogic;
+    reset           : in std_ulogic;
+    turned          : in std_ulogic;
+    tripped         : in std_ulogic;  -- the dead-man has, and it is not counted
+    publish         : in std_ulogic;
+    room            : in std_ulogic;  -- for a whole payload
+    receive_overrun : in std_ulogic;
+    publish_overrun : in std_ulogic;
+    frame_valid     : in std_ulogic;
+    frame_entry     : in entry_t;
+    ready_to_begin  : in std_ulogic   -- the program asks for work
+  );
+end entity;
+
+architecture properties of frame_dispatcher_formal is
+
+  signal begun   : std_ulogic := '0';  -- the reset of power-up is over
+  signal pending, begins : std_ulogic;
+  signal entry   : entry_t;
+  signal kind    : natural range 0 to 31;
+  signal post    : std_ulogic;         -- the frame is one, and needs no room
+  signal line_overran : std_ulogic := '0';
+
+begin
+
+  default clock is rising_edge(clk);
+
+  dut : entity work.frame_dispatcher
+    port map (
+      clock => clk, reset => reset, turned => turned, tripped => tripped, publish => publish, room => room,
+      receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => frame_valid,
+      frame_entry => frame_entry, begins => begins, pending => pending, entry => entry);
+
+  begins <= pending and ready_to_begin;
+  kind   <= to_integer(unsigned(entry));
+  post   <= '1' when unsigned(frame_entry) = 4 or unsigned(frame_entry) = 6 else '0';
+
+  watch : process (clk) is
+  begin
+    if rising_edge(clk) then
+      begun <= '1';
+      line_overran <= receive_overrun or (line_overran and not (begins and entry ?= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5))));
+      if reset = '1' then
+        line_overran <= '0';
+      end if;
+    end if;
+  end process;
+
+  -- The design is reset when it wakes up, and at any later moment.
+  reset_first : assume always begun = '1' or reset = '1';
+
+  -- The receiver tells frames, not what only the dispatcher knows.
+  frames_are_frames : assume always unsigned(frame_entry) < entry_trip;
+
+  -- A trip is counted before any frame or publish begins, so that no host is told less than there was.
+  trip_before_frames : assert always begun = '1' and tripped = '1' -> pending = '1' and
+                       (kind = entry_trip or kind = entry_half_turn or kind = entry_receive_overrun or kind = entry_publish_overrun);
+
+  -- A publish begins only where it can go out whole.
+  publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish -> publish = '1' and room = '1';
+
+  -- With room it goes before every frame.
+  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' -> kind > 15;
+
+  -- Without room it keeps no post waiting.
+  post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> pending = '1';
+
+  -- An overrun of the line is told, and nothing else is taken for one.
+  overrun_is_told : assert always begun = '1' and kind = entry_receive_overrun and pending = '1' -> line_overran = '1';
+
+  -- It is not forgotten before it is told.
+  overrun_waits : assert always begun = '1' and line_overran = '1' -> pending = '1' and
+                  (kind = entry_receive_overrun or kind = entry_half_turn);
+
+  -- Nothing begins without a cause.
+  has_a_cause : assert always begun = '1' and pending = '1' and kind < entry_trip -> frame_valid = '1';
+
+  -- A publish that is due lets a post begin.
+  post_seen : cover {begun = '1' and begins = '1' and publish = '1' and kind = 4};
+
+  -- And begins itself.
+  publish_seen : cover {begun = '1' and begins = '1' and kind = entry_publish};
+
+end architecture;

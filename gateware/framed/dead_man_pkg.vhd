@@ -1,0 +1,35 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- What the framed side and the dead-man tell each other.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+
+use work.frame_layout_pkg.all;
+
+package dead_man_pkg is
+
+  -- To the dead-man: one-clock pulses, and the ticks that go with `start`.
+  type dead_man_request_t is record
+    alive   : std_ulogic;  -- an intact frame of the session has come in
+    start   : std_ulogic;  -- count silence from now on, up to `ticks`; 0: do not
+    ticks   : word32_t;
+    trip    : std_ulogic;  -- now, if it runs
+    renew   : std_ulogic;  -- a session begins or ends: it runs no longer, and `arm` counts
+    arm     : std_ulogic;  -- the bus may be written again; counts only in a session in which it has not tripped
+    counted : std_ulogic;  -- `uncounted` was seen
+  end record;
+
+  constant dead_man_request_idle : dead_man_request_t := (ticks => (others => '0'), others => '0');
+
+  -- From the dead-man.
+  type dead_man_response_t is record
+    running     : std_ulogic;
+    tripped     : std_ulogic;  -- and nobody has armed since
+    tripped_now : std_ulogic;  -- in this session
+    uncounted   : std_ulogic;  -- it has tripped since `counted`
+  end record;
+
+  constant dead_man_response_idle : dead_man_response_t := (others => '0');
+
+end package;
