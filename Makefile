@@ -3,6 +3,7 @@
 #   make demo    the SCARA robot moves, on a virtual board, and leaves a picture; with RTL=1 on the gateware itself, CLASSIC=1 without frames
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
+#   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
 #   make test    proves that everything works (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
@@ -31,9 +32,9 @@ SECONDS ?= 60
 MESSAGES ?= 1000000000
 SEED ?= 1
 
-.PHONY: experiments experiments-json wheel demo demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
+.PHONY: experiments experiments-json wheel demo extras demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
 help:
-	@sed -n '2,23s/^# //p' Makefile
+	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
 demo: $(VENV)/.built
 	@tools/setup.sh group demo
@@ -43,6 +44,12 @@ ifdef RTL
 else
 	$(BIN)/python examples/scara/run.py $(if $(CLASSIC),--classic) --picture build/scara.png
 endif
+
+	@printf '\n%s\n' "Next: source $(BIN)/activate, and README.md. Recordings, plots, the terminal and editors need more packages: make extras"
+
+extras: $(VENV)/.built
+	@tools/setup.sh group all
+	@echo "what all commands need is in $(VENV)"
 
 demo-walker: $(VENV)/.built
 	@tools/setup.sh group demo

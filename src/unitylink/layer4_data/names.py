@@ -37,7 +37,6 @@ NODE_NAMES = frozenset(
 MODULE_NAMES = frozenset(
     {
         "ClearValue",
-        "IntEnum",
         "Link",
         "Node",
         "PulseValue",

@@ -18,7 +18,7 @@ from urllib.parse import parse_qsl
 from unitylink import protocol
 from unitylink.errors import BusError, DeviceMismatch, LinkError, LinkTimeout, UrlError
 from unitylink.layer0_driver import Driver
-from unitylink.layer2_message import Link
+from unitylink.layer2_message import Link, check_url
 from unitylink.wire_hash import part_behind
 
 from .findings import Finding, finding
@@ -64,12 +64,20 @@ class _Place:
     scheme: str
     path: str
     options: dict[str, str]
+    baud_hz: int
 
     @classmethod
     def of(cls, url: str) -> _Place:
+        check_url(url)
         scheme, _, rest = url.partition(":")
         path, _, query = rest.partition("?")
-        return cls(url, scheme, path, dict(parse_qsl(query)))
+        options = dict(parse_qsl(query))
+        try:
+            baud_hz = _number(options.get("baud", "0"))
+        except ValueError:
+            wrong = f"baud={options['baud']} is not a baud rate such as 3000000"
+            raise UrlError(f"link URL {url!r}: {wrong}") from None
+        return cls(url, scheme, path, options, baud_hz)
 
     @property
     def name(self) -> str:
@@ -82,18 +90,9 @@ class _Place:
         return host or self.path, port
 
     @property
-    def baud_hz(self) -> int:
-        return int(self.options.get("baud") or "0", 0)
-
-    @property
     def polynomial(self) -> int | None:
         text = self.options.get("polynomial", str(protocol.CRC8_POLYNOMIAL))
-        try:
-            return None if text == "xor" else int(text, 0)
-        except ValueError:
-            raise UrlError(
-                f"link URL {self.url!r}: polynomial={text} is neither 0x01 to 0xFF nor xor"
-            ) from None
+        return None if text == "xor" else _number(text)
 
     def with_option(self, name: str, value: object) -> str:
         options = {**self.options, name: str(value)}
@@ -371,6 +370,11 @@ class _Doctor:
             count, total, example = len(refused), len(readable), _named(refused[0])
             found.append(finding("wrong-spec", count=count, total=total, example=example))
         return found
+
+
+def _number(text: str) -> int:
+    """Return a number of a link URL, whose form the link has checked."""
+    return int(text, 16 if text[:2].lower() == "0x" else 10)
 
 
 def _reads(link: Link, address: int) -> bool:

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 @dataclass(frozen=True)
 class FindingKind:
-    """One kind of trouble. `cause` and `remedy` are format strings over what the doctor knows of the case;
+    """One kind of trouble. `cause`, `remedy` and `more` are format strings over what the doctor knows of it;
     `remedy` is a command, with a remark behind a #, or an option, `severity` "error" where nothing works
     until it is mended."""
 
@@ -256,10 +256,79 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
 )
 
 
+# What stands in the table's braces when a finding is explained and no port was looked at.
+_EXAMPLE: Mapping[str, object] = MappingProxyType(
+    {
+        "answer": "'?f2'",
+        "asked": "8 items",
+        "bad": 3,
+        "baud_hz": 115_200,
+        "baud_rates_tried": " at any usual baud rate",
+        "bits": 10,
+        "chips": "FT5678",
+        "count": 7,
+        "device": "/dev/ttyUSB0",
+        "errors": "framing errors",
+        "example": "x.target at 0x0410",
+        "expected_ms": 0.21,
+        "group": "dialout",
+        "has": "no publishing",
+        "holders": "minicom (process 4711)",
+        "host": "192.168.1.10",
+        "latency_ms": 16,
+        "link": "'serial:/dev/ttyUSB0?baud=3000000'",
+        "link_with_polynomial": "serial:/dev/ttyUSB0?baud=3000000&polynomial=0x31",
+        "link_with_right_baud": "serial:/dev/ttyUSB0?baud=3000000",
+        "link_with_widths": "serial:/dev/ttyUSB0?baud=3000000&address_bytes=1&data_bytes=4",
+        "measured_ms": 16.2,
+        "name": "ttyUSB0",
+        "node": "/dev/bus/usb/001/004",
+        "pids": "4711",
+        "place": "/dev/ttyUSB0",
+        "polynomial": "0x31",
+        "port": 5555,
+        "ports": "/dev/ttyS0",
+        "program": '"$(which unitylink)"',
+        "reason": "nothing listens there",
+        "reasons": "silence (3)",
+        "right_baud_hz": 3_000_000,
+        "sample": "'login:'",
+        "serial": "FT1234",
+        "spec": "arm.ul",
+        "spec_file": "arm.ul",
+        "total": 16,
+        "waited_s": 0.3,
+        "wanted": "FTDI chip FT1234",
+    }
+)
+
+
 def finding(code: str, **known: object) -> Finding:
     """Return the finding `code`, filled in."""
     kind = FINDINGS[code]
     return Finding(code, kind.severity, kind.title, kind.cause.format(**known), kind.remedy.format(**known))
+
+
+# Where the device is no serial port.
+_EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
+    {
+        "no-spi": {"device": "/dev/spidev0.0", "ports": "none"},
+        "unreachable": {"place": "tcp://192.168.1.10:5555"},
+        "board-busy": {"place": "tcp://192.168.1.10:5555"},
+        "ftdi-permission": {"link": "ftdi:FT1234"},
+        "ftdi-refused": {"reason": "an FT232R has no FIFO mode"},
+    }
+)
+
+
+def example(code: str) -> tuple[Finding, str]:
+    """Return the finding `code` as it may look, for those who ask what it means, and more about it.
+
+    >>> example("no-port")[0].cause
+    '/dev/ttyUSB0 is not there; ports on this machine: /dev/ttyS0'
+    """
+    known = {**_EXAMPLE, **_EXAMPLES.get(code, {})}
+    return finding(code, **known), FINDINGS[code].more.format(**known)
 
 
 def page() -> str:
@@ -272,18 +341,19 @@ def page() -> str:
         "# Troubleshooting",
         "",
         "`unitylink doctor LINK` looks for all of these and names the command that mends what it finds. This",
-        "page is made from the same table, `src/unitylink/ports/findings.py`, by `make docs`; words in",
-        "braces are filled in by the doctor.",
+        "page is made from the same table, `src/unitylink/ports/findings.py`, by `make docs`; ports, numbers",
+        "and names are examples, for which the doctor puts what it finds.",
     ]
     for code, kind in FINDINGS.items():
+        shown, more = example(code)
         lines += [
             "",
             f"## {kind.title}",
             "",
-            f"`{code}`, {kind.severity}: {kind.cause}.",
+            f"`{code}`, {kind.severity}: {shown.cause}.",
             "",
-            f"    {kind.remedy}",
+            f"    {shown.remedy}",
         ]
-        if kind.more:
-            lines += ["", kind.more]
+        if more:
+            lines += ["", more]
     return "\n".join(lines) + "\n"

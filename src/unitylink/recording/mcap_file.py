@@ -12,13 +12,15 @@ import math
 import os
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import UnityLinkError
+from unitylink.optional import absent
 
 from .recording import Origin, RecordingTruncated, Sample
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16  # what is lost when the program is killed
 _ORIGIN = "unitylink"  # the metadata record with the spec
 _NAMES = "names"  # a channel's metadata: the paths, in order
+_NAMED = 3  # in a topic; more would be no name
 _NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
@@ -37,9 +40,7 @@ def _library() -> None:
     try:
         import mcap  # noqa: F401
     except ImportError:
-        raise UnityLinkError(
-            "MCAP files need the package mcap: pip install 'unitylink[record]'; CSV needs nothing"
-        ) from None
+        raise absent("mcap", "an MCAP file (CSV needs nothing)") from None
 
 
 class _Counting:
@@ -73,7 +74,9 @@ class _Counting:
 class McapWriter:
     """Writes chunks of 64 KiB, each whole before the next begins."""
 
-    def __init__(self, path: str | Path, origin: Origin) -> None:
+    def __init__(
+        self, path: str | Path, origin: Origin, topics: Mapping[tuple[str, ...], str] | None = None
+    ) -> None:
         _library()
         from mcap.writer import CompressionType
         from mcap.writer import Writer as Library
@@ -83,6 +86,9 @@ class McapWriter:
         self._file = _Counting(path)
         # by paths: the channel's id, and the message with a %s for each value
         self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
+        self._topics = {} if topics is None else topics  # what is added to them later counts
+        self._units = origin.units
+        self._taken: set[str] = set()  # topics
         self._whole = (0, 0)  # samples and bytes that are in the file for sure
         self._failed = False
         self._writer = Library(
@@ -93,6 +99,7 @@ class McapWriter:
         with _errors(self):
             self._writer.start(profile="", library="unitylink")
             known = {"spec": origin.name, "text": origin.text, "hash": origin.hash}
+            known["units"] = json.dumps(dict(origin.units), ensure_ascii=False)
             self._writer.add_metadata(_ORIGIN, known)
 
     @property
@@ -119,15 +126,16 @@ class McapWriter:
                 self._whole = (self.count, self._file.size_bytes)
 
     def _register(self, names: tuple[str, ...], sample: Sample) -> int:
-        schema = {"title": f"unitylink.samples{len(self._channels)}", **_schema(sample.values)}
+        topic = self._topics.get(names) or _topic(names)
+        count = 1
+        while topic in self._taken:  # other values of one topic have another schema, and need another topic
+            count += 1
+            topic = f"{topic.removesuffix(f'_{count - 1}')}_{count}"
+        self._taken.add(topic)
+        title = "unitylink" + topic.replace("/", ".")
+        schema = {"title": title, **_schema(sample.values, self._units)}
         schema_id = self._writer.register_schema(
-            schema["title"], "jsonschema", json.dumps(schema, separators=(",", ":")).encode()
-        )
-        common = _common(names)
-        topic = (
-            f"/{common}"
-            if common
-            else "/" + (f"samples{len(self._channels)}" if self._channels else "samples")
+            title, "jsonschema", json.dumps(schema, separators=(",", ":"), ensure_ascii=False).encode()
         )
         return self._writer.register_channel(topic, "json", schema_id, {_NAMES: json.dumps(names)})
 
@@ -155,6 +163,14 @@ class McapWriter:
                 raise
 
 
+@dataclass(frozen=True)
+class _Described:
+    """A value and its unit, on their way into a schema."""
+
+    value: Any
+    unit: str
+
+
 class _errors:
     """Turn what the disk says into an error that names the file, cut behind the last whole chunk."""
 
@@ -175,10 +191,14 @@ class _errors:
             ) from error
 
 
-def _common(names: tuple[str, ...]) -> str:
-    """Return the step all paths begin with: `j1` of j1.cpos and j1.spd."""
-    first = {name.partition(".")[0] for name in names}
-    return "/".join(_STEP.findall(first.pop())) if len(first) == 1 else ""
+def _topic(names: tuple[str, ...]) -> str:
+    """Return a topic that tells what is in it: `/j1` for j1.cpos and j1.spd, `/x_y` for x.a and y.a."""
+    first = list(dict.fromkeys(name.partition(".")[0] for name in names))
+    if len(first) == 1:
+        return "/" + "/".join(_STEP.findall(first[0]))
+    shown = ["".join(_STEP.findall(name)) for name in first]
+    more = len(shown) - _NAMED
+    return "/" + "_".join(shown if more <= 1 else [*shown[:_NAMED], "and", str(more), "more"])
 
 
 def _nested(values: dict[str, Any]) -> dict[str, Any]:
@@ -217,17 +237,20 @@ def _json(value: Any) -> str:
     return _encode(value)
 
 
-def _schema(values: Any) -> dict[str, Any]:
-    tree = _nested(dict(values))
-
+def _schema(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
     def kind(value: Any) -> dict[str, Any]:
+        if isinstance(value, _Described):
+            return {**kind(value.value), "description": f"in {value.unit}"}
         if isinstance(value, dict):
             return {"type": "object", "properties": {key: kind(inner) for key, inner in value.items()}}
         if isinstance(value, bool):
             return {"type": "boolean"}
         return {"type": "string" if isinstance(value, str) else "number"}
 
-    return kind(tree)
+    described = {
+        path: _Described(value, units[path]) if units.get(path) else value for path, value in values.items()
+    }
+    return kind(_nested(described))
 
 
 # ---- reading
@@ -249,7 +272,8 @@ def read_origin(path: str | Path) -> Origin:
             break
         if record.name == _ORIGIN:
             known = record.metadata
-            return Origin(known.get("spec", ""), known.get("text", ""), known.get("hash", ""))
+            units = json.loads(known.get("units", "{}"))
+            return Origin(known.get("spec", ""), known.get("text", ""), known.get("hash", ""), units)
     return Origin()
 
 

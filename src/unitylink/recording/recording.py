@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from unitylink.errors import UnityLinkError
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 ENDINGS = (".mcap", ".csv")
+_NO_TOPICS: Mapping[tuple[str, ...], str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -28,11 +29,13 @@ class Sample:
 
 @dataclass(frozen=True)
 class Origin:
-    """The spec a recording was made with: file name, text and hash; empty where the file does not tell."""
+    """What a recording was made with: file name, text and hash of the spec, and the units of its values by
+    path; empty where the file does not tell."""
 
     name: str = ""
     text: str = ""
     hash: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 class RecordingTruncated(UnityLinkError):
@@ -61,10 +64,17 @@ class Writer(Protocol):
     ) -> None: ...
 
 
-def create(path: str | Path, origin: Origin, names: tuple[str, ...] = ()) -> Writer:
+def create(
+    path: str | Path,
+    origin: Origin,
+    names: tuple[str, ...] = (),
+    *,
+    topics: Mapping[tuple[str, ...], str] = _NO_TOPICS,
+) -> Writer:
     """Make a recording; the ending of its name says in which format.
 
-    `names` are the columns a CSV file begins with; without them those of the first sample. Raises
+    `names` are the columns a CSV file begins with; without them those of the first sample. `topics` names,
+    for MCAP, the topic of values that are sampled together; else it is made of their paths. Raises
     UnityLinkError for another ending, a file that cannot be written, a library that is not installed.
     """
     if _ending(path) == ".csv":
@@ -73,7 +83,7 @@ def create(path: str | Path, origin: Origin, names: tuple[str, ...] = ()) -> Wri
         return CsvWriter(path, names)
     from .mcap_file import McapWriter
 
-    return McapWriter(path, origin)
+    return McapWriter(path, origin, topics)
 
 
 def samples(path: str | Path) -> Iterator[Sample]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from unitylink.errors import ToolError
+from unitylink.optional import absent
 
 from .dds_types import DdsTypes
 from .dds_writer import Here, gathering_writer
@@ -36,10 +36,8 @@ class DdsPlane:
     def __init__(self, interface: Interface, namespace: str, domain: int) -> None:
         try:
             from cyclonedds.domain import DomainParticipant
-        except ImportError as error:
-            raise ToolError(
-                f"DDS needs the package cyclonedds ({error}): pip install 'unitylink[ros2]'"
-            ) from None
+        except ImportError:
+            raise absent("cyclonedds", "ROS 2 over DDS") from None
         self.types = DdsTypes(definitions(interface))
         self._interface = interface
         self._namespace = namespace.strip("/")

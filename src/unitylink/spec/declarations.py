@@ -21,9 +21,13 @@ from .syntax import (
     LinkNode,
     Name,
     Notes,
+    Number,
     Program,
     Text,
+    TypeNode,
 )
+
+_NO_TYPE = TypeNode(Name("", 0, 0), [], 0)  # of a declaration that is reported, and not used
 
 
 class DeclarationReader(MemberReader):
@@ -39,7 +43,9 @@ class DeclarationReader(MemberReader):
             return texts[i + 1] == "enum" and kinds[i + 1 : i + 3] == ["name", "name"]
         if texts[i] == "const":
             return kinds[i + 1] in ("name", "keyword") and kinds[i + 2] == "="
-        return texts[i] in ("enum", "bits") and kinds[i + 1] in ("name", "keyword") and kinds[i + 2] == ":"
+        # without the `:` it lacks its type, and a constructor it cannot be
+        declared = kinds[i + 1] in ("name", "keyword") and kinds[i + 2] in (":", "{")
+        return texts[i] in ("enum", "bits") and declared
 
     def declaration(self, program: Program, notes: Notes) -> None:
         """Read one declaration; what cannot be read leaves its name in `program.lost`."""
@@ -95,18 +101,34 @@ class DeclarationReader(MemberReader):
     def _type(self, word: str, notes: Notes) -> EnumNode | BitsNode:
         self.i += 1 + (word == "open")
         name = self.name("the type's name")
-        self.expect(":", "`:` and the type it is made of, such as u8")
-        kind = self.type()
+        kind: TypeNode | None = None
+        if self.kinds[self.i] != "{":
+            self.expect(":", "`:` and the type it is made of, such as u8")
+            kind = self.type()
         self.expect("{", "`{`")
+        node: EnumNode | BitsNode
         if word == "bits":
             fields: list[FieldNode] = []
             while not self._closed():
                 fields.append(self._field())
-            return BitsNode(name, kind, fields, notes)
-        values: list[EnumValueNode] = []
-        while not self._closed():
-            values.append(self._value_of_enum())
-        return EnumNode(name, word == "open", kind, values, notes)
+            width = 1 + max((_number(field.high) for field in fields), default=0)
+            node = BitsNode(name, kind or _NO_TYPE, fields, notes)
+        else:
+            values: list[EnumValueNode] = []
+            while not self._closed():
+                values.append(self._value_of_enum())
+            width = max((_number(value.value).bit_length() for value in values), default=0)
+            node = EnumNode(name, word == "open", kind or _NO_TYPE, values, notes)
+        if kind is None:
+            self._missing_type(name, min(max(width, 1), 64))
+        return node
+
+    def _missing_type(self, name: Name, width: int) -> None:
+        """Advise the narrowest type that holds what is declared."""
+        advice = self.replace(f"`{name.text}: u{width} {{` is wide enough", name.end, name.end, f": u{width}")
+        message = f"`{name.text}` has no type, which says how many bits it takes"
+        self.reporter.report("UL010", name.start, name.end, message, advice)
+        self.broken = True
 
     def _closed(self) -> bool:
         if self.kinds[self.i] == "end" or self.at_head():
@@ -157,3 +179,10 @@ class DeclarationReader(MemberReader):
         """Read the properties of a link; its name is read already."""
         node = LinkNode(name, self.properties(LINK_PROPERTIES), notes)
         program.declarations.append(node)
+
+
+def _number(argument: Argument) -> int:
+    """Return the whole number that stands there, 0 where something else does."""
+    part = argument.parts[0]
+    plain = argument.literal and isinstance(part, Number) and isinstance(part.value, int)
+    return part.value if plain else 0  # type: ignore[union-attr, return-value]

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Union
 
-from .diagnostics import Reporter
+from .diagnostics import Advice, Reporter
 from .suggest import nearest
 from .syntax import Argument, Expression, Name, Number, Operation, Text
-from .units import UNITS, Dimension, Unit, unit
+from .units import UNITS, Dimension, Unit, spoken, unit
 
 MAX_STRING = 250  # characters of an evaluated string
 MAX_BITS = 512  # of a number while it is computed: 64-bit words, scaled exactly
@@ -144,19 +144,17 @@ class Evaluator:
     def _with_unit(self, node: Number) -> Quantity:
         found = unit(node.unit)
         if found is None:
-            self.unknown_unit(node.unit, node.start, node.end)
+            self.unknown_unit(node.unit, node.start, node.end, quoted=False)
             raise Stop
         return Quantity(node.value * found.factor + found.offset, found.dimension)
 
-    def unknown_unit(self, text: str, start: int, end: int) -> None:
-        """Report that there is no such unit."""
-        near = nearest(text, UNITS)
-        hint = (
-            f"did you mean `{near}`?"
-            if near
-            else "units are such as rad, deg, m, s, A, V, N m, rad/s, degC, Hz, count"
-        )
-        self.reporter.report("UL087", start, end, f"there is no unit `{text[:40]}`", hint)
+    def unknown_unit(self, text: str, start: int, end: int, *, quoted: bool) -> None:
+        """Report that there is no such unit; `quoted` says that a string stands at the place, and no more."""
+        near = spoken(text) or nearest(text, UNITS)
+        advice = Advice("units are such as rad, deg, m, s, A, V, N m, rad/s, degC, Hz, count")
+        if near:
+            advice = Advice(f"did you mean `{near}`?", ((start, end, f'"{near}"'),) if quoted else ())
+        self.reporter.report("UL087", start, end, f"there is no unit `{text[:40]}`", advice)
 
     def _sum(self, node: Argument, names: Mapping[str, Value]) -> Value:
         values = [self._value(part, names) for part in node.parts]

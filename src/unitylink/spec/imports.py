@@ -25,6 +25,11 @@ MAX_FILES = 200
 _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 
 
+def component_names() -> tuple[str, ...]:
+    """Return what the component library has."""
+    return tuple(sorted(path.stem for path in LIBRARY.glob("*.ul")))
+
+
 class Importer:
     """Reads a spec's main file and all files it leads to; `program` holds everything that they declare."""
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from .diagnostics import Advice, Reporter
 from .source import Source
-from .units import UNITS
+from .units import UNITS, UNITS_FOLDED
 
 KEYWORDS = frozenset(
     (
@@ -214,7 +214,10 @@ def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
     elif word == "*/":
         hint = "no comment is open here: comments do not nest"
     elif word == "^":
-        hint = "`^` stands directly before a name that would otherwise be a keyword"
+        hint = (
+            "`^` stands directly before a name that would otherwise be a keyword; a unit stands in quotes: "
+            '"m/s^2"'
+        )
     elif word[0] in "“„‘”’":
         hint = "strings stand in straight quotes, \"…\" or '…'"
     elif any(ord(c) > 127 for c in word):
@@ -236,8 +239,11 @@ def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end:
         return "string"
     hint: str | Advice = "numbers are 10, 0x1F, 0b101, 0.5 and 1e-3"
     unit = word.lstrip("0123456789")
-    if unit in UNITS:
-        number = word[: -len(unit)]
+    number, unit = (
+        word[: len(word) - len(unit)],
+        unit if unit in UNITS else UNITS_FOLDED.get(unit.lower(), ""),
+    )
+    if unit and number:
         hint = Advice(
             f"a space stands between a number and its unit: `{number} {unit}`",
             ((start, end, f"{number} {unit}"),),

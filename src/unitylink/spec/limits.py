@@ -10,7 +10,7 @@ from functools import lru_cache
 
 from .diagnostics import Reporter
 from .evaluate import Evaluator, Plain, Value
-from .syntax import Argument, Property
+from .syntax import Argument, Property, Text
 from .types import Number, ValueType
 from .units import Unit, unit
 
@@ -132,7 +132,8 @@ class _Reader:
             return None
         found = unit(text)
         if found is None:
-            self.evaluator.unknown_unit(text, one.argument.start, one.argument.end)
+            quoted = isinstance(one.argument.parts[0], Text) and one.argument.literal
+            self.evaluator.unknown_unit(text, one.argument.start, one.argument.end, quoted=quoted)
             self.good = False
             return None
         self.facts.unit = text

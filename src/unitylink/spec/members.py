@@ -20,6 +20,8 @@ from .syntax import (
     Parameter,
     Text,
 )
+from .type_names import names_of
+from .units import spoken, unit
 
 _SHOWN = 150  # characters of a declaration in a hint
 _NAMES = 20  # names of a list that are looked at for a message
@@ -158,13 +160,20 @@ class _Checker:
         return name.text not in self.scopes.declared.constants
 
     def _unit(self, scope: Scope, argument: Argument) -> bool:
-        quoted = None
-        if len(argument.parts) == 1 and isinstance(argument.parts[0], Name):
-            name = argument.parts[0]
-            quoted = Advice(
-                f'a unit stands in quotes: `"{name.text}"`', ((name.start, name.end, f'"{name.text}"'),)
-            )
-        return self.scopes.names_of(scope, argument, advice=quoted)
+        """Are all names of UNIT known? A unit without its quotes is one mistake for all its names."""
+        names = [] if argument.literal else list(names_of(argument))
+        if not names or any(self.scopes.knows(scope, name) for name in names):
+            return self.scopes.names_of(scope, argument)
+        text = self.scopes.reporter.sources.text(argument.start, argument.end)
+        written = text if unit(text) is not None else spoken(text)
+        if written is None and len(names) > 1:
+            return self.scopes.names_of(scope, argument)
+        place = argument.start, argument.end
+        advice = Advice(
+            f'a unit stands in quotes: `"{written or text}"`', ((*place, f'"{written or text}"'),)
+        )
+        whole = Name(text, *place)
+        return self.scopes.names_of(scope, Argument([whole], *place), advice=advice)
 
     def _check_expansion(self, scope: Scope, member: ExpansionNode) -> bool:
         array = member.count is not None

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from .cursor import Panic
 from .expressions import ExpressionReader
-from .syntax import Argument, Name, Property, PublishNode, TypeNode
+from .syntax import Argument, Name, Number, Property, PublishNode, TypeNode
+from .units import spoken
 
 LINK_KIND_PROPERTIES = {
     "TOSNET": ("CTRL", "COMM", "UART", "BASE", "LINK"),
@@ -16,6 +18,7 @@ FIELD_PROPERTIES = ("UNIT", "SCALE", "OFFSET", "MIN", "MAX")
 ELEMENT_PROPERTIES = ("ID", "CRC", "PUBLISH", *FIELD_PROPERTIES, "OVERFLOW", "INITIAL", "SAFE")
 LINK_PROPERTIES = ("DATA", "ADDRESS", "BASE_RATE", "BAUD", "PHYSICAL", "SEND_IMMEDIATE", "NODE")
 
+_FORMS = "`PUBLISH(100 Hz)`; `PUBLISH(1, 10)`, a tenth of the base frequency; or `PUBLISH(on change)`"
 _EXPECTED = {"ID": "a string or a parameter", "UNIT": 'a unit such as "rad"'}
 _NAMED = {
     "CTRL": "a parameter of the constructor",
@@ -32,7 +35,11 @@ class PropertyReader(ExpressionReader):
 
     def properties(self, known: tuple[str, ...]) -> list[Property]:
         """Read properties in brackets, each at most once."""
-        self.expect("(", "`(`")
+        if self.kinds[self.i] != "(":
+            word, end = self.texts[self.i - 1], self.tokens.ends[self.i - 1]
+            bare = self.kinds[self.i] == ";"
+            raise self.unexpected("`(`", self.replace(f"write `{word}()`", end, end, "()") if bare else "")
+        self.i += 1
         found: list[Property] = []
         if self.accept(")"):
             return found
@@ -74,7 +81,20 @@ class PropertyReader(ExpressionReader):
                 one.argument = Argument([name], name.start, name.end)
             else:
                 one.argument = self.argument(_EXPECTED.get(one.key, "a number"))
+                if key == "UNIT" and self.kinds[self.i] == "name":
+                    raise self._unquoted(one.argument.start)
         return one
+
+    def _unquoted(self, start: int) -> Panic:
+        """Report `UNIT=N m`: what is written without a sign between is no expression."""
+        i = self.i
+        while self.kinds[i] in ("name", "*", "/"):
+            i += 1
+        end = self.tokens.ends[i - 1]
+        text = self.reporter.sources.text(start, end)
+        written = spoken(text) or text
+        advice = self.replace(f'a unit stands in quotes: `"{written}"`', start, end, f'"{written}"')
+        return self.unexpected("`,` or `)`", advice)
 
     def _skip_property(self) -> None:
         depth = 0
@@ -86,6 +106,8 @@ class PropertyReader(ExpressionReader):
 
     def _publish(self) -> PublishNode:
         self.expect("(", "`(` after PUBLISH: `(mode, divisor)`, `(100 Hz)` or `(on …)`")
+        if self.kinds[self.i] == ")":
+            raise self.unexpected("how it is published", _FORMS)
         node = PublishNode([], [], None)
         if self.kinds[self.i] == "name" and self.texts[self.i] == "on" and self.kinds[self.i + 1] == "name":
             self.i += 1
@@ -97,6 +119,8 @@ class PropertyReader(ExpressionReader):
             node.rates.append(first)
             grouped = self.kinds[self.i] == "," and self.texts[self.i + 1] == "GROUP"
             if not (grouped or (self.kinds[self.i] == ")" and _has_unit(first))):
+                if self.kinds[self.i] == ")" and isinstance(number := first.parts[0], Number):
+                    raise self._bare(number)
                 self.expect(",", "`,` and the divisor of the base publish frequency")
                 node.rates.append(self.argument("the divisor of the base publish frequency"))
         if self.accept(","):
@@ -107,6 +131,23 @@ class PropertyReader(ExpressionReader):
             node.group = self.name("the name of a snapshot group")
         self.expect(")", "`)`")
         return node
+
+    def _bare(self, number: Number) -> Panic:
+        """Report `PUBLISH(100)`: a mode without its divisor, or a rate without its unit."""
+        if self.touched():  # `100Hz`, which was told
+            return Panic()
+        if number.value in (1, 2):
+            return self.unexpected("`,` and the divisor of the base publish frequency", _FORMS)
+        text = self.texts[self.i - 1]
+        hint = f"a rate has a unit: `PUBLISH({text} Hz)`"
+        self.reporter.report(
+            "UL010",
+            number.start,
+            number.end,
+            f"expected a rate with its unit, or a mode and a divisor, but found `{text}`",
+            self.replace(hint, number.end, number.end, " Hz"),
+        )
+        return Panic()
 
     # --- types ----------------------------------------------------------------------------------------------
 

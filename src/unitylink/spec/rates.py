@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from ..protocol import RATE_BYTES_MAX
-from .evaluate import Evaluator, Value
+from .evaluate import Evaluator, Quantity, Value
 from .model import READS, Link, Publish
 from .syntax import ElementNode, Property, PublishNode
 from .units import UNITS
@@ -77,6 +77,12 @@ def _divisor_of_rate(
     """Return the divisor nearest to a rate; what it is rounded to is told."""
     reporter = evaluator.reporter
     (written,) = publish.rates
+    given = evaluator.value(written, names)
+    if isinstance(given, Quantity) and given.dimension == UNITS["s"].dimension and given.value > 0:
+        message = "PUBLISH takes a rate, and this is a time"
+        hint = f"as a rate it is `PUBLISH({float(1 / given.value):g} Hz)`"
+        reporter.report("UL088", written.start, written.end, message, hint)
+        return None
     rate = evaluator.quantity(written, names, "the rate of PUBLISH", UNITS["Hz"])
     if rate is None:
         return None

@@ -13,6 +13,7 @@ from ..protocol import ADDRESS_BITS_MAX
 from .cursor import ACCESS_WORDS
 from .declared import Declared
 from .diagnostics import Advice, Reporter
+from .imports import component_names
 from .model import READS, WRITES
 from .syntax import (
     Argument,
@@ -211,7 +212,7 @@ class Scopes:
     def unknown_constructor(self, name: Name) -> None:
         """Report that there is no constructor of this name, unless part of the text is missing."""
         if not self.program.damaged and self.news("constructor", name):
-            candidates = chain(ACCESS_WORDS, self.first)
+            candidates = chain(ACCESS_WORDS, self.first, component_names())
             otherwise = f"declare it: `{name.text}(…) {{ … }}`"
             if name.text in WRITES or name.text in READS:
                 otherwise = f"an element's name stands after `@`: `@name: {name.text}();`"
@@ -268,10 +269,19 @@ class Scopes:
                 self.declared.used.add(text)
             elif not (array and text == INDEX) and text not in ("true", "false"):
                 if text not in self.declared.lost:
-                    candidates = chain(scope.parameters, self.declared.constants)
+                    candidates = chain(scope.parameters, self.declared.constants, ("true", "false"))
                     self._no_parameter(scope, name, "parameter", candidates, advice)
                 known = False
         return known
+
+    def knows(self, scope: Scope, name: Name) -> bool:
+        """Is this a parameter, an address or a constant here?"""
+        return name.text in (
+            *scope.parameters,
+            *scope.addresses,
+            *self.declared.constants,
+            *self.declared.lost,
+        )
 
     def depends(self, scope: Scope, node: Expression, *, array: bool = False) -> bool:
         """Does the value of an expression differ from expansion to expansion?"""

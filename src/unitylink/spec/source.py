@@ -93,6 +93,11 @@ class Sources:
         """Return the file an offset lies in."""
         return self._all[bisect_right(self._bases, offset) - 1]
 
+    def text(self, start: int, end: int) -> str:
+        """Return what stands there."""
+        source = self.at(start)
+        return source.text[start - source.base : end - source.base]
+
     def in_library(self, offset: int) -> bool:
         """Does an offset lie in a file of the component library?"""
         return self._library is not None and offset >= self._library

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 # How other languages call what ours calls otherwise.
@@ -12,8 +13,11 @@ _FOREIGN = {
     **dict.fromkeys(("rw", "r_w", "inout"), "READWRITE"),
     **dict.fromkeys(("woclr", "rw1c"), "W1C"),
     **dict.fromkeys(("rclr", "rc"), "READCLEAR"),
+    **dict.fromkeys(("on", "yes", "high", "enabled"), "true"),
+    **dict.fromkeys(("off", "no", "low", "disabled"), "false"),
     **dict.fromkeys(("wpulse", "singlepulse", "strobe"), "PULSE"),
 }
+_PARTS = re.compile(r"[_.]")
 _CANDIDATES = 500  # compared for one name: bounds the time a spec full of mistakes takes
 
 
@@ -43,15 +47,18 @@ def distance(a: str, b: str, limit: int) -> int:
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
     """Return the candidate nearest to `name`, or None if none is near; a difference in case only is nearest.
 
-    What another language calls so is near too.
+    What another language calls so is near too; where nothing is, what has `name` as one of its parts.
 
     >>> nearest("jiont", ["leg", "joint"]), nearest("rw", ["READ", "READWRITE"])
     ('joint', 'READWRITE')
+    >>> nearest("encoder", ["pwm", "quadrature_encoder"])
+    'quadrature_encoder'
     """
     limit = 1 if len(name) < 4 else 2 if len(name) < 9 else 3
     folded = name.lower()
     foreign = _FOREIGN.get(folded)
     best: str | None = None
+    holder: str | None = None
     for count, candidate in enumerate(candidates):
         if count == _CANDIDATES:
             break
@@ -61,7 +68,9 @@ def nearest(name: str, candidates: Iterable[str]) -> str | None:
             return candidate
         if min(len(name), len(candidate)) <= 1:
             continue
+        if holder is None and len(name) > 2 and folded in _PARTS.split(candidate.lower()):
+            holder = candidate
         found = distance(folded, candidate.lower(), limit)
         if found <= limit and found < len(candidate):
             best, limit = candidate, found - 1
-    return best
+    return best or holder

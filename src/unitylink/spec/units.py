@@ -109,6 +109,50 @@ def _table() -> dict[str, Unit]:
 
 
 UNITS = _table()
+UNITS_FOLDED = {name.lower(): name for name in reversed(UNITS)}  # `hz` is `Hz`, the first of its kind
+
+# How people call what the table calls otherwise; the plural, and milli, kilo and so on before it, go along.
+_SPOKEN = {
+    "radian": "rad",
+    "degree": "deg",
+    "revolution": "rev",
+    "meter": "m",
+    "metre": "m",
+    "second": "s",
+    "sec": "s",
+    "minute": "min",
+    "hour": "h",
+    "hertz": "Hz",
+    "gram": "g",
+    "newton": "N",
+    "volt": "V",
+    "ampere": "A",
+    "amp": "A",
+    "watt": "W",
+    "joule": "J",
+    "pascal": "Pa",
+    "ohm": "Ohm",
+    "farad": "F",
+    "henry": "H",
+    "tesla": "T",
+    "coulomb": "C",
+    "kelvin": "K",
+    "celsius": "degC",
+    "liter": "l",
+    "litre": "l",
+    "percent": "%",
+}
+_SPOKEN_PREFIXES = {
+    "nano": "n",
+    "micro": "u",
+    "milli": "m",
+    "centi": "c",
+    "kilo": "k",
+    "mega": "M",
+    "giga": "G",
+}
+_POWER_DIGIT = re.compile(r"([A-Za-z])(-?[23])\b")
+_WORD = re.compile(r"[A-Za-z]+")
 
 _STEP = re.compile(r"\s*([/*·]?)\s*(1|[A-Za-zµ°%][A-Za-z0°]*)(?:\^(-?[0-9])|([²³]))?\s*")
 
@@ -141,3 +185,29 @@ def unit(text: str) -> Unit | None:
         steps += 1
     a, b, c, d, e, f, g = dimension
     return Unit(text, (a, b, c, d, e, f, g), factor)
+
+
+def spoken(text: str) -> str | None:
+    """Return how a unit is written that people call `text`, or None where no such unit is known.
+
+    >>> spoken("Volt"), spoken("millimeters per second"), spoken("m/s2"), spoken("furlong")
+    ('V', 'mm/s', 'm/s^2', None)
+    """
+    written = re.sub(r"\s+per\s+", "/", text.strip())
+    written = _WORD.sub(lambda word: _written(word.group()), _POWER_DIGIT.sub(r"\1^\2", written))
+    return written if written != text and unit(written) is not None else None
+
+
+def _written(word: str) -> str:
+    name = word.lower()
+    for prefix, letter in _SPOKEN_PREFIXES.items():
+        if name.startswith(prefix):
+            return letter + _called(name.removeprefix(prefix), word)
+    return _called(name, word)
+
+
+def _called(name: str, otherwise: str) -> str:
+    singular = name.removesuffix("s")
+    if singular in UNITS and len(singular) > 2:  # counts, steps
+        return singular
+    return _SPOKEN.get(name) or _SPOKEN.get(singular) or otherwise

@@ -98,8 +98,9 @@ class Vectors:
             scope = self.scopes.first[constructor]
             names = scope.node.addresses
             takes = f"`{address}` is one word" if address else f"`{constructor}` takes {len(names)} addresses"
+            block = bool(address) and scope.node.block is not None  # nothing of it is in the head to agree
             counts = {len(vector.numbers) for vector, _ in wrong.values()}
-            if len(wrong) > 1 and len(counts) == 1 and not right:
+            if len(wrong) > 1 and len(counts) == 1 and not right and not block:
                 at = next((name for name in names if name.text == address), scope.node.name)
                 message = f"{takes}, but all {len(wrong)} vectors it is given have {counts.pop()}"
                 hint = f"make `{declaration(scope)}` agree with them"
@@ -112,4 +113,10 @@ class Vectors:
                 message = f"{takes} {does} these {len(vector.numbers)}"
                 hint = f"they are used in line {self.reporter.sources.line_of(user.start)}"
                 labels = [(user.start, user.end, "used here")]
+                if block:
+                    message = f"`{constructor}` is a block of words, {does} these {len(vector.numbers)}"
+                    one = vector.numbers[0] if vector.numbers else None
+                    first = self.reporter.sources.text(one.start, one.end) if one else "0x10"
+                    hint = f"give its first word: `@ ({first})`; or none, and the compiler finds its place"
+                    labels = []
                 self.reporter.report("UL031", vector.start, vector.end, message, hint, labels=labels)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .failure import Failure
-from .link_option import link_argument, simulated_spec
+from .link_option import link_argument, load_names, spec_option
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("ros", type=click.Choice(["ros1", "ros2"]))
 @link_argument
-@click.argument("spec_file", metavar="[SPEC]", required=False)
+@click.argument("spec_argument", metavar="[SPEC]", required=False)
+@spec_option
 @click.option("--root", metavar="NAME", help="Which public constructor, if the spec has several.")
 @click.option("--namespace", metavar="NAME", help="Below which the topics are; by default the robot's name.")
 @click.option(
@@ -34,6 +35,7 @@ def command(
     ros: str,
     *,
     link: str,
+    spec_argument: str | None,
     spec_file: str | None,
     root: str | None,
     namespace: str | None,
@@ -50,11 +52,13 @@ def command(
 
     \b
     Examples:
-      unitylink bridge ros2 serial:/dev/ttyUSB0?baud=3000000 scara.ul
-      unitylink bridge ros1 tcp://192.168.1.20:5555 scara.ul --namespace left
-      unitylink bridge ros2 'sim:scara.ul?plant=scara'
+      unitylink bridge ros2 "serial:/dev/ttyUSB0?baud=3000000" --spec arm.ul
+      unitylink bridge ros1 tcp://192.168.1.20:5555 --spec arm.ul --namespace left
+      unitylink bridge ros2 "sim:arm.ul?plant=ramp"
     """
-    spec, name = _spec(link, spec_file, root)
+    if spec_argument is not None and spec_file is not None:
+        raise click.UsageError(f"the spec is given twice: {spec_argument} and --spec {spec_file}")
+    spec, name = _spec(link, spec_file or spec_argument, root)
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
     from unitylink.ros import plan_interface
@@ -83,13 +87,9 @@ def command(
 
 
 def _spec(link: str, spec_file: str | None, root: str | None) -> tuple[Spec, str]:
-    from unitylink.spec import load
-
-    simulated = simulated_spec(link)
-    file = spec_file if spec_file is not None else simulated
-    if not file:
-        raise click.UsageError("SPEC is missing: the names on the topics are its")
-    spec = load(file)
+    spec = load_names(link, spec_file).spec
+    if spec is None:
+        raise click.UsageError("the names on the topics come from a spec: add --spec FILE.ul")
     try:
         return spec, spec.root(root).name
     except KeyError as error:

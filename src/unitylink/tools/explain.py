@@ -12,7 +12,7 @@ from .failure import Failure
 from .output import colours, json_option, plain_table, print_json
 
 if TYPE_CHECKING:
-    from unitylink.ports.findings import FindingKind
+    from unitylink.ports.findings import Finding
 
 
 @click.command()
@@ -32,7 +32,7 @@ def command(codes: tuple[str, ...], as_json: bool) -> None:
     """
     from dataclasses import asdict
 
-    from unitylink.ports.findings import FINDINGS
+    from unitylink.ports.findings import FINDINGS, example
     from unitylink.spec import CODES
     from unitylink.spec.explain import explain
     from unitylink.spec.suggest import nearest
@@ -46,7 +46,10 @@ def command(codes: tuple[str, ...], as_json: bool) -> None:
     wanted = [known[code.upper()] for code in codes]
     if as_json:
         every = wanted or known.values()
-        print_json([asdict(explain(c)) if c in CODES else {"code": c, **asdict(FINDINGS[c])} for c in every])
+        findings = {
+            code: {**asdict(shown), "more": more} for code in FINDINGS for shown, more in [example(code)]
+        }
+        print_json([asdict(explain(c)) if c in CODES else findings[c] for c in every])
         return
     if not wanted:
         rows = [(code, kind.severity, kind.title) for code, kind in CODES.items()]
@@ -57,7 +60,7 @@ def command(codes: tuple[str, ...], as_json: bool) -> None:
     parts = []
     for code in wanted:
         if code in FINDINGS:
-            parts.append(_finding(code, FINDINGS[code], bold, off))
+            parts.append(_finding(*example(code), bold, off))
             continue
         one = explain(code)
         part = f"{bold}{one.code}, {one.severity}: {one.title}{off}\n\n{one.text}\n"
@@ -68,10 +71,10 @@ def command(codes: tuple[str, ...], as_json: bool) -> None:
     click.echo("\n".join(parts), nl=False)
 
 
-def _finding(code: str, kind: FindingKind, bold: str, off: str) -> str:
-    more = f"\n{kind.more}\n" if kind.more else ""
-    title = f"{bold}{code}, {kind.severity}: {kind.title}{off}"
-    return f"{title}\n\n{kind.cause}\n\n    {kind.remedy}\n{more}"
+def _finding(shown: Finding, more: str, bold: str, off: str) -> str:
+    title = f"{bold}{shown.code}, {shown.severity}: {shown.title}{off}"
+    behind = f"\n{more}\n" if more else ""
+    return f"{title}\n\nFor example: {shown.cause}\n\n    {shown.remedy}\n{behind}"
 
 
 def _indented(text: str) -> str:

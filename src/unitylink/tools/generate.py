@@ -11,7 +11,12 @@ from .root import part_of, root_option
 
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
-@click.option("--out", metavar="FOLDER", required=True, help="Where to write; made if it does not exist.")
+@click.option(
+    "--out",
+    metavar="FOLDER",
+    default=".",
+    help="Where to write (here); made if it does not exist.",
+)
 @click.option(
     "--only", metavar="ARTEFACT[,...]", help="Make these: python (the default), vhdl, json, html, ros1, ros2."
 )
@@ -55,11 +60,11 @@ def command(
 
     \b
     Examples:
-      unitylink generate arm.ul --out .
+      unitylink generate arm.ul
       unitylink generate arm.ul --out build --only python,vhdl
       unitylink generate arm.ul --out build --only vhdl --physical ft245_async
       unitylink generate two_arms.ul --out build --only vhdl --root left_arm
-      unitylink generate arm.ul --out . --check
+      unitylink generate arm.ul --check
     """
     from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
     from unitylink.spec import load

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from unitylink.optional import absent
+
 from .failure import Failure
 
 
@@ -18,8 +20,7 @@ from .failure import Failure
 def command(file: str, out: str | None, top: str | None, include: tuple[str, ...]) -> None:
     """Make a spec from SystemRDL: registers, fields, enumerations, arrays, register files, documentation.
 
-    What UL-spec says otherwise or not at all is told on stderr. It needs systemrdl-compiler:
-    pip install 'unitylink[systemrdl]'.
+    What UL-spec says otherwise or not at all is told on stderr. It needs the package systemrdl-compiler.
 
     \b
     Examples:
@@ -31,7 +32,7 @@ def command(file: str, out: str | None, top: str | None, include: tuple[str, ...
     except ModuleNotFoundError as error:
         if error.name is None or not error.name.startswith("systemrdl"):
             raise
-        raise Failure("systemrdl-compiler is not installed", "pip install 'unitylink[systemrdl]'") from None
+        raise absent("systemrdl-compiler", "reading SystemRDL") from None
     imported = write_spec(read_systemrdl(file, top, include))
     for note in imported.notes:
         click.echo(f"note: {note}", err=True)

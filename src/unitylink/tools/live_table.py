@@ -7,7 +7,7 @@ import logging
 import math
 import time
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich import box
@@ -88,8 +88,14 @@ class _LastMessage(logging.Handler):
         self.text = record.getMessage()
 
 
-def show(samples: Iterable[Sample | None], items: Sequence[Item], publisher: Publisher, link: str) -> None:
-    """Draw the samples until they end; the last table stays on the terminal."""
+def show(
+    samples: Iterable[Sample | None],
+    items: Sequence[Item],
+    publisher: Publisher,
+    link: str,
+    now_s: Callable[[], float] = time.monotonic,
+) -> None:
+    """Draw the samples until they end; the last table stays on the terminal. `now_s` is their clock."""
     tracks = {item.name: Track() for item in items}
     messages = _LastMessage()
     logger = logging.getLogger("unitylink")
@@ -100,7 +106,9 @@ def show(samples: Iterable[Sample | None], items: Sequence[Item], publisher: Pub
         with Live(console=console, auto_refresh=False) as live:
 
             def redraw() -> None:
-                table = draw(items, tracks, publisher, link, messages.text, width=console.width)
+                table = draw(
+                    items, tracks, publisher, link, messages.text, width=console.width, now_s=now_s()
+                )
                 live.update(table, refresh=True)
 
             for sample in samples:

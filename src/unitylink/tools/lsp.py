@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import click
 
-from .failure import Failure
+from unitylink.optional import absent
 
 
 @click.command()
@@ -14,7 +14,7 @@ def command() -> None:
 
     It speaks the Language Server Protocol on standard input and output and is started by the editor, not by
     hand; the extension for Visual Studio Code and settings for other editors are in the source tree
-    (docs/editors.md). It needs pygls: pip install 'unitylink[lsp]'.
+    (docs/editors.md). It needs the package pygls.
 
     \b
     Example, a line of an editor's configuration:
@@ -25,5 +25,5 @@ def command() -> None:
     except ModuleNotFoundError as error:
         if error.name not in ("pygls", "lsprotocol"):
             raise
-        raise Failure(f"{error.name} is not installed", "pip install 'unitylink[lsp]'") from None
+        raise absent("pygls", "the language server") from None
     make_server().start_io()

@@ -6,26 +6,33 @@ from __future__ import annotations
 import shutil
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatchcase
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from unitylink.errors import LinkError
+from unitylink.optional import absent
+from unitylink.values import Quantity
 
 from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
 from .output import colours, terminal
 from .sampled import duration_option, rate_option, sampled_items
+from .series import AllSeries, parts_of
+from .typed import plain
 
 if TYPE_CHECKING:
+    from unitylink.recording import Origin
+    from unitylink.spec.model import Spec
+
     from .sampler import Sampler
 
-Series = dict[str, tuple[list[float], list[float]]]  # path -> times in s, values
 _PICTURES = (".png", ".svg", ".pdf")
 _REDRAW_S = 0.2
 _WINDOW_S = 10.0  # what a live plot shows
@@ -55,7 +62,8 @@ def command(
 ) -> None:
     """Draw items over time: from a LINK as they come, or from a recording.
 
-    Values with the same unit share a panel.
+    Values with the same unit share a panel; members of enumerations are drawn by name. An MCAP recording
+    knows its units, for those of a CSV file add --spec.
 
     \b
     Examples:
@@ -67,97 +75,113 @@ def command(
         raise click.UsageError(f"--out {out}: a picture ends in {', '.join(_PICTURES)}")
     if out is None and not terminal():
         raise Failure("the output is no terminal to draw on", "add --out FILE.png")
+    _need("matplotlib" if out is not None else "plotext")  # before anything is measured
     if not is_link(source):
-        series = _recorded(source, names)
-        _draw(series, {}, Path(source).name, out)
+        _draw(_recorded(source, names, spec_file), Path(source).name, out)
         return
     with ended_by_signals(), open_target(source, spec_file, quiet=out is None) as target:
         found = sampled_items(target, names, "plot")
         from .sampler import Sampler
 
-        series = {item.name: ([], []) for item in found}
-        units = {item.name: item.unit for item in found}
+        quantities = {item.name: item.quantity for item in found}
+        series = AllSeries()
+        for path, quantity in quantities.items():
+            series.declare(parts_of(path, quantity.type, quantity.unit))
         failed: LinkError | None = None
         try:
             with Sampler(target.link, found, rate_hz) as sampler, suppress(KeyboardInterrupt):
-                _follow(sampler, series, source, out, duration_s)
+                _follow(sampler, series, quantities, source=source, out=out, duration_s=duration_s)
         except LinkError as error:
             failed = error  # after what came until then has been drawn
-        if out is not None and (failed is None or any(times for times, _ in series.values())):
-            _draw(series, units, source, out)
+        if out is not None and (failed is None or series.count):
+            _draw(series, source, out)
         if failed is not None:
             raise failed
 
 
-def _follow(sampler: Sampler, series: Series, source: str, out: str | None, duration_s: float | None) -> None:
+def _need(package: str) -> None:
+    if find_spec(package) is None:
+        raise absent(package, "a picture" if package == "matplotlib" else "a plot in the terminal")
+
+
+def _follow(
+    sampler: Sampler,
+    series: AllSeries,
+    quantities: Mapping[str, Quantity],
+    *,
+    source: str,
+    out: str | None,
+    duration_s: float | None,
+) -> None:
     """Fill `series` with what comes; without `out` a terminal shows it meanwhile."""
-    drawn_s = start_s = time.monotonic()
+    drawn_s = time.monotonic()
     for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
         if sample is not None:
             time_s, values, numbers = sample
-            _take(series, time_s - start_s, {v.path: n for v, n in zip(values, numbers, strict=True)})
+            named = {v.path: plain(n, quantities[v.path]) for v, n in zip(values, numbers, strict=True)}
+            series.take(sampler.since_start_s(time_s), named)
         if out is None and time.monotonic() - drawn_s > _REDRAW_S:
             drawn_s = time.monotonic()
-            _forget(series, drawn_s - start_s - _WINDOW_S)
+            newest_s = max((one.times_s[-1] for one in series.values() if one.times_s), default=0.0)
+            for one in series.values():
+                one.forget(newest_s - _WINDOW_S)
             _draw_terminal(series, source, clear=True)
     if out is None:
         _draw_terminal(series, source, clear=True)  # with what came since
 
 
-def _take(series: Series, time_s: float, values: Mapping[str, Any]) -> None:
-    for path, value in values.items():
-        if path in series and isinstance(value, (int, float)):  # members of enumerations are ints
-            times, numbers = series[path]
-            times.append(time_s)
-            numbers.append(float(value))
+def _recorded(path: str, patterns: Sequence[str], spec_file: str | None) -> AllSeries:
+    from unitylink.recording import RecordingTruncated, origin, samples
+    from unitylink.spec import load
 
-
-def _forget(series: Series, before_s: float) -> None:
-    for times, numbers in series.values():
-        old = sum(1 for time_s in times if time_s < before_s)
-        del times[:old], numbers[:old]
-
-
-def _recorded(path: str, patterns: Iterable[str]) -> Series:
-    from unitylink.recording import RecordingTruncated, samples
-
-    series: Series = {}
-    wanted = tuple(patterns)
-    first_s: float | None = None
-    found = iter(samples(path))
+    series = AllSeries(lambda name: not patterns or any(_matches(name, pattern) for pattern in patterns))
+    made_with = origin(path)
+    if (spec := load(spec_file) if spec_file is not None else _spec_of(made_with)) is not None:
+        known = [part for name, one in spec.walk() for part in parts_of(name, one.type, one.unit)]
+    else:
+        known = [(name, unit, ()) for name, unit in made_with.units.items()]
+    series.declare(known)
     try:
-        for sample in found:
-            first_s = sample.time_s if first_s is None else first_s
-            for name in sample.values:
-                if name not in series and (not wanted or any(fnmatchcase(name, p) for p in wanted)):
-                    series[name] = ([], [])
-            _take(series, sample.time_s - first_s, sample.values)
+        for sample in samples(path):
+            series.take(sample.time_s, sample.values)
     except RecordingTruncated as error:
         click.echo(f"note: {error}", err=True)
-    if not any(times for times, _ in series.values()):
-        raise Failure(
-            f"{path} holds nothing that is called {', '.join(wanted)}" if wanted else f"{path} is empty"
-        )
+    if not series.count:
+        wanted = ", ".join(patterns)
+        raise Failure(f"{path} holds nothing that is called {wanted}" if wanted else f"{path} is empty")
+    for name in [name for name, one in series.items() if not one.times_s]:
+        del series[name]
+    series.begin_at_zero()
     return series
 
 
-def _draw(series: Series, units: Mapping[str, str], title: str, out: str | None) -> None:
+def _spec_of(made_with: Origin) -> Spec | None:
+    """Return the spec that lies in a recording; None where it has none, or one that does not stand alone."""
+    from unitylink.spec import compile_text
+
+    return compile_text(made_with.text.encode(), made_with.name).spec if made_with.text else None
+
+
+def _matches(name: str, pattern: str) -> bool:
+    """Is this what a pattern or a name stands for? That of an instance stands for all of its items."""
+    return fnmatchcase(name, pattern) or name.startswith(f"{pattern}.")
+
+
+def _draw(series: AllSeries, title: str, out: str | None) -> None:
     if out is None:
         _draw_terminal(series, title, clear=False)
         return
-    try:
-        import matplotlib as mpl
-    except ImportError:
-        raise Failure("pictures need matplotlib", "pip install 'unitylink[plot]'") from None
+    import matplotlib as mpl
+
     mpl.use("Agg")
     from matplotlib import pyplot
 
-    panels: dict[tuple[str, int], list[str]] = {}
-    counts: dict[str, int] = {}
-    for name in series:
-        unit = units.get(name, "")
-        counts[unit] = counts.get(unit, 0) + 1
-        panels.setdefault((unit, (counts[unit] - 1) // _LINES_MOST), []).append(name)
+    panels: dict[tuple[str, tuple[str, ...], int], list[str]] = {}
+    counts: dict[tuple[str, tuple[str, ...]], int] = {}
+    for name, one in series.items():
+        kind = one.unit, tuple(one.members)
+        counts[kind] = counts.get(kind, 0) + 1
+        panels.setdefault((*kind, (counts[kind] - 1) // _LINES_MOST), []).append(name)
     figure, axes = pyplot.subplots(
         len(panels),
         1,
@@ -166,9 +190,12 @@ def _draw(series: Series, units: Mapping[str, str], title: str, out: str | None)
         figsize=(10, 2.8 * len(panels) + 0.6),
         layout="constrained",
     )
-    for axis, ((unit, _), names) in zip(axes[:, 0], panels.items(), strict=True):
+    for axis, ((unit, members, _), names) in zip(axes[:, 0], panels.items(), strict=True):
         for name in names:
-            axis.step(*series[name], where="post", label=name, linewidth=1.2)
+            one = series[name]
+            axis.step(one.times_s, one.numbers, where="post", label=name, linewidth=1.2)
+        if members:
+            axis.set_yticks(range(len(members)), members)
         axis.set_ylabel(unit)
         axis.grid(alpha=0.3)
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
@@ -180,25 +207,26 @@ def _draw(series: Series, units: Mapping[str, str], title: str, out: str | None)
         raise Failure(f"{out}: {error.strerror or error}") from error
     finally:
         pyplot.close(figure)
-    click.echo(f"{out}: {sum(len(times) for times, _ in series.values()):,} values of {len(series)} items")
+    click.echo(f"{out}: {series.count:,} values of {len(series)} items")
 
 
-def _draw_terminal(series: Series, title: str, *, clear: bool) -> None:
-    try:
-        import plotext  # type: ignore[import-untyped]
-    except ImportError:
-        raise Failure("plots in the terminal need plotext", "pip install 'unitylink[plot]'") from None
+def _draw_terminal(series: AllSeries, title: str, *, clear: bool) -> None:
+    import plotext  # type: ignore[import-untyped]
+
     plotext.clear_figure()
     plotext.theme("clear")
     width, height = shutil.get_terminal_size()
     plotext.plot_size(width, height - 1)  # the last line is the cursor's
     coloured = colours(sys.stdout)
     shown = list(series.items())[:_LINES_MOST]
-    for (name, (times, numbers)), colour in zip(shown, _COLOURS, strict=False):
-        if times:
-            plotext.plot(
-                times, numbers, label=name, marker="braille", color=colour if coloured else "default"
-            )
+    for (name, one), colour in zip(shown, _COLOURS, strict=False):
+        if one.times_s:
+            label = f"{name} [{one.unit}]" if one.unit else name
+            seen = colour if coloured else "default"
+            plotext.plot(one.times_s, one.numbers, label=label, marker="braille", color=seen)
+    scales = {tuple(one.members) for _, one in shown}
+    if len(scales) == 1 and (members := scales.pop()):
+        plotext.yticks(range(len(members)), members)
     plotext.title(title)
     plotext.xlabel("s")
     picture = plotext.build().rstrip("\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,15 +18,19 @@ from .ended_by_signals import ended_by_signals
 from .link_option import link_argument, open_target, spec_option
 from .output import json_option, print_json
 from .sampled import count_option, duration_option, rate_option, sampled_items
+from .series import parts_of
+from .topics import topics_of
 from .typed import plain
 
 if TYPE_CHECKING:
     from unitylink.recording import Origin, Writer
 
-    from .names import Names
+    from .names import Item, Names
+    from .sampler import Sample as Sampled
 
 _GATHER_S = 0.02  # what came within this time is written together, which halves the cost
-_NUMBERS = frozenset((int, float))
+_HOLD_S = 1.0  # for which samples are held back, so that they stand in the file in the order of their times
+_NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
 _SHOW_S = 0.5  # between two progress lines
 
 
@@ -53,8 +58,10 @@ def command(
 ) -> None:
     """Record items until Ctrl-C: MCAP for Foxglove and PlotJuggler, CSV for pandas and spreadsheets.
 
-    Items are those of `watch`, and come in the same way. A sample is written with the time it came; samples
-    that were lost are counted, and end the command with 1. The file is whole whatever ends the recording.
+    Items with PUBLISH come at their own rate; the others are read at --rate. NAME is as for `read`; without
+    any, all READ items of the spec are recorded, and the WRITE items too: what they are set to. A sample is
+    written with the time it came; samples that were lost are counted, and end the command with 1. The file is
+    whole whatever ends the recording.
 
     \b
     Examples:
@@ -64,36 +71,41 @@ def command(
     """
     with ended_by_signals(), open_target(link, spec_file) as target:
         known = target.names
-        items = sampled_items(target, names, "record")
+        items = sampled_items(target, names, "record", set_points=True)
         from unitylink.recording import Sample, create
 
         from .sampler import Sampler
 
-        path = (
-            out or f"{known.spec.name if known.spec else 'recording'}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
-        )
-        quantities = {item.name: item.quantity for item in items}
-        since_1970_s = time.time() - time.monotonic()
+        robot = known.spec.name if known.spec else "recording"
+        path = out or f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+        since_1970_s = time.time() - target.link.now_s()
         began = time.monotonic()
         failed: LinkError | None = None
-        sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S)
-        with create(path, _origin(known), tuple(quantities)) as writer:
+        sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
+        # Of the others the numbers are written as they are.
+        texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
+        topics: dict[tuple[str, ...], str] = {}  # known when it is known what is sampled together
+        with create(path, _origin(known, items), tuple(i.name for i in items), topics=topics) as writer:
+
+            def take(sampled: Sampled) -> None:
+                time_s, values, numbers = sampled
+                named = {value.path: number for value, number in zip(values, numbers, strict=True)}
+                if texts:
+                    named |= {path: plain(named[path], texts[path]) for path in texts.keys() & named.keys()}
+                writer.add(Sample(since_1970_s + time_s, named))
+
             progress = _Progress(writer, path, quiet=as_json)
             try:
                 with sampler, suppress(KeyboardInterrupt):
+                    topics |= topics_of(robot, items, sampler.publisher.reports())
                     for sample in sampler.samples(count, duration_s):
                         if sample is not None:
-                            time_s, values, numbers = sample
-                            named = {v.path: number for v, number in zip(values, numbers, strict=True)}
-                            if not _NUMBERS.issuperset(map(type, numbers)):  # else they are plain already
-                                named = {
-                                    path: n if type(n) in _NUMBERS else plain(n, quantities[path])
-                                    for path, n in named.items()
-                                }
-                            writer.add(Sample(since_1970_s + time_s, named))
+                            take(sample)
                         progress.show()
             except LinkError as error:
                 failed = error  # after it has been told what the file holds
+            for sample in sampler.rest():
+                take(sample)
             progress.end()
         took_s = time.monotonic() - began
     size = writer.size_bytes
@@ -139,10 +151,12 @@ class _Progress:
             click.echo("\r\x1b[K", nl=False, err=True)
 
 
-def _origin(names: Names) -> Origin:
+def _origin(names: Names, items: Sequence[Item]) -> Origin:
     from unitylink.recording import Origin
 
     if names.spec is None:
         return Origin()
     text = Path(names.source).read_text(encoding="utf-8")
-    return Origin(Path(names.source).name, text, names.spec.hash)
+    parts = (part for item in items for part in parts_of(item.name, item.quantity.type, item.unit))
+    units = {path: unit for path, unit, _ in parts if unit}
+    return Origin(Path(names.source).name, text, names.spec.hash, units)

@@ -4,12 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
+
+from unitylink.errors import BusError
 
 from .failure import Failure
 from .link_option import Target
 from .names import Item
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
 
 rate_option = click.option(
     "--rate",
@@ -30,20 +36,45 @@ duration_option = click.option(
 )
 
 
-def sampled_items(target: Target, names: Sequence[str], verb: str) -> list[Item]:
+def sampled_items(target: Target, names: Sequence[str], verb: str, *, set_points: bool = False) -> list[Item]:
     """Return what `names` stand for; without any, what the spec lets the PC read and reading does not change.
 
-    Raises Failure, with `verb` in it, where that is nothing.
+    With `set_points` that is also what it writes, as far as the device lets it be read back; what it does not
+    is told. Raises Failure, with `verb` in it, where nothing is left.
     """
     known = target.names
-    items = (
-        known.find_readable(names)
-        if names
-        else [item for item in known.all() if item.element is not None and item.element.pollable]
-    )
+    if names:
+        items = known.find_readable(names)
+    else:
+        kept = {item.name for item in known.all() if item.element is not None and item.element.pollable}
+        if set_points:
+            kept |= _read_back(target.link, [item for item in known.all() if _is_set_point(item)])
+        items = [item for item in known.all() if item.name in kept]
     if not items:
         raise Failure(
             f"there is nothing to {verb} on {target.link.url}",
             "name items of a spec (--spec FILE.ul), or an address",
         )
     return items
+
+
+def _is_set_point(item: Item) -> bool:
+    element = item.element
+    return element is not None and element.access == "WRITE" and element.link.kind != "fifo"
+
+
+def _read_back(link: Link, items: Sequence[Item]) -> set[str]:
+    """Return the names of those items that the device lets be read."""
+    refused = [item.name for item in items if not _reads(link, item)]
+    if refused:
+        shown = ", ".join(refused[:3]) + (f" and {len(refused) - 3} more" if len(refused) > 3 else "")
+        click.echo(f"note: without {shown}: the device does not let it be read back", err=True)
+    return {item.name for item in items} - set(refused)
+
+
+def _reads(link: Link, item: Item) -> bool:
+    try:
+        link.read(item.address)
+    except BusError:
+        return False
+    return True

@@ -6,11 +6,13 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from unitylink.errors import LinkClosed, LinkError, LinkTimeout
 from unitylink.layer4_data import Publisher, ReadValue
 
+from .in_order import InOrder
 from .names import Item
 from .readable import readable
 
@@ -31,18 +33,33 @@ class Sampler:
     """Publish `items` while the `with` block runs, and hand out what comes.
 
     With `gather_s` the samples of so many seconds are handed out together, each still with its own time: a
-    thread that is woken for every sample costs more than what it does with it.
+    thread that is woken for every sample costs more than what it does with it. With `hold_s` they are handed
+    out so much later, in the order of their times: what is published at different rates, or read, does not
+    come in that order. A sample that is later still has lost its place, and counts as lost.
+
+    `start_s` is the time of the link at which sampling began.
 
     >>> with Sampler(link, items, rate_hz=10) as sampler:          # doctest: +SKIP
     ...     for sample in sampler.samples(count=100):
     ...         print(sample)
     """
 
-    def __init__(self, link: Link, items: Sequence[Item], rate_hz: float, *, gather_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        link: Link,
+        items: Sequence[Item],
+        rate_hz: float,
+        *,
+        gather_s: float = 0.0,
+        hold_s: float = 0.0,
+    ) -> None:
         self.publisher = Publisher(gather_s=gather_s)
         self.lost = 0
+        self.start_s = 0.0
         self._link = link
         self._gather_s = gather_s
+        self._held = InOrder[Sample](hold_s)
+        self._enough = False  # there were as many as were asked for
         self._arrived: queue.SimpleQueue[Sample] = queue.SimpleQueue()
         self._asked = next((item.address for item in items if item.pollable), None)
         for value in readable(link, items, self.publisher).values():
@@ -59,8 +76,20 @@ class Sampler:
             self.lost += 1
 
     def __enter__(self) -> Self:
+        self.start_s = self._link.now_s()
         self.publisher.start(fallback=True)
+        if len(self.publisher.reports()) == 1:
+            self._held.hold_s = 0.0  # what comes from one place comes in order
         return self
+
+    def since_start_s(self, time_s: float) -> float:
+        """Return the seconds from the start to the time of a sample.
+
+        The device's clock is known to some microseconds only, so that the first sample may lie before the
+        start; then it is the start.
+        """
+        self.start_s = min(self.start_s, time_s)
+        return time_s - self.start_s
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -89,13 +118,20 @@ class Sampler:
                 last = time.monotonic()
                 taken += 1
                 if taken == count:
+                    self._enough = True
                     return
             elif self._link.closed:
+                yield from self.rest()
                 self._raise_closed()
             elif time.monotonic() - last > patience_s:
                 self._raise_silent(patience_s)
-        for _ in range(self._arrived.qsize()):  # what had come when the time was up
-            yield self._arrived.get()
+        yield from self.rest()
+
+    def rest(self) -> Iterator[Sample]:
+        """Yield what has come and was not handed out yet: at the end, also one by Ctrl-C."""
+        self._hold_arrived()
+        while not self._enough and (sample := self._held.take_last()) is not None:
+            yield sample
 
     def _raise_closed(self) -> NoReturn:
         try:
@@ -126,7 +162,21 @@ class Sampler:
         if self._gather_s and self._arrived.empty():
             time.sleep(max(0.0, min(self._gather_s, wait_s)))
             wait_s -= self._gather_s
-        try:
-            return self._arrived.get(timeout=max(0.0, wait_s))
-        except queue.Empty:
-            return None
+        until = time.monotonic() + wait_s
+        while True:
+            self._hold_arrived()
+            now_s = self._link.now_s()
+            sample = self._held.take(now_s)
+            left_s = until - time.monotonic()
+            if sample is not None or left_s <= 0:
+                return sample
+            due_s = self._held.due_s(now_s)
+            with suppress(queue.Empty):
+                self._hold(self._arrived.get(timeout=left_s if due_s is None else min(left_s, due_s)))
+
+    def _hold_arrived(self) -> None:
+        for _ in range(self._arrived.qsize()):
+            self._hold(self._arrived.get())
+
+    def _hold(self, sample: Sample) -> None:
+        self.lost += not self._held.put(sample[0], sample)

@@ -16,6 +16,7 @@ from unitylink import protocol
 from unitylink.capture import CaptureMessage, MessageReader, Pieces
 from unitylink.errors import LinkError
 from unitylink.layer1_stream import ClassicEncoder
+from unitylink.optional import absent
 from unitylink.schemes import scheme_of
 
 from .failure import Failure
@@ -191,7 +192,7 @@ def _talk(session: Session, link: str) -> None:
         from prompt_toolkit.completion import Completer, Completion
         from prompt_toolkit.patch_stdout import patch_stdout
     except ImportError:
-        raise Failure("the terminal needs prompt_toolkit", "pip install 'unitylink[term]'") from None
+        raise absent("prompt_toolkit", "typing commands") from None
 
     class Words(Completer):
         def get_completions(self, document, event):  # type: ignore[no-untyped-def]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+import struct
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from fractions import Fraction
@@ -17,6 +18,7 @@ from unitylink.values import Quantity, field_names, format_value, member_text
 
 from .names import Item
 
+_SINGLE = 32  # bits
 _NUMBER = re.compile(
     r"([+-]?(?:0[xXoObB][0-9a-fA-F_]+|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf|nan))\s*(.*)"
 )
@@ -114,7 +116,10 @@ def shown(value: Any, quantity: Quantity) -> str:
 
 
 def plain(value: Any, quantity: Quantity) -> Any:
-    """Return a value for JSON: members by name, packed values as objects, NaN and infinities as strings."""
+    """Return a value for JSON: members by name, packed values as objects, NaN and infinities as strings.
+
+    An f32 has the digits that it was made from: 12.54, not 12.539999961853027.
+    """
     kind = quantity.type
     if isinstance(value, IntEnum):
         return member_text(kind, value)
@@ -127,4 +132,17 @@ def plain(value: Any, quantity: Quantity) -> Any:
         }
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
+    if kind.kind == "float" and kind.width == _SINGLE and not quantity.scaled:
+        return shortest_single(value)
     return value
+
+
+def shortest_single(value: float) -> float:
+    """Return the shortest decimal number that a float of 32 bits cannot tell from `value`.
+
+    >>> shortest_single(12.539999961853027)
+    12.54
+    """
+    texts = (f"{value:.{digits}g}" for digits in range(6, 9))
+    wanted = struct.pack("f", value)
+    return next((float(text) for text in texts if struct.pack("f", float(text)) == wanted), value)

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +18,9 @@ from .sampled import count_option, duration_option, rate_option, sampled_items
 from .typed import plain, shown
 
 if TYPE_CHECKING:
-    from .sampler import Sample
+    from .sampler import Sample, Sampler
+
+_HOLD_S = 0.2  # for which lines are held back, so that they come in the order of their times
 
 
 @click.command()
@@ -61,14 +62,17 @@ def command(
         items = sampled_items(target, names, "watch")
         from .sampler import Sampler
 
-        with Sampler(target.link, items, rate_hz) as sampler, suppress(KeyboardInterrupt):  # the usual end
+        sampler = Sampler(target.link, items, rate_hz, hold_s=0.0 if live else _HOLD_S)
+        lines = _Lines(sampler, items, as_json, changes)
+        with sampler, suppress(KeyboardInterrupt):  # the usual end
             samples = sampler.samples(count, duration_s)
             if live:
                 from .live_table import show
 
-                show(samples, items, sampler.publisher, link)
+                show(samples, items, sampler.publisher, link, target.link.now_s)
             else:
-                _print_lines(samples, items, as_json, changes)
+                lines.print(samples)
+        lines.print(() if live else sampler.rest())
         if sampler.lost:
             click.echo(
                 f"{sampler.lost:,} samples were lost: overwritten before they were taken, or read too late",
@@ -76,25 +80,31 @@ def command(
             )
 
 
-def _print_lines(
-    samples: Iterator[Sample | None], items: Sequence[Item], as_json: bool, changes: bool
-) -> None:
-    start = time.monotonic()
-    quantities = {item.name: item.quantity for item in items}
-    before: dict[str, Any] = {}
-    for sample in samples:
-        if sample is None:
-            continue
-        time_s, values, numbers = sample
-        named = {value.path: number for value, number in zip(values, numbers, strict=True)}
-        differs = any(before.get(path) != number for path, number in named.items())
-        before |= named
-        if changes and not differs:
-            continue
-        since_s = round(time_s - start, 6)
-        if as_json:
-            values_of = {path: plain(number, quantities[path]) for path, number in named.items()}
-            click.echo(json.dumps({"time_s": since_s, "values": values_of}, ensure_ascii=False))
-        else:
-            parts = (f"{path}={shown(number, quantities[path])}" for path, number in named.items())
-            click.echo(f"{since_s:12.6f}  " + "  ".join(parts))
+class _Lines:
+    """Prints samples, one a line."""
+
+    def __init__(self, sampler: Sampler, items: Sequence[Item], as_json: bool, changes: bool) -> None:
+        self.sampler = sampler
+        self.quantities = {item.name: item.quantity for item in items}
+        self.as_json = as_json
+        self.changes = changes
+        self.before: dict[str, Any] = {}
+
+    def print(self, samples: Iterable[Sample | None]) -> None:
+        for sample in samples:
+            if sample is None:
+                continue
+            time_s, values, numbers = sample
+            since_s = self.sampler.since_start_s(time_s)
+            named = {value.path: number for value, number in zip(values, numbers, strict=True)}
+            differs = any(path not in self.before or self.before[path] != named[path] for path in named)
+            self.before |= named
+            if self.changes and not differs:
+                continue
+            if self.as_json:
+                plain_values = {path: plain(number, self.quantities[path]) for path, number in named.items()}
+                line = {"time_s": round(since_s, 6), "values": plain_values}
+                click.echo(json.dumps(line, ensure_ascii=False))
+            else:
+                parts = (f"{path}={shown(number, self.quantities[path])}" for path, number in named.items())
+                click.echo(f"{since_s:12.6f}  " + "  ".join(parts))

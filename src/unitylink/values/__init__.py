@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from .classes import enum_class, field_names, member_names, record_class
+from .classes import Enumeration, enum_class, field_names, member_names, record_class
 from .codec import Codec, member_text
 from .names import python_names
 from .quantity import Quantity, format_value
 
 __all__ = [
     "Codec",
+    "Enumeration",
     "Quantity",
     "enum_class",
     "field_names",

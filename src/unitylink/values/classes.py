@@ -14,6 +14,7 @@ from .names import python_names
 
 # What members and fields cannot be called, because the classes have it already.
 ENUM_RESERVED = frozenset({*dir(IntEnum), *dir(int), "name", "value", "mro"})
+_OF_NUMBERS = frozenset("bcdoxXneEfFgG%")  # the last letters of formats that numbers have and texts have not
 RECORD_RESERVED = frozenset({*dir(object), "bool", "float", "int"})  # and what annotations are made of
 
 
@@ -27,9 +28,24 @@ def field_names(bits: ValueType) -> dict[str, str]:
     return python_names([field.name for field in bits.fields], RECORD_RESERVED)
 
 
+class Enumeration(IntEnum):
+    """The base of enumerations: members are numbers, and are printed by their names.
+
+    >>> mode = Enumeration("mode", {"idle": 0, "run": 1})
+    >>> print(mode.run, f"{mode.run:>5}", f"{mode.run:d}", mode.run + 1)
+    run   run 1 2
+    """
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, form: str) -> str:
+        return format(int(self) if form[-1:] in _OF_NUMBERS else self.name, form)
+
+
 @cache
 def enum_class(enum: EnumType) -> type[IntEnum]:
-    """Return an IntEnum with the members of an enumeration; the same one each time.
+    """Return an Enumeration with the members of an enumeration; the same one each time.
 
     >>> from unitylink.spec.types import EnumValue
     >>> enum_class(EnumType("mode", 2, (EnumValue("idle", 0), EnumValue("run", 1))))["run"]
@@ -37,7 +53,7 @@ def enum_class(enum: EnumType) -> type[IntEnum]:
     """
     names = member_names(enum)
     members: list[tuple[str, int]] = [(names[item.name], item.value) for item in enum.values]
-    made: type[IntEnum] = IntEnum(enum.name, members)  # type: ignore[misc]  # names are known at run time
+    made: type[IntEnum] = Enumeration(enum.name, members)  # type: ignore[assignment, arg-type, call-arg]  # members at run time
     return made
 
 

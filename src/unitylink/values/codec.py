@@ -9,6 +9,7 @@ import struct
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import UnexpectedValue, ValueRangeError
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FLOATS = {16: "e", 32: "f", 64: "d"}
+_EXACT = 1 << 53  # whole numbers below this are exact as floats
 _FLOAT_MAX = {16: 65504.0, 32: float.fromhex("0x1.fffffep+127"), 64: sys.float_info.max}
 
 
@@ -63,6 +65,7 @@ class Codec:
             )
         if quantity.overflow not in ("error", "saturate"):
             raise ValueRangeError(f"{name}: overflow is {quantity.overflow!r}; choose error or saturate")
+        self._ratio = _ratio(quantity, self.width)
         plain = kind.kind in ("int", "uint") and not quantity.scaled
         self.integer_sign: int | None = self.sign if plain else None
         self.low, self.high = -self.sign, self.mask ^ self.sign  # of the number as the type reads it
@@ -135,13 +138,18 @@ class Codec:
         self.low = limits[0] if ends[0] is None else max(limits[0], ends[0])
         self.high = limits[1] if ends[1] is None else min(limits[1], ends[1])
         self._encode = self._encode_scaled if scaled else self._encode_whole
-        self._decode = self._decode_scaled if scaled else self._decode_whole
+        self._decode = self._decode_whole
+        if scaled:
+            self._decode = self._decode_scaled if self._ratio is None else self._decode_ratio
 
     def _nearest(self, value: float) -> int:
         return round((value - self.quantity.offset) / self._factor) if self.quantity.scaled else round(value)
 
     def _real(self, number: int) -> float:
-        return number * self._factor + self.quantity.offset
+        if self._ratio is None:
+            return number * self._factor + self.quantity.offset
+        multiplier, added, divisor = self._ratio
+        return (number * multiplier + added) / divisor
 
     def _encode_whole(self, value: Any) -> int:
         try:
@@ -165,6 +173,10 @@ class Codec:
 
     def _decode_scaled(self, raw: int) -> float:
         return self._real((raw ^ self.sign) - self.sign)
+
+    def _decode_ratio(self, raw: int) -> float:
+        multiplier, added, divisor = self._ratio  # type: ignore[misc]  # there is one
+        return (((raw ^ self.sign) - self.sign) * multiplier + added) / divisor
 
     def _within(self, number: int, value: Any) -> int:
         if not self.low <= number <= self.high:
@@ -336,7 +348,29 @@ class Codec:
             numbers = ((raws ^ sign) - sign).view(np.int64)  # wraps: two's complement of 64 bits
         elif self.width < 64:
             numbers = raws.astype(np.int64)
-        return np.asarray(numbers * self._factor + quantity.offset) if quantity.scaled else numbers
+        if not quantity.scaled:
+            return numbers
+        if self._ratio is None:
+            return np.asarray(numbers * self._factor + quantity.offset)
+        multiplier, added, divisor = self._ratio
+        return np.asarray((numbers.astype(np.float64) * multiplier + added) / divisor)
+
+
+def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
+    """Return (a, b, c) so that a value is (number * a + b) / c, None where no whole numbers are small enough.
+
+    A SCALE of 0.01 is meant as one hundredth, which no binary number is: 1254 * 0.01 is 12.540000000000001,
+    but 1254 / 100 is 12.54.
+    """
+    scale, offset = (
+        Fraction(float.__repr__(number) if isinstance(number, float) else number)
+        for number in (quantity.scale, quantity.offset)
+    )
+    factor = scale / (1 << quantity.type.fraction)
+    divisor = math.lcm(factor.denominator, offset.denominator)
+    multiplier, added = int(factor * divisor), int(offset * divisor)
+    exact = (1 << width) * abs(multiplier) + abs(added) < _EXACT and divisor < _EXACT
+    return (multiplier, added, divisor) if exact else None
 
 
 def _is_bool(value: Any) -> bool:

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from unitylink.layer4_data import (
@@ -30,7 +29,7 @@ SPEC_HASH = "8b245b4e1a7fb815"
 binding.check(__file__, source="typed.ul", spec_hash=SPEC_HASH, binding_version=3)
 
 
-class Mode(IntEnum):
+class Mode(facts.Enumeration):
     """What the drive does.
 
     The enumeration `mode` of 2 bits.
@@ -57,7 +56,7 @@ _MODE_TYPE = facts.ValueType(
 )
 
 
-class Level(IntEnum):
+class Level(facts.Enumeration):
     """The enumeration `level` of 4 bits; other numbers stay numbers."""
 
     low = 0

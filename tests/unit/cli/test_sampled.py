@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from unitylink.errors import BusError
 from unitylink.spec import compile_text
 from unitylink.tools.failure import Failure
 from unitylink.tools.link_option import Target
@@ -42,6 +43,32 @@ def test_without_names_what_the_pc_reads_and_reading_does_not_change() -> None:
 def test_with_names_what_they_say_but_what_reading_changes_only_by_its_own() -> None:
     assert items("arm") == ["position", "target", "mode", "faults"]
     assert items("steps", "target", "0x20") == ["steps", "target", "0x0020"]
+
+
+class HalfDumb:
+    """A link whose device lets some words not be read back."""
+
+    url = "sim:arm.ul"
+
+    def __init__(self, refused: set[int]) -> None:
+        self.refused = refused
+
+    def read(self, address: int) -> int:
+        if address in self.refused:
+            raise BusError("refused")
+        return 0
+
+
+@pytest.mark.parametrize("refused", [set[int](), {0x2}])
+def test_set_points_are_what_the_device_lets_be_read_back(
+    refused: set[int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    link: Any = HalfDumb(refused)
+    half = Target(link, Names(compile_text(SPEC).spec))
+    found = [item.name for item in sampled_items(half, (), "record", set_points=True)]
+    assert found == ["position", *(["target"] if not refused else []), "mode", "faults"]
+    note = "note: without target: the device does not let it be read back\n"
+    assert capsys.readouterr().err == (note if refused else "")
 
 
 def test_nothing_is_told_with_what_to_do() -> None:

@@ -18,6 +18,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "protocol": set(),
     "_native": set(),
     "program": {"errors"},
+    "optional": {"errors"},
     "lazy": set(),
     "isochrony": SHARED,
     # How late a publish can be counts in the budget.
@@ -56,9 +57,9 @@ MAY_IMPORT: dict[str, set[str]] = {
         *SHARED,
     },
     # A node is built on layer 4; who starts it hands it what opens links.
-    "ros": {"layer4_data", "layer2_message", "spec", "values", *SHARED},
+    "ros": {"optional", "layer4_data", "layer2_message", "spec", "values", *SHARED},
     "resources": SHARED,
-    "recording": SHARED,
+    "recording": {"optional", *SHARED},
     # The doctor tries what a link would do, below it and through it.
     "ports": {"wire_hash", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},

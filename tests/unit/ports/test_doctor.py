@@ -60,6 +60,23 @@ def test_no_port(diagnose: Diagnose) -> None:
     assert list(found) == ["no-port"] and "ports on this machine: /dev/ttyUSB0" in found["no-port"].cause
 
 
+@pytest.mark.parametrize(
+    ("link", "wrong"),
+    [
+        ("serial:/dev/ttyUSB7?nonsense=3", "no option 'nonsense'"),
+        ("serial:/dev/ttyUSB7?timeout=soon", "timeout=soon"),
+        ("serial:/dev/ttyUSB7?baud=fast", "baud=fast"),
+        ("serial:/dev/ttyUSB7?node=3", "no option 'node'"),
+        ("tcp://127.0.0.1:99999", "99999"),
+    ],
+)
+def test_what_connect_refuses_the_doctor_refuses_before_it_looks(
+    diagnose: Diagnose, link: str, wrong: str
+) -> None:
+    with pytest.raises(UrlError, match=wrong):
+        diagnose(link=link)
+
+
 def test_brltty(diagnose: Diagnose, fake: FakeMachine) -> None:
     fake.process(79, "brltty")
     assert list(diagnose(link="serial:/dev/ttyUSB7")) == ["no-port", "brltty"]
@@ -212,7 +229,7 @@ def test_checksum(diagnose: Diagnose, polynomial: int | None, text: str) -> None
 
 
 def test_a_wrong_polynomial_is_a_wrong_link(diagnose: Diagnose) -> None:
-    with pytest.raises(UrlError, match="polynomial=x is neither"):
+    with pytest.raises(UrlError, match="polynomial=x is not a CRC-8 polynomial"):
         diagnose(link=f"{LINK}&polynomial=x")
 
 

@@ -167,7 +167,7 @@ def test_the_format_s_own_reader_finds_topics_schemas_and_times(tmp_path: Path) 
         assert summary.statistics.message_count == 3000
         (channel,) = summary.channels.values()
         schema = json.loads(summary.schemas[channel.schema_id].data)
-        assert (channel.topic, channel.message_encoding) == ("/samples", "json")
+        assert (channel.topic, channel.message_encoding) == ("/j1_leg2_on", "json")
         assert schema["properties"]["j1"]["properties"]["cpos"] == {"type": "number"}
         late = list(reader.iter_messages(starting_at=int(1.7e18 + 2e9)))
     assert len(late) == 1000

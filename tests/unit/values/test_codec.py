@@ -200,6 +200,26 @@ def test_impossible_quantities_are_refused(quantity: Quantity, text: str) -> Non
         Codec("q", quantity, 32)
 
 
+@pytest.mark.parametrize(
+    ("scale", "offset", "raw", "text"),
+    [(0.01, 0, 1254, "12.54"), (0.001, 0, 8191, "8.191"), (0.1, -40, 653, "25.3"), (0.3, 0, 3, "0.9")],
+)
+def test_a_decimal_scale_gives_the_decimal_number_that_is_meant(
+    scale: float, offset: float, raw: int, text: str
+) -> None:
+    codec = Codec("x", Quantity(ValueType("int", 16), scale=scale, offset=offset), 32)
+    assert repr(codec.decode(raw)) == text
+    assert repr(codec.decode_array(np.array([raw], np.uint64)).tolist()) == f"[{text}]"
+    assert codec.encode(codec.decode(raw)) == raw
+
+
+def test_members_are_printed_by_name_and_are_numbers() -> None:
+    codec = Codec("m", Quantity(ValueType("enum", 2, enum=MODE)), 32)
+    stop = codec.decode(3)
+    texts = (str(stop), f"{stop}", f"{stop:>6}", f"{stop:d}", f"{stop:02x}")
+    assert (texts, stop + 1) == (("stop", "stop", "  stop", "3", "03"), 4)
+
+
 def test_examples() -> None:
     for module in (classes, codec_module, names, quantity):
         assert doctest.testmod(module).failed == 0

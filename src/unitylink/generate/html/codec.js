@@ -18,6 +18,7 @@ class Codec {
     this.offset = quantity.offset ?? 0;
     this.factor = this.scale / 2 ** (this.type.fraction ?? 0);
     this.scaled = this.type.kind === "fixed" || this.type.kind === "ufixed" || this.scale !== 1 || this.offset !== 0;
+    this.ratio = this.numeric ? ratio(this.scale, this.offset, this.type.fraction ?? 0, this.width) : null;
     if (this.numeric) [this.low, this.high] = this.rawLimits();
   }
 
@@ -43,9 +44,15 @@ class Codec {
       }
       default: {
         const number = this.signed ? BigInt.asIntN(this.width, raw) : raw;
-        return this.scaled ? Number(number) * this.factor + this.offset : number;
+        return this.scaled ? this.real(number) : number;
       }
     }
+  }
+
+  real(number) {
+    if (this.ratio === null) return Number(number) * this.factor + this.offset;
+    const [multiplier, added, divisor] = this.ratio;
+    return Number(number * multiplier + added) / Number(divisor);
   }
 
   // The raw number of a value as a person types it; ValueError says what is wrong with it.
@@ -148,12 +155,40 @@ class Codec {
       return low === null && high === null ? "" : `${low === null ? "-∞" : low} to ${high === null ? "∞" : high}${unit}`;
     }
     if (!this.numeric) return "";
-    const real = (raw) => (this.scaled ? Number(raw) * this.factor + this.offset : raw);
+    const real = (raw) => (this.scaled ? this.real(raw) : raw);
     const ends = [real(this.low), real(this.high)];
     if (this.factor < 0) ends.reverse();
     const declared = [this.quantity.minimum ?? null, this.quantity.maximum ?? null];
     return `${show(declared[0] ?? ends[0])} to ${show(declared[1] ?? ends[1])}${unit}`;
   }
+}
+
+// [a, b, c] so that a value is (number * a + b) / c, which is 12.54 where 1254 * 0.01 is 12.540000000000001; null where
+// no whole numbers are small enough to be exact.
+function ratio(scale, offset, fraction, width) {
+  if (!Number.isFinite(scale) || !Number.isFinite(offset)) return null;
+  const [a, aUnder] = decimal(scale), [b, bUnder] = decimal(offset);
+  const under = aUnder << BigInt(fraction);
+  const first = under / gcd(a, under), second = bUnder / gcd(b, bUnder);
+  const divisor = first / gcd(first, second) * second;
+  const multiplier = a * divisor / under, added = b * divisor / bUnder;
+  const exact = 1n << 53n, size = (number) => (number < 0n ? -number : number);
+  return (1n << BigInt(width)) * size(multiplier) + size(added) < exact && divisor < exact ? [multiplier, added, divisor] : null;
+}
+
+// A number as it is written, as a fraction: 0.01 is [1n, 100n].
+function decimal(number) {
+  const [digits, exponent] = String(number).split("e");
+  const [whole, behind = ""] = digits.split(".");
+  const power = Number(exponent ?? 0) - behind.length;
+  const numerator = BigInt(whole + behind);
+  return power < 0 ? [numerator, 10n ** BigInt(-power)] : [numerator * 10n ** BigInt(power), 1n];
+}
+
+function gcd(a, b) {
+  if (a < 0n) a = -a;
+  while (b) [a, b] = [b, a % b];
+  return a || 1n;
 }
 
 function roundHalfEven(number) {

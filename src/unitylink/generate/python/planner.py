@@ -145,7 +145,6 @@ class _Planner:
         if self.types.classes or any("facts." in statement for statement in statements):
             imports.add("facts")
         standard = ["from dataclasses import dataclass"] if spec.bits else []
-        standard += ["from enum import IntEnum"] if spec.enums else []
         package = f"{spec.package}." if spec.package else ""
         publics = ", ".join(f"`{name}`" for name in self.root_class.values())
         check = [

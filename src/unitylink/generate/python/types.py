@@ -15,7 +15,7 @@ from .text import Call, call, docstring, quoted
 
 @dataclass(frozen=True)
 class TypeMember:
-    """A line of an IntEnum (`run = 1`) or of a record (`mode: Mode`), and what is said about it."""
+    """A line of an enumeration (`run = 1`) or of a record (`mode: Mode`), and what is said about it."""
 
     text: str
     documentation: str
@@ -107,7 +107,7 @@ class Types:
         other = "; other numbers stay numbers" if enum.open else ""
         return TypeClass(
             name,
-            f"class {name}(IntEnum):",
+            f"class {name}(facts.Enumeration):",
             docstring(4, enum.documentation, f"The enumeration `{enum.name}` of {enum.width} bits{other}."),
             tuple(members),
             call(0, f"{constant} = facts.ValueType", arguments),

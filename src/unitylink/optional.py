@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is said where a package is absent that only some commands need."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from unitylink.errors import ToolError
+
+_CHECKOUT = Path(__file__).resolve().parents[2] / "pyproject.toml"
+
+
+def absent(package: str, what: str) -> ToolError:
+    """Return the error that says `what` needs `package`, and which command installs it into this very Python.
+
+    >>> print(absent("mcap", "an MCAP file"))  # doctest: +ELLIPSIS
+    an MCAP file needs the package mcap: ... -m pip install 'mcap...'...
+    """
+    command = f"{shlex.quote(sys.executable)} -m pip install '{requirement(package)}'"
+    everything = "; all that is optional at once: make extras" if _CHECKOUT.is_file() else ""
+    return ToolError(f"{what} needs the package {package}: {command}{everything}")
+
+
+def requirement(package: str) -> str:
+    """Return the package with the versions that our extras ask for; its name alone where none does.
+
+    >>> requirement("some_other_package")
+    'some_other_package'
+    """
+    try:
+        wanted = metadata.requires("unitylink") or []
+    except metadata.PackageNotFoundError:  # the source alone, without an installation
+        wanted = []
+    for line in wanted:
+        named = line.partition(";")[0].strip()
+        if re.split(r"[^A-Za-z0-9._-]", named, maxsplit=1)[0].replace("_", "-") == package.replace("_", "-"):
+            return named
+    return package

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values over time, as a plot draws them: numbers, and the names of enumerations as steps of a scale."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from unitylink.spec.types import ValueType
+
+Part = tuple[str, str, tuple[str, ...]]  # path, unit, the names of members
+
+
+def parts_of(path: str, kind: ValueType, unit: str) -> Iterator[Part]:
+    """Yield what a value is drawn as: itself, or the fields of a packed one."""
+    if kind.kind == "bits":
+        for field in kind.fields:
+            yield from parts_of(f"{path}.{field.name}", field.type, field.unit)
+    else:
+        yield path, unit, () if kind.enum is None else tuple(item.name for item in kind.enum.values)
+
+
+class Series:
+    """Times and numbers of one path. `unit` is theirs; `members` are the names that 0, 1, 2 ... stand for."""
+
+    def __init__(self, unit: str = "", members: tuple[str, ...] = ()) -> None:
+        self.unit = unit
+        self.members = list(members)
+        self.times_s: list[float] = []
+        self.numbers: list[float] = []
+
+    def take(self, time_s: float, value: Any) -> None:
+        """Add a number, a truth value or the name of a member; nothing else has a place in a plot."""
+        if isinstance(value, str):
+            if value not in self.members:
+                self.members.append(value)
+            value = self.members.index(value)
+        if isinstance(value, (int, float)):
+            self.times_s.append(time_s)
+            self.numbers.append(float(value))
+
+    def forget(self, before_s: float) -> None:
+        """Drop what is older."""
+        old = sum(1 for time_s in self.times_s if time_s < before_s)
+        del self.times_s[:old], self.numbers[:old]
+
+
+class AllSeries(dict[str, Series]):
+    """Series by path; fields of packed values have one each, such as `arm.status.ready`."""
+
+    def __init__(self, wanted: Callable[[str], bool] = lambda path: True) -> None:
+        super().__init__()
+        self._wanted = wanted
+
+    def declare(self, parts: Iterable[Part]) -> None:
+        """Say what will come, so that units, and the order of an enumeration's members, are known."""
+        self.update({path: Series(unit, members) for path, unit, members in parts})
+
+    def take(self, time_s: float, values: Mapping[str, Any]) -> None:
+        """Add the values of a moment, in the form in which a recording has them."""
+        for path, value in values.items():
+            if isinstance(value, Mapping):
+                self.take(time_s, {f"{path}.{name}": part for name, part in value.items()})
+            elif self._wanted(path):
+                self.setdefault(path, Series()).take(time_s, value)
+
+    def begin_at_zero(self) -> None:
+        """Count times from the first value on."""
+        begin_s = min((one.times_s[0] for one in self.values() if one.times_s), default=0.0)
+        for one in self.values():
+            one.times_s = [time_s - begin_s for time_s in one.times_s]
+
+    @property
+    def count(self) -> int:
+        """How many values there are."""
+        return sum(len(one.times_s) for one in self.values())
