@@ -20,9 +20,13 @@ def absent(package: str, what: str) -> ToolError:
     >>> print(absent("mcap", "an MCAP file"))  # doctest: +ELLIPSIS
     an MCAP file needs the package mcap: ... -m pip install 'mcap...'...
     """
-    command = f"{shlex.quote(sys.executable)} -m pip install '{requirement(package)}'"
     everything = "; all that is optional at once: make extras" if _CHECKOUT.is_file() else ""
-    return ToolError(f"{what} needs the package {package}: {command}{everything}")
+    return ToolError(f"{what} needs the package {package}: {installation(package)}{everything}")
+
+
+def installation(package: str) -> str:
+    """Return the command that installs a package where this very Python finds it."""
+    return f"{shlex.quote(sys.executable)} -m pip install '{requirement(package)}'"
 
 
 def requirement(package: str) -> str:

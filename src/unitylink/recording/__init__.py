@@ -11,6 +11,26 @@
 
 from __future__ import annotations
 
-from .recording import ENDINGS, Origin, RecordingTruncated, Sample, Writer, create, origin, samples
+from .recording import (
+    ENDINGS,
+    Origin,
+    RecordingTruncated,
+    Sample,
+    Writer,
+    check_name,
+    create,
+    origin,
+    samples,
+)
 
-__all__ = ["ENDINGS", "Origin", "RecordingTruncated", "Sample", "Writer", "create", "origin", "samples"]
+__all__ = [
+    "ENDINGS",
+    "Origin",
+    "RecordingTruncated",
+    "Sample",
+    "Writer",
+    "check_name",
+    "create",
+    "origin",
+    "samples",
+]

@@ -36,7 +36,8 @@ _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
 
 
-def _library() -> None:
+def need_library() -> None:
+    """Raise ToolError where the format's library is not installed."""
     try:
         import mcap  # noqa: F401
     except ImportError:
@@ -77,7 +78,7 @@ class McapWriter:
     def __init__(
         self, path: str | Path, origin: Origin, topics: Mapping[tuple[str, ...], str] | None = None
     ) -> None:
-        _library()
+        need_library()
         from mcap.writer import CompressionType
         from mcap.writer import Writer as Library
 
@@ -291,7 +292,7 @@ def _flat(message: Any, paths: list[str], path: str | Path) -> dict[str, Any]:
 
 def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
     """Yield ("message", (channel, message)) and ("metadata", record) from front to back, with no index."""
-    _library()
+    need_library()
     from mcap.exceptions import InvalidMagic, McapError
     from mcap.records import Channel, Footer, Message, Metadata
     from mcap.stream_reader import StreamReader

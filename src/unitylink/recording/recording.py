@@ -86,6 +86,14 @@ def create(
     return McapWriter(path, origin, topics)
 
 
+def check_name(path: str | Path) -> None:
+    """Raise the UnityLinkError of `create` for an ending no recording has, or a library that is absent."""
+    if _ending(path) == ".mcap":
+        from .mcap_file import need_library
+
+        need_library()
+
+
 def samples(path: str | Path) -> Iterator[Sample]:
     """Yield the samples of a recording in the order they were added.
 

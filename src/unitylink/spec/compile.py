@@ -115,7 +115,10 @@ def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLi
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return _one(
-            Source(os.fspath(path), ""), "UL001", f"the file cannot be read: {reason}", "check the path"
+            Source(os.fspath(path), ""),
+            "UL001",
+            f"the file cannot be read: {reason}",
+            _remedy(os.fspath(path)),
         )
     return compile_text(data, os.fspath(path), include)
 
@@ -132,3 +135,10 @@ def _one(source: Source, code: str, message: str, hint: str, at: int = 0) -> Res
     reporter = Reporter(source)
     reporter.report(code, at, at, message, hint)
     return Result(None, reporter.diagnostics())
+
+
+def _remedy(path: str) -> str:
+    for scheme in ("sim:", "rtl:"):
+        if path.startswith(scheme):
+            return f"a spec is a file: write {path.removeprefix(scheme).partition('?')[0]}"
+    return "check the path"

@@ -6,9 +6,12 @@ from __future__ import annotations
 import keyword
 import re
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
+
+from unitylink.optional import installation
 
 from .failure import Failure
 
@@ -44,6 +47,8 @@ def command(name: str, folder: str | None) -> None:
             handle.write(text)
         click.echo(f"wrote {target / file}")
     click.echo(f"\nNow: cd {target} && python run.py\nand: python -m pytest")
+    if find_spec("pytest") is None:
+        click.echo(f"first, for the tests: {installation('pytest')}")
 
 
 def _files(name: str) -> dict[str, str]:

@@ -69,10 +69,12 @@ def command(
       unitylink record tcp://127.0.0.1:5555 '*.position' --spec arm.ul --out arm.csv
       unitylink replay arm.mcap --tcp 5555
     """
+    from unitylink.recording import Sample, check_name, create
+
+    check_name(out if out is not None else "recording.mcap")  # before the device is asked for anything
     with ended_by_signals(), open_target(link, spec_file) as target:
         known = target.names
         items = sampled_items(target, names, "record", set_points=True)
-        from unitylink.recording import Sample, create
 
         from .sampler import Sampler
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -50,6 +51,8 @@ def command(
       unitylink replay arm.csv --spec arm.ul --speed 0.1 --loop
     """
     endpoint, address = endpoint_of(tcp, udp, pty, bind)
+    if not Path(recording).is_file():
+        raise Failure(f"{recording}: there is no such file", "`unitylink record` makes one")
     from unitylink.simulate import Board
     from unitylink.simulate.plants.recording import RecordingPlant
 

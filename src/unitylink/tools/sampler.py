@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from unitylink.errors import LinkClosed, LinkError, LinkTimeout
+from unitylink.errors import LinkClosed, LinkError, LinkTimeout, ValueRangeError
 from unitylink.layer4_data import Publisher, ReadValue
+from unitylink.layer4_data.publication import base_hz
 
 from .in_order import InOrder
 from .names import Item
@@ -64,8 +65,15 @@ class Sampler:
         self._asked = next((item.address for item in items if item.pollable), None)
         for value in readable(link, items, self.publisher).values():
             if value.publish is None:
-                self.publisher.demand(value, rate_hz)
+                self._demand(value, rate_hz)
         self.publisher.take_with(self._take)
+
+    def _demand(self, value: ReadValue[Any], rate_hz: float) -> None:
+        try:
+            self.publisher.demand(value, rate_hz)
+        except ValueRangeError:
+            base = base_hz(self._link)
+            raise ValueRangeError(f"--rate {rate_hz:g}: {self._link.url} takes {base} Hz at most") from None
 
     def _take(
         self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], _: Sequence[int]
@@ -78,8 +86,9 @@ class Sampler:
     def __enter__(self) -> Self:
         self.start_s = self._link.now_s()
         self.publisher.start(fallback=True)
-        if len(self.publisher.reports()) == 1:
-            self._held.hold_s = 0.0  # what comes from one place comes in order
+        reports = self.publisher.reports()
+        if len(reports) == 1 and reports[0].rate_hz:
+            self._held.hold_s = 0.0  # what one clock brings comes in order
         return self
 
     def since_start_s(self, time_s: float) -> float:
