@@ -97,6 +97,8 @@ class CallbackThread:
 
     def _serve(self) -> None:
         seen = 0
+        for subscription in self._subscriptions:
+            subscription.deliver()  # what is to be told first, for which no publish wakes
         while True:
             before, seen = seen, self._native.wait_publishes(seen, _PATIENCE_NS)
             over = seen == before and self._native.closed  # with news at the end there is one turn more

@@ -67,6 +67,7 @@ class Subscription:
         self._callback: PublishCallback | None = None
         self.gather_s = 0.0
         self._arrays: ArraysCallback | None = None
+        self._first: Publish | None = None
 
     @property
     def lost(self) -> int:
@@ -113,6 +114,7 @@ class Subscription:
         *,
         gather_s: float = 0.0,
         arrays: ArraysCallback | None = None,
+        first: Publish | None = None,
     ) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
@@ -120,12 +122,13 @@ class Subscription:
         for each publish; it does while all callbacks of the link allow it, and then for the shortest.
         With `arrays` several that have come together are offered first, as from `drain`: where
         `arrays(times, words)` is True, it has taken all of it.
+        `first` is told before all that comes, as if it were a publish.
         What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
         A port that is gone ends the calls; that is logged too.
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
-        self._callback, self._arrays = callback, arrays
+        self._callback, self._arrays, self._first = callback, arrays, first
         self.gather_s = gather_s
         self._callbacks.add(self)
 
@@ -223,15 +226,22 @@ class Subscription:
 
     def deliver(self) -> None:
         """Fetch what has come and call back for each; what the callback raises does not stop the rest."""
-        callback = self._callback
+        callback, first = self._callback, self._first
+        if callback is not None and first is not None:
+            self._first = None
+            self._tell(callback, first)
+            callback = self._callback
         if callback is None:
             return
         single = self._native.take_single(self._identity, self._words)
         if single is None:
             self._deliver_all(callback)
-            return
+        else:
+            self._tell(callback, single)
+
+    def _tell(self, callback: PublishCallback, publish: Publish) -> None:
         try:
-            callback(*single)
+            callback(*publish)
         except BaseException:  # sys.exit() too: it would silence the other subscriptions
             self._report(callback)
 

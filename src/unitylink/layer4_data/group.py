@@ -4,21 +4,22 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import re
 import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
+from unitylink.errors import DeviceMismatch, LinkError, UnexpectedValue, ValueRangeError
 
 from .at_once import at_once
 from .cycle import Cycle
 from .listeners import Listeners
 from .portions import portions
-from .publication import base_hz, join
+from .publication import join
 from .read_value import ReadValue
+from .sets import Sets
 from .snapshot import Snapshot
 from .value import Value
 from .write_value import WriteValue
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from unitylink.layer3_hardware import HardwareProxy
 
 R = TypeVar("R")
-_STEP_PART = 0.75  # of a period: a sample that is older belongs to the tick before
 Writes = dict["HardwareProxy", list[tuple[WriteValue[Any], int]]]  # values and their raw numbers
 
 
@@ -54,9 +54,7 @@ class ValueGroup:
         self.reads = {k: v for k, v in self.values.items() if isinstance(v, ReadValue)}
         self.writes = {k: v for k, v in self.values.items() if isinstance(v, WriteValue)}
         self.listeners: Listeners[Snapshot] = Listeners(path)
-        self._lock = threading.Lock()
-        self._fresh: dict[ReadValue[Any], tuple[float, Any]] = {}  # when it was sampled, and its number
-        self._times_s: dict[str, float] = {}
+        self._watching = threading.Lock()  # of who begins to listen
         self._by_link: dict[Link, dict[str, ReadValue[Any]]] = {}
         for key, value in self.reads.items():
             self._by_link.setdefault(value.hardware.link, {})[key] = value
@@ -64,6 +62,7 @@ class ValueGroup:
         for link in self._by_link:
             number = sum(other.url == link.url for other in self._labels) + 1
             self._labels[link] = link.url if number == 1 else f"{link.url}#{number}"
+        self._sets = Sets(self.reads, self._labels)
 
     def __iter__(self) -> Iterator[Value[Any]]:
         return iter(self.values.values())
@@ -147,13 +146,14 @@ class ValueGroup:
         """Return what was read: of each link when, and the words of its READs in their order."""
         numbers: dict[str, Any] = {}
         times_s: dict[str, float] = {}
+        sampled_s: dict[str, float] = {}
         for link, values in self._by_link.items():
             time_s, words = fetched[link]
             times_s[self._labels[link]] = time_s
             taken = join(list(values.values()), words)
             for key, value, raw in zip(values, values.values(), taken, strict=True):
-                numbers[key] = value.take(raw)
-        return Snapshot({key: numbers[key] for key in self.reads}, times_s)
+                numbers[key], sampled_s[key] = value.take(raw), time_s
+        return Snapshot({key: numbers[key] for key in self.reads}, times_s, sampled_s)
 
     # Writing
 
@@ -278,82 +278,93 @@ class ValueGroup:
     def on_publish(
         self, callback: Callable[[float, Snapshot], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(time_s, snapshot)` once per fresh sample of all READs; return what takes it back.
+        """Call `callback(time_s, snapshot)` for each set of fresh samples; return what takes it back.
 
-        Values that one gateware group carries were sampled together. With several rates the slowest sets the
-        pace. READs without PUBLISH need `rate_hz`: the PC then polls them.
+        There is a set for each tick of each rate, and for each event. What has one rate is of one tick, in
+        whatever gateware groups; the others are as they came last: `snapshot.sampled_s` says when. What was
+        published on an event, or at another rate, is read once at the beginning. Only what reading changes is
+        not in a set before it has come. READs without PUBLISH need `rate_hz`: the PC then polls them.
         """
-        self._watch(rate_hz)
-        return self.listeners.on_publish(callback)
+        return self._with_watch(self.listeners.on_publish(callback), rate_hz)
 
     def on_change(
         self, callback: Callable[[Snapshot], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
         """Call `callback(snapshot)` once per set in which a value has changed; else as `on_publish`."""
-        self._watch(rate_hz)
-        return self.listeners.on_change(callback)
+        return self._with_watch(self.listeners.on_change(callback), rate_hz)
 
     def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, Snapshot]]:
-        """Iterate over consistent sets: `async for time_s, snapshot in group.publishes():`."""
+        """Iterate over sets: `async for time_s, snapshot in group.publishes():`; see `on_publish`."""
+        return self.listeners.stream(
+            lambda: self._watch(rate_hz),
+            lambda: all(value.is_published() for value in self.reads.values()),
+            lambda: self._newest(rate_hz),
+        )
+
+    def _newest(self, rate_hz: float | None) -> tuple[float, Snapshot] | None:
+        """Return the set as it is, where something is published on change, and has been already."""
+        rare = [v for v in self.reads.values() if v.publish is not None and v.publish.trigger == "change"]
+        if not rare or not all(value.publisher.newest(value) for value in rare):
+            return None
         self._watch(rate_hz)
-        return self.listeners.stream(lambda: all(value.is_published() for value in self.reads.values()))
+        snapshot = self._sets.current()
+        return None if snapshot is None else (snapshot.time_s, snapshot)
+
+    def _with_watch(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
+        """Have the publishes come for a listener, who is there before the first."""
+        try:
+            self._watch(rate_hz)
+        except BaseException:
+            take_back()
+            raise
+        return take_back
 
     def _watch(self, rate_hz: float | None) -> None:
         if not self.reads:
             raise ValueRangeError(f"{self.path}: there is no READ to be published")
-        for value in self.reads.values():
+        reads = self.reads.values()
+        for value in reads:
             value.publisher.demand(value, None if value.publish else rate_hz)
-        for value in self.reads.values():
-            if self not in value.groups:
-                value.groups += (self,)
-        for value in self.reads.values():
+        with self._watching:
+            self._sets.expect({value: value.publisher.planned(value) for value in reads})
+            for value in reads:
+                if self not in value.groups:
+                    value.groups += (self,)
+            self._seed()
+        for value in reads:
             value.publisher.require(value)
+
+    def _seed(self) -> None:
+        """Read once what comes at another time, so that the first set has it; not what reading changes."""
+        by_link: dict[Link, list[ReadValue[Any]]] = {}
+        for value in self._sets.unknown:
+            if value.pollable and value.hardware.repeatable_reads:
+                by_link.setdefault(value.hardware.link, []).append(value)
+        for link, values in by_link.items():
+            time_s = link.now_s()
+            try:
+                words = [
+                    word
+                    for addresses, atomic in portions(values, False)
+                    for word in link.read_many(
+                        addresses, atomic=atomic, checked=_any_checked(values)
+                    ).tolist()
+                ]
+            except LinkError as error:
+                raise self._named(error)  # noqa: B904
+            for value, raw in zip(values, join(values, words), strict=True):
+                with suppress(UnexpectedValue):  # then it is not in a set before it comes
+                    self._sets.seed(time_s, value, value.codec.decode(raw))
+        self._sets.begin()
 
     def take(self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]) -> None:
         """Take a publish that carries some of our values; tell the listeners when it completes a set."""
-        with self._lock:
-            for value, number in zip(values, numbers, strict=True):
-                if self in value.groups:
-                    self._fresh[value] = time_s, number
-                    self._times_s[self._labels[value.hardware.link]] = time_s
-            if len(self._fresh) < len(self.reads):
-                return
-            if self._drop_stale():
-                return
-            snapshot = Snapshot({key: self._fresh[v][1] for key, v in self.reads.items()}, self._times_s)
-            self._fresh.clear()
-        self.listeners.tell(time_s, snapshot)
-
-    def _drop_stale(self) -> bool:
-        """Forget samples of the tick before: they wait for their next. True when there were any.
-
-        That is so when a publish of another gateware group was lost; then the groups are in step again.
-        Only groups of one link are compared: each device has a clock of its own, and two of them may differ
-        by more than a period for as long as they run.
-        """
-        newest_s: dict[Link, float] = {}
-        for value, (sampled_s, _) in self._fresh.items():
-            link = value.hardware.link
-            newest_s[link] = max(sampled_s, newest_s.get(link, sampled_s))
-        stale = [
-            value
-            for value, (sampled_s, _) in self._fresh.items()
-            if newest_s[value.hardware.link] - sampled_s > _patience_s(value)
-        ]
-        for value in stale:
-            del self._fresh[value]
-        return bool(stale)
+        snapshot = self._sets.take(time_s, values, numbers)
+        if snapshot is not None:
+            self.listeners.tell(time_s, snapshot)
 
     def _named(self, error: LinkError) -> LinkError:
         return error.with_item(self.path)
-
-
-def _patience_s(value: ReadValue[Any]) -> float:
-    """Return how old a sample may be beside the newest of its set, where the device tells its time."""
-    link = value.hardware.link
-    if value.publish is None or not value.publish.divisor or link.protocol != "framed":
-        return math.inf
-    return _STEP_PART * value.publish.divisor / base_hz(link)
 
 
 def _keyword(key: str) -> str:

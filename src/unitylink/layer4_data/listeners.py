@@ -8,7 +8,9 @@ import logging
 import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable
+from functools import partial
 from typing import Generic, TypeVar
+from weakref import finalize
 
 logger = logging.getLogger("unitylink.publishing")
 
@@ -54,23 +56,57 @@ class Listeners(Generic[T]):
 
         return remove
 
-    async def stream(self, alive: Callable[[], bool]) -> AsyncIterator[tuple[float, T]]:
-        """Yield (time_s, value) of every publish, from any thread, until `alive` says that none can come."""
-        loop = asyncio.get_running_loop()
+    def stream(
+        self,
+        begin: Callable[[], object],
+        alive: Callable[[], bool],
+        newest: Callable[[], tuple[float, T] | None] = lambda: None,
+    ) -> AsyncIterator[tuple[float, T]]:
+        """Iterate over (time_s, value) of every publish, from any thread, until not `alive`: none can come.
+
+        `begin` has them come; who listens is there before, so that the first is not lost. `newest` is what an
+        iteration begins with where they come already, and the next may be long in coming.
+        """
         waiting: deque[tuple[float, T]] = deque(maxlen=STREAM_LIMIT)
-        arrived = asyncio.Event()
+        wake: list[Callable[[], object]] = []
 
         def take(time_s: float, value: T) -> None:
             if len(waiting) == STREAM_LIMIT:
                 logger.warning("%s: a publish was lost, its reader is too slow", self._item)
             waiting.append((time_s, value))
-            loop.call_soon_threadsafe(arrived.set)
+            for call in wake:
+                call()
 
         remove = self.on_publish(take)
         try:
+            first = newest()
+            begin()
+        except BaseException:
+            remove()
+            raise
+        stream = self._stream(waiting, wake, first, alive, remove)
+        finalize(stream, remove)  # it may never be begun
+        return stream
+
+    @staticmethod
+    async def _stream(
+        waiting: deque[tuple[float, T]],
+        wake: list[Callable[[], object]],
+        first: tuple[float, T] | None,
+        alive: Callable[[], bool],
+        remove: Callable[[], None],
+    ) -> AsyncIterator[tuple[float, T]]:
+        loop = asyncio.get_running_loop()
+        arrived = asyncio.Event()
+        wake.append(partial(loop.call_soon_threadsafe, arrived.set))
+        try:
+            if first is not None:
+                yield first
             while waiting or alive():
                 while waiting:
-                    yield waiting.popleft()
+                    one = waiting.popleft()
+                    if first is None or one[0] > first[0]:  # else it is the one that it began with
+                        yield one
                 try:
                     await asyncio.wait_for(arrived.wait(), ALIVE_CHECK_S)
                 except asyncio.TimeoutError:

@@ -128,6 +128,9 @@ class Publication:
         self._simple = all(codec.integer_sign is not None and codec.words == 1 for codec in codecs)
         self._signs = [(codec.mask, codec.sign) for codec in codecs]
         self._unexpected = 0
+        self._rare = plan.publish.trigger == "change"
+        self.newest: tuple[float, Sequence[Any]] | None = None
+        """Of what is published on change: the last publish, for those who come later."""
 
     def deliver(self, time_s: float, words: Sequence[int]) -> None:
         """Take one publish: raw words in the order of the plan's values."""
@@ -152,6 +155,8 @@ class Publication:
             for value, raw, number in zip(values, raws, numbers, strict=True):
                 value.raw, value.latest = raw, number
         self.received += 1
+        if self._rare:
+            self.newest = time_s, numbers
         groups: dict[ValueGroup, None] = {}  # a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
             listeners = value.listeners
@@ -172,7 +177,7 @@ class Publication:
         Of a fast stream that is only recorded, or of which only the latest counts, arrays cost a small part.
         """
         values, takers = self.plan.values, self.takers
-        if not self._simple or any(arrays is None for _, arrays in takers):
+        if not self._simple or self._rare or any(arrays is None for _, arrays in takers):
             return False
         if any(value.groups or value.listeners.heard for value in values):
             return False

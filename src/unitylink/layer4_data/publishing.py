@@ -126,6 +126,13 @@ class _Allocation:
             )
 
 
+def _read(item: PublishPlan) -> tuple[int, ...]:
+    """Return the words of what is published on change, as they are before it does."""
+    atomic = 1 < len(item.addresses) <= item.link.configuration.read_many
+    words = item.link.read_many(item.addresses, atomic=atomic, checked=item.checked)
+    return tuple(words.tolist())
+
+
 RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is held up
 
 
@@ -165,6 +172,20 @@ class Publisher:
         if missing:
             self.stop()
             self.start(fallback=fallback)
+
+    def planned(self, value: ReadValue[Any]) -> Publish:
+        """Return how a value that was asked for is published."""
+        with self._lock:
+            return self._items[value]
+
+    def newest(self, value: ReadValue[Any]) -> tuple[float, Any] | None:
+        """Return when a value that is published on change came last, and what it was; else None."""
+        with self._lock:
+            for publication in self._running:
+                if value in publication.plan.values and publication.newest is not None:
+                    time_s, numbers = publication.newest
+                    return time_s, numbers[publication.plan.values.index(value)]
+        return None
 
     def demand(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
         """Plan a value as `require` does, without starting yet; ValueRangeError where it has no rate."""
@@ -207,6 +228,7 @@ class Publisher:
     def _launch(self, item: PublishPlan) -> Publication:
         if item.mode == HARDWARE:
             publication = Publication(item, self._takers)
+            began_s = item.link.now_s()
             try:
                 subscription = item.link.subscribe(
                     item.addresses,
@@ -222,8 +244,20 @@ class Publisher:
                 item = item.polled()
             else:
                 publication.source = subscription
+                try:
+                    first = (
+                        (began_s, _read(item))
+                        if item.publish.trigger == "change" and item.repeatable
+                        else None
+                    )
+                except BaseException:
+                    publication.close()
+                    raise
                 subscription.on_publish(
-                    publication.deliver, gather_s=self._gather_s, arrays=publication.deliver_arrays
+                    publication.deliver,
+                    gather_s=self._gather_s,
+                    arrays=publication.deliver_arrays,
+                    first=first,
                 )
                 return publication
         publication = Publication(item, self._takers)

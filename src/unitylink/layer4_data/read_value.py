@@ -91,23 +91,34 @@ class ReadValue(Value[T]):
         time. The callback runs in the link's callback thread; what it raises is logged and does not stop the
         others.
         """
-        self.publisher.require(self, rate_hz)
-        return self.listeners.on_publish(callback)
+        return self._with_publishes(self.listeners.on_publish(callback), rate_hz)
 
     def on_change(
         self, callback: Callable[[T], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
         """Call `callback(value)` when a publish brings another value than before; else as `on_publish`."""
-        self.publisher.require(self, rate_hz)
-        return self.listeners.on_change(callback)
+        return self._with_publishes(self.listeners.on_change(callback), rate_hz)
 
     def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, T]]:
         """Iterate over publishes: `async for time_s, value in robot.j1.cpos.publishes():`.
 
-        Starts publishing as `on_publish` does; ends when publishing is stopped or the link is closed.
+        Starts publishing as `on_publish` does; ends when publishing is stopped or the link is closed. What is
+        published on change begins with its newest value.
         """
-        self.publisher.require(self, rate_hz)
-        return self.listeners.stream(self.is_published)
+        return self.listeners.stream(
+            lambda: self.publisher.require(self, rate_hz),
+            self.is_published,
+            lambda: self.publisher.newest(self),
+        )
+
+    def _with_publishes(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
+        """Have the publishes come for a listener, who is there before the first."""
+        try:
+            self.publisher.require(self, rate_hz)
+        except BaseException:
+            take_back()
+            raise
+        return take_back
 
     def is_published(self) -> bool:
         """Say whether publishes can come: publishing was started, and the link is open."""

@@ -11,18 +11,21 @@ class Snapshot(Mapping[str, Any]):
     """A read-only mapping from path to value in engineering units, with the time of the sample.
 
     `time_s` is monotonic host time of the newest part; `times_s` has one time per link (by URL), for a group
-    across several links is consistent within each.
+    across several links is consistent within each; `sampled_s` has the time of each value, by path.
 
-    >>> s = Snapshot({"j1.cpos": -3, "j2.cpos": 4}, {"sim:": 12.5})
-    >>> s["j1.cpos"], s.time_s, dict(s)
-    (-3, 12.5, {'j1.cpos': -3, 'j2.cpos': 4})
+    >>> s = Snapshot({"j1.cpos": -3, "j2.cpos": 4}, {"sim:": 12.5}, {"j1.cpos": 12.5, "j2.cpos": 12.0})
+    >>> s["j1.cpos"], s.time_s, s.time_s - s.sampled_s["j2.cpos"]
+    (-3, 12.5, 0.5)
     """
 
-    __slots__ = ("_values", "times_s")
+    __slots__ = ("_values", "sampled_s", "times_s")
 
-    def __init__(self, values: Mapping[str, Any], times_s: Mapping[str, float]) -> None:
+    def __init__(
+        self, values: Mapping[str, Any], times_s: Mapping[str, float], sampled_s: Mapping[str, float]
+    ) -> None:
         self._values = dict(values)
         self.times_s = dict(times_s)
+        self.sampled_s = dict(sampled_s)
 
     @property
     def time_s(self) -> float:

@@ -3,17 +3,34 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from unitylink.cli import main
 from unitylink.errors import BusError
-from unitylink.spec import compile_text
+from unitylink.simulate import Board
+from unitylink.spec import compile_text, load
 from unitylink.tools.failure import Failure
 from unitylink.tools.link_option import Target
 from unitylink.tools.names import Names
 from unitylink.tools.sampled import sampled_items
+
+
+class Still:
+    """A plant that moves nothing."""
+
+    period_s = 0.001
+
+    def attach(self, spec: object, registers: object) -> None:
+        """Need nothing."""
+
+    def step(self, time_s: float) -> None:
+        """Leave all as it is."""
+
 
 SPEC = """
 public arm() {
@@ -69,6 +86,21 @@ def test_set_points_are_what_the_device_lets_be_read_back(
     assert found == ["position", *(["target"] if not refused else []), "mode", "faults"]
     note = "note: without target: the device does not let it be read back\n"
     assert capsys.readouterr().err == (note if refused else "")
+
+
+@pytest.mark.parametrize("name", ["watch", "record"])
+def test_what_is_published_on_change_is_there_before_it_changes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    spec = tmp_path / "door.ul"
+    spec.write_text("public door() { @open = 0x1: u8 READ(PUBLISH(on change)); }")
+    out = tmp_path / "door.csv"
+    with Board(load(spec), plant=Still(), endpoint="tcp") as board:
+        board.registers[1] = 3
+        given = [f"{board.url}?timeout=2", "--spec", str(spec), "--count", "1", "--duration", "60"]
+        assert main([name, *given, *(["--out", str(out)] if name == "record" else [])]) == 0
+    shown = out.read_text() if name == "record" else capsys.readouterr().out
+    assert re.search(r"[=,]3$", shown.strip(), re.M), shown
 
 
 def test_nothing_is_told_with_what_to_do() -> None:

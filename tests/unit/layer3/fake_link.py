@@ -159,8 +159,11 @@ class FakeSubscription:
         *,
         gather_s: float = 0.0,
         arrays: Callable[[Any, Any], bool] | None = None,
+        first: tuple[float, tuple[int, ...]] | None = None,
     ) -> None:
         self.callback, self.arrays = callback, arrays
+        if first is not None:
+            callback(*first)
 
     def close(self) -> None:
         self.link.subscriptions.remove(self)

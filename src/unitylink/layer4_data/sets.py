@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From publishes to sets: what was sampled together, with the newest of all that comes at other times."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from .publication import base_hz
+from .snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.spec.model import Publish
+
+    from .read_value import ReadValue
+
+_STEP_PART = 0.75  # of a period: a sample that is older belongs to the tick before
+
+
+class Sets:
+    """Make one set of some READs for each beat: a tick of one of their rates, or an event.
+
+    What has the same rate comes with one beat, whatever gateware groups and links carry it: a set waits for
+    all of it. In between, the others are as they came last, and what has not come yet is not in the set.
+    """
+
+    def __init__(self, reads: Mapping[str, ReadValue[Any]], labels: Mapping[Link, str]) -> None:
+        self._lock = threading.Lock()
+        self._begun = False
+        self._reads, self._labels = reads, labels
+        self._newest: dict[ReadValue[Any], tuple[float, Any]] = {}  # when it was sampled, and its number
+        self._times_s: dict[str, float] = {}
+        self._beats: dict[ReadValue[Any], Hashable] = {}
+        self._sizes: dict[Hashable, int] = {}  # beat -> of how many values
+        self._fresh: dict[Hashable, dict[ReadValue[Any], float]] = {}  # beat -> what has come of it
+
+    def expect(self, publishes: Mapping[ReadValue[Any], Publish]) -> None:
+        """Say how each READ is published."""
+        with self._lock:
+            beat_of = {value: _beat(value, publish) for value, publish in publishes.items()}
+            if beat_of == self._beats:
+                return
+            self._beats = beat_of
+            beats = list(self._beats.values())
+            self._sizes = {beat: beats.count(beat) for beat in beats}
+            self._fresh = {beat: {} for beat in self._sizes}
+
+    def begin(self) -> None:
+        """Make sets from now on: what can be known at first is."""
+        self._begun = True
+
+    @property
+    def unknown(self) -> list[ReadValue[Any]]:
+        """What a set may have to do without at first: nothing, where all comes with one beat of a rate."""
+        if len(self._sizes) <= 1 and all(isinstance(beat, float) for beat in self._sizes):
+            return []
+        return [value for value in self._reads.values() if value not in self._newest]
+
+    def seed(self, time_s: float, value: ReadValue[Any], number: Any) -> None:
+        """Take what was read, for what was not published yet."""
+        with self._lock:
+            if value not in self._newest:
+                self._keep(time_s, value, number)
+
+    def take(
+        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]
+    ) -> Snapshot | None:
+        """Take a publish that carries some of our values; return the set which it completes."""
+        with self._lock:
+            beat: Hashable = None
+            for value, number in zip(values, numbers, strict=True):
+                if value in self._beats:
+                    beat = self._beats[value]
+                    self._keep(time_s, value, number)
+                    self._fresh[beat][value] = time_s
+            if (
+                beat is None
+                or not self._begun
+                or len(self._fresh[beat]) < self._sizes[beat]
+                or self._drop_stale(beat)
+            ):
+                return None
+            self._fresh[beat].clear()
+            return self._set()
+
+    def current(self) -> Snapshot | None:
+        """Return the set as it is known now; None where nothing is."""
+        with self._lock:
+            return self._set() if self._newest else None
+
+    def _keep(self, time_s: float, value: ReadValue[Any], number: Any) -> None:
+        self._newest[value] = time_s, number
+        label = self._labels[value.hardware.link]
+        self._times_s[label] = max(time_s, self._times_s.get(label, time_s))
+
+    def _set(self) -> Snapshot:
+        known = [(key, self._newest[v]) for key, v in self._reads.items() if v in self._newest]
+        return Snapshot(
+            {key: number for key, (_, number) in known},
+            self._times_s,
+            {key: time_s for key, (time_s, _) in known},
+        )
+
+    def _drop_stale(self, beat: Hashable) -> bool:
+        """Forget samples of the tick before: they wait for their next. True when there were any.
+
+        That is so when a publish of another gateware group was lost; then the groups are in step again.
+        """
+        fresh = self._fresh[beat]
+        if len(set(fresh.values())) == 1:
+            return False
+        newest_s = max(fresh.values())
+        stale = [value for value, time_s in fresh.items() if newest_s - time_s > _patience_s(value)]
+        for value in stale:
+            del fresh[value]
+        return bool(stale)
+
+
+def _beat(value: ReadValue[Any], publish: Publish) -> Hashable:
+    """Return the period in s, or which event it is."""
+    link = value.hardware.link
+    if publish.trigger == "rate":
+        return round(publish.divisor / base_hz(link), 9)
+    return link, publish.trigger, publish.event, publish.group
+
+
+def _patience_s(value: ReadValue[Any]) -> float:
+    """Return how old a sample may be beside the newest of its set, where the device tells its time."""
+    link = value.hardware.link
+    if value.publish is None or not value.publish.divisor or link.protocol != "framed":
+        return math.inf
+    return _STEP_PART * value.publish.divisor / base_hz(link)
