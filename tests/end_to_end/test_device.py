@@ -343,8 +343,10 @@ def test_list_asks_the_device(serve: Serve, run: Run, memory: Path) -> None:
     assert report["items"][0]["reachable"] is True
     wide = memory.with_name("wide.ul")
     wide.write_text("public wide() { @far = 0x1234: READ(); }\n")
-    assert "beyond the address bus" in run("list", server.url, "--spec", wide).stdout
-    done = run("read", server.url, "--spec", wide, "far")
+    assert "another spec than wide.ul" in run("list", server.url, "--spec", wide).stderr
+    other = f"{server.url}?spec_hash=any"
+    assert "beyond the address bus" in run("list", other, "--spec", wide).stdout
+    done = run("read", other, "--spec", wide, "far")
     assert done.returncode == 1 and "far" in done.stderr
 
 

@@ -128,7 +128,10 @@ def _binding(target: Target) -> dict[str, Any]:
             return {"verified": False, "reason": error.message}
         return {"verified": not link.unverified, "reason": link.unverified}
     told = link.description.spec_hash if link.description else 0
-    known = f"the gateware's has the wire hash {told:016x}" if told else "the gateware does not tell its own"
+    kind = "this" if link.description else "classic"
+    known = (
+        f"the gateware's has the wire hash {told:016x}" if told else f"{kind} gateware cannot tell its own"
+    )
     return {"verified": False, "reason": f"no spec is given; {known}"}
 
 
