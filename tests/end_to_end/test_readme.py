@@ -38,7 +38,7 @@ def test_the_readme_script(tmp_path: Path) -> None:
 
 
 def test_the_spec_shown_is_the_one_shipped() -> None:
-    shown = next(block for block in blocks(README, "") if block.startswith("public scara"))
+    shown = next(block for block in blocks(README, "ul") if block.startswith("public scara"))
     shipped = (ROOT / "examples" / "scara" / "scara.ul").read_text(encoding="utf-8")
     ours, theirs = compile_text(shown, "scara.ul").spec, compile_text(shipped, "scara.ul").spec
     assert ours is not None and theirs is not None
@@ -48,7 +48,7 @@ def test_the_spec_shown_is_the_one_shipped() -> None:
 def test_the_start_page(tmp_path: Path) -> None:
     run(UNITYLINK, "new", "arm", cwd=tmp_path)
     shown = compile_text(
-        next(block for block in blocks(START, "") if block.startswith("public arm")), "arm.ul"
+        next(block for block in blocks(START, "ul") if block.startswith("public arm")), "arm.ul"
     )
     made = compile_text((tmp_path / "arm" / "arm.ul").read_bytes(), "arm.ul")
     assert shown.spec is not None and made.spec is not None
@@ -73,3 +73,15 @@ def test_the_start_page(tmp_path: Path) -> None:
 def test_a_new_project_runs(tmp_path: Path) -> None:
     run(UNITYLINK, "new", "arm", cwd=tmp_path)
     assert run(sys.executable, "-W", "error", "run.py", cwd=tmp_path / "arm")
+
+
+def test_the_readme_s_first_commands_can_be_pasted_as_they_stand(tmp_path: Path) -> None:
+    """In one go, and none keeps the others waiting: what serves until Ctrl-C stands in a block of its own."""
+    shutil.copytree(ROOT / "examples" / "scara", tmp_path / "examples" / "scara")
+    block = next(one for one in blocks(README, "sh") if "unitylink new" in one)
+    (tmp_path / "pasted.sh").write_text(block)
+    path = f"{UNITYLINK.parent}:/usr/bin:/bin"
+    output = run("env", f"PATH={path}", "bash", "-e", "pasted.sh", cwd=tmp_path)
+    assert "no mistakes" in output and "j4.cpos" in output
+    served = [one for one in blocks(README, "sh") if "unitylink simulate" in one]
+    assert all(one.count("\n") == 1 for one in served)

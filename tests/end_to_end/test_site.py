@@ -49,6 +49,23 @@ class TestSite:
         assert 'id="linkread_many"' in page
         assert "object at 0x" not in page
 
+    def test_every_page_of_the_navigation_can_be_reached_by_it(self, site: Path) -> None:
+        """The folders' own pages too, of which one section may have several."""
+        front = (site / "index.html").read_text("utf-8")
+        reached = set(re.findall(r'class="md-nav__link[^"]*"[^>]*href="([^"#]+)"', front))
+        reached |= set(re.findall(r'href="([^"#]+)" class="md-nav__link', front))
+        placed = re.findall(
+            r"[\w./-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[2]
+        )
+        expected = {re.sub(r"README\.html$", "index.html", name[:-3] + ".html") for name in placed}
+        assert len(expected) > 50 and not expected - reached - {"index.html"}
+
+    def test_specs_are_coloured(self, site: Path) -> None:
+        front = (site / "index.html").read_text("utf-8")
+        assert '<span class="k">public</span>' in front  # a keyword
+        language = (site / "docs" / "ul-spec.html").read_text("utf-8")
+        assert 'class="kr">READ' in language and 'class="err"' not in language
+
     def test_pages_of_a_folder_stand_under_its_page(self, site: Path) -> None:
         page = (site / "docs" / "gateware" / "uart.html").read_text("utf-8")
         assert 'href="core.html"' in page  # a neighbour in the navigation

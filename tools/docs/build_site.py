@@ -40,7 +40,12 @@ def main() -> int:
     shutil.rmtree(work / "pages", ignore_errors=True)
     stage(work / "pages")
     settings = work / "mkdocs.yml"
-    places = {"docs_dir": "pages", "site_dir": str(site.resolve()), "nav": navigation(work / "pages")}
+    places = {
+        "docs_dir": "pages",
+        "site_dir": str(site.resolve()),
+        "nav": navigation(work / "pages"),
+        "hooks": [str(Path(__file__).with_name("ulspec_lexer.py"))],  # the colours of UL-spec
+    }
     settings.write_text(yaml.safe_dump({"INHERIT": str(ROOT / "mkdocs.yml"), **places}), "utf-8")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", settings]
     built = subprocess.run(command, check=False)

@@ -15,6 +15,7 @@ PAGES = sorted(
     if not any(part.startswith(".") or part in ("build", "dist") for part in page.relative_to(ROOT).parts)
 )
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+FILE_AS_TEXT = re.compile(r"(?<!!)\[`?([\w./-]+\.(?:md|json|py|ul|toml|html))`?\]\(")
 FENCE = re.compile(r"^```.*?^```", re.M | re.S)
 
 
@@ -34,6 +35,12 @@ def test_links_lead_somewhere(page: Path) -> None:
         if not file.exists() or (anchor and file.suffix == ".md" and anchor not in anchors(file)):
             broken.append(target)
     assert not broken, f"broken links in {page.relative_to(ROOT)}: {broken}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_link_says_where_it_leads_not_which_file_that_is(page: Path) -> None:
+    named = FILE_AS_TEXT.findall(FENCE.sub("", page.read_text(encoding="utf-8")))
+    assert not named, f"in {page.relative_to(ROOT)}"
 
 
 def test_every_document_is_reachable_from_the_readme() -> None:

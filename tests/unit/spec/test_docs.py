@@ -35,7 +35,7 @@ def entry(code: str, diagnostic: Diagnostic | None) -> str:
     shown = f"{line}\n{caret} {diagnostic.message}" if len(line) < 90 else diagnostic.message
     if diagnostic.hint:
         shown += f"\nhelp: {diagnostic.hint}"
-    return f"{text}\n```\n{shown}\n```\n"
+    return f"{text}\n```ulspec\n{shown}\n```\n"
 
 
 def section() -> str:
@@ -62,8 +62,8 @@ def test_example_specs_are_without_diagnostic_and_formatted_as_shown() -> None:
 
 def test_example_of_mistakes(tmp_path: Path) -> None:
     page = PAGE.read_text("utf-8").split(MARK)[0]
-    (text,) = re.findall(r"```\n// arm\.ul, with five mistakes\n(.*?)```", page, re.DOTALL)
-    (report,) = re.findall(r"```\n\$ unitylink check arm\.ul\n(.*?)```", page, re.DOTALL)
+    (text,) = re.findall(r"```ulspec\n// arm\.ul, with five mistakes\n(.*?)```", page, re.DOTALL)
+    (report,) = re.findall(r"```console\n\$ unitylink check arm\.ul\n(.*?)```", page, re.DOTALL)
     result = compile_text(text, "arm.ul")
     assert render(result.diagnostics) == report and result.errors == 5
     fixed = fix_text(text, "arm.ul")
@@ -82,8 +82,8 @@ def test_example_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 def test_example_of_an_import(tmp_path: Path) -> None:
     page = PAGE.read_text("utf-8").split(MARK)[0]
-    (name, imported), *others = re.findall(r"\n\n```\n// (\w+\.ul)\n(.*?)```", page, re.DOTALL)
-    (importing,) = re.findall(r"\n\n```\n(import .*?)```", page, re.DOTALL)
+    (name, imported), *others = re.findall(r"\n\n```ulspec\n// (\w+\.ul)\n(.*?)```", page, re.DOTALL)
+    (importing,) = re.findall(r"\n\n```ulspec\n(import .*?)```", page, re.DOTALL)
     assert not others
     (tmp_path / name).write_text(imported)
     assert compile_text(importing, str(tmp_path / "arm.ul")).diagnostics == ()
