@@ -7,11 +7,14 @@
 #include <vector>
 
 #include "endpoint.hpp"
+#include "round_trip.hpp"
 
 namespace {
 
 using unitylink::bench::argument;
+using unitylink::bench::bytes_of;
 using unitylink::bench::number;
+using unitylink::bench::round_trip;
 using unitylink::bench::stop;
 
 int open_tcp(std::uint64_t port) {
@@ -26,32 +29,6 @@ int open_tcp(std::uint64_t port) {
   const int on = 1;
   setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   return descriptor;
-}
-
-// The bytes of pairs of digits.
-std::string bytes_of(const std::string& digits) {
-  std::string bytes;
-  for (std::size_t at = 0; at + 1 < digits.size(); at += 2) {
-    bytes.push_back(static_cast<char>(number("--frame", "0x" + digits.substr(at, 2))));
-  }
-  return bytes;
-}
-
-// One blocking round trip; the reply ends as the request does.
-std::string_view round_trip(int descriptor, std::string_view request, std::span<char> reply) {
-  const char end = request.back();
-  if (write(descriptor, request.data(), request.size()) != static_cast<ssize_t>(request.size())) {
-    stop("the request did not go out whole", errno);
-  }
-  std::size_t size = 0;
-  do {
-    const auto count = read(descriptor, reply.data() + size, reply.size() - size);
-    if (count <= 0) {
-      stop("the server is gone", count < 0 ? errno : 0);
-    }
-    size += static_cast<std::size_t>(count);
-  } while (reply[size - 1] != end && size < reply.size());
-  return {reply.data(), size};
 }
 
 }  // namespace
@@ -73,13 +50,8 @@ int main(int count, char** values) {
 
   std::array<char, 4096> reply{};
   std::string expected;
-  std::vector<long long> times;
-  std::array<char, 64> line{};
-  while (std::fgets(line.data(), static_cast<int>(line.size()), stdin) != nullptr) {
-    std::string text(line.data());
-    text.erase(text.find_last_not_of("\n") + 1);
-    times.assign(number("a count", text), 0);
-    alarm(20);  // a server that never answers ends this program, not the bench's patience
+  unitylink::bench::answer_counts([&](std::size_t trips) {
+    std::vector<long long> times(trips);
     for (auto& time : times) {
       const auto start = std::chrono::steady_clock::now();
       const auto answer = round_trip(descriptor, request, reply);
@@ -90,12 +62,7 @@ int main(int count, char** values) {
         stop("the reply changed to " + std::string(answer.substr(0, answer.size() - 1)));
       }
     }
-    alarm(0);
-    for (const auto time : times) {
-      std::printf("%lld ", time);
-    }
-    std::printf("\n");
-    std::fflush(stdout);
-  }
+    return times;
+  });
   return 0;
 }

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""18 scattered reads and 18 writes in one message each way, against a bare round trip of a frame.
+"""18 scattered reads and 18 writes in one message each way, against a bare C++ program with the same bytes.
 
 `exchange` names the words each time, `cycle` has named them once: an exchange group.
 
-Both sides talk to the same twin through the same pty, as those of `sync_read.py` do. The bare program sends
-HELLO, which every device answers and which changes nothing in the session that is open.
+The bare program sends and awaits the bytes that the link sends and awaits, made before its clock starts: the
+ratio is what the host's stack costs. Beside it stands the distance to a minimal echo: HELLO, which every
+device answers and which changes nothing in the session that is open.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .bare import against_bare
+from .bare import against_bare, against_same_bytes
 from .board import FIRST_VALUE
 from .figure import BenchError, Figure, Run
 from .programs import twin
@@ -48,7 +49,7 @@ def measure_cycle(run: Run) -> Figure:
 
 
 def _measured(run: Run, name: str, how: str, call: Callable[[Link], Callable[[], Words]]) -> Figure:
-    def side(link: Link) -> tuple[Callable[[], object], list[str]]:
+    def side(link: Link) -> Callable[[], Words]:
         exchange = call(link)
         if list(exchange()) != [FIRST_VALUE + address for address in READS]:
             raise BenchError("the twin does not hold what was put there")
@@ -56,16 +57,17 @@ def _measured(run: Run, name: str, how: str, call: Callable[[Link], Callable[[],
         exchange()
         if link.statistics().requests != before + 1:
             raise BenchError("an exchange is not one message")
-        return exchange, ["--frame", HELLO]
+        return exchange
 
+    same = against_same_bytes(run, {"clock_hz": CLOCK_HZ}, side)
     with twin("pty", clock_hz=CLOCK_HZ) as board:
-        result = against_bare(run, board.line(), "framed", side)
+        echo = against_bare(run, board.line(), "framed", lambda link: (side(link), ["--frame", HELLO]))
     return Figure(
         name,
-        f"{WORDS} reads and {WORDS} writes {how} / bare C++ round trip, pty",
-        1.3,
+        f"{WORDS} reads and {WORDS} writes {how} / bare C++ with the same bytes, pty",
+        1.15,
         True,
-        result.ratio,
+        same.ratio,
         "x",
-        result.told_us(name, "bare"),
+        {**same.told_us(name, "the same bytes"), "HELLO us": echo.theirs_ns / 1e3, "over HELLO": echo.ratio},
     )
