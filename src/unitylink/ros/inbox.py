@@ -12,9 +12,6 @@ from unitylink.errors import LinkError, ValueRangeError
 from unitylink.layer4_data import ValueGroup
 
 TRIES = 3  # of a write that fails while the link is up
-# From one write to the next, for each command that came meanwhile, up to so many: of a flood all but the last
-# would be in vain, and a write costs as much as taking ten. A command that comes alone is written at once.
-SPACING_S, SPACING_MOST = 0.0005, 4
 
 
 class Inbox:
@@ -32,7 +29,7 @@ class Inbox:
         timeout_s: float = 0.0,
         on_silence: Callable[[], None] = lambda: None,
     ) -> None:
-        self.accepted = self.writes = self.failed = self._merged = 0
+        self.accepted = self.writes = self.failed = 0
         self._group = group
         self._complain = complain
         self._timeout_s = timeout_s
@@ -51,7 +48,6 @@ class Inbox:
             if self._closed:
                 raise ValueRangeError("the link is down; nothing was sent")
             self.accepted += 1
-            self._merged += 1
             waits = not self._pending  # else it has been told, and has not come to it yet
             self._pending.update(numbers)
             if waits:
@@ -72,7 +68,7 @@ class Inbox:
             self._thread.join()
 
     def _run(self) -> None:
-        silent_at, tried, merged = float("inf"), 0, 0
+        silent_at, tried = float("inf"), 0
         while True:
             with self._changed:
                 self._busy = False
@@ -87,14 +83,12 @@ class Inbox:
                     return
                 else:
                     numbers, self._pending = self._pending, {}
-                    merged, self._merged = self._merged, 0
                     self._busy = True
             if numbers is None:
                 self._on_silence()
                 continue
-            started = time.monotonic()
             if self._timeout_s:
-                silent_at = started + self._timeout_s
+                silent_at = time.monotonic() + self._timeout_s
             try:
                 self._group.write(numbers)
                 self.writes += 1
@@ -108,5 +102,3 @@ class Inbox:
                         self._pending = numbers | self._pending
                     else:
                         tried = 0
-            pause_s = SPACING_S * min(merged, SPACING_MOST)
-            time.sleep(max(0.0, started + pause_s - time.monotonic()))

@@ -123,7 +123,7 @@ def measure_ros1_out(run: Run) -> Figure:
 
 
 def measure_ros1_in(run: Run) -> Figure:
-    """Measure ROS 1 -> FPGA: commands taken."""
+    """Measure ROS 1 -> FPGA: writes that the board has answered, of values that differ each time."""
     title = "rospy topic of an integer -> FPGA, over a bare subscriber"
     return _compare(
         run, "ros1-in", title=title, which="ros1", bare=("source", "bare-in"), ours=("source", "node-in")
@@ -139,7 +139,7 @@ def measure_dds_out(run: Run) -> Figure:
 
 
 def measure_dds_in(run: Run) -> Figure:
-    """Measure ROS 2 on DDS -> FPGA."""
+    """Measure ROS 2 on DDS -> FPGA: writes that the board has answered."""
     title = "DDS topic of an integer -> FPGA, over a bare reader"
     return _compare(
         run, "dds-in", title=title, which="dds", bare=("source", "bare-in"), ours=("source", "node-in")

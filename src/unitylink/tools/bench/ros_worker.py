@@ -2,7 +2,8 @@
 """One end of a ROS figure, in a process of its own: `python -m unitylink.tools.bench.ros_worker PLANE ROLE`.
 
 PLANE is ros1 or dds. A line on standard input asks for a window of so many seconds; the answer is what was
-counted in it: "COUNT SECONDS CPU_SECONDS". `bare-out` and `source` publish as fast as they can,
+counted in it: "COUNT SECONDS CPU_SECONDS"; of a node that takes commands, the writes that its board has
+answered. `bare-out` and `source` publish as fast as they can,
 `joints-source` 1000 a second, all the time; `node-out`, `node-in` and `joints` are nodes, the twin in their
 process. `bare-ping` publishes what time it is 500 times a second, in `node-ping` the gateware does, in whose
 thread the time is taken: `pong` answers with the median delay in us, too.
@@ -170,7 +171,7 @@ def main() -> None:
     else:
         made = node(plane, spec, {"node-out": BASE_HZ[name], "node-in": 100}.get(role, 1000))
         if role != "node-out":  # of which is counted what it sends
-            read = lambda: made.accepted  # noqa: E731
+            read = lambda: int(made.health().facts["writes"])  # noqa: E731
     if name == "dds":
         plane.start()
     print("ready", file=answers, flush=True)
