@@ -74,8 +74,9 @@ def _none(_: Results) -> str:
 
 CLAIMS = (
     Claim("You write down once what lives at which address", "What a user writes for the walker", _lines),
-    Claim("isochronous publishes", "Publishing", _publishes),
-    Claim("a bit-exact twin of the gateware", "Level 1: the gateware", _clocks("2012")),
+    Claim("isochronous publishes", "docs/gateware/isochrony.md", lambda _: "`test_isochrony.py`"),
+    Claim("a link that carries reads, writes and", "Publishing", _publishes),
+    Claim("a twin of the gateware", "Level 1: the gateware", _clocks("2012")),
     Claim("lets more requests be under way at once", "Level 2: other links, other settings", _bursts),
     Claim("ids, exactly-once writes, time-stamped publishes", "Others on the same kind of wire", _flipped),
     Claim("is tried on a wire that does everything wrong", "docs/faults.md", lambda _: "`unitylink faults`"),

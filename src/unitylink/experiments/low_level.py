@@ -18,9 +18,17 @@ _PAUSE = 4  # a gap so many times the median one is a pause
 
 
 def synchronous_s(
-    link: LinkParameters, exchange: Exchange, *, gateware: str = "2012", count: int = 20, fifo: int = 256
+    link: LinkParameters,
+    exchange: Exchange,
+    *,
+    gateware: str = "2012",
+    count: int = 20,
+    fifo: int = 256,
+    pause_s: float = 0.0,
 ) -> float:
     """Return the mean time from a request to its reply, one after another; the first is not counted.
+
+    `pause_s` is what the program does between a reply and its next request, which is not timed.
 
     >>> from unitylink.experiments.link_parameters import FT245_ASYNC
     >>> round(synchronous_s(FT245_ASYNC, read()) * 1e6)
@@ -33,6 +41,7 @@ def synchronous_s(
         wire.send(exchange.request(number))
         wire.wait(exchange.reply_bytes)
         times.append(wire.now_s - start_s)
+        wire.run_until(wire.now_s + pause_s)
     return mean(times[1:])
 
 
@@ -88,6 +97,7 @@ class WriteBurst:
     first_s: float  # request to effect of the first
     period_s: float
     effective_hz: float  # bits / (first latency + n periods), as the paper counts
+    bits: int
 
 
 def write_burst(
@@ -104,4 +114,4 @@ def write_burst(
     effects = [clock / CLOCK_HZ for clock in device.effects]
     period_s = mean(b - a for a, b in pairwise(effects))
     bits = 8 * exchange.request_bytes * requests
-    return WriteBurst(effects[0], period_s, bits / (effects[0] + requests * period_s))
+    return WriteBurst(effects[0], period_s, bits / (effects[0] + requests * period_s), bits)

@@ -29,7 +29,10 @@ CONVENTIONS = (
 MODEL = (
     "The link is a model, not a board: nothing here was measured on USB. The model has a clock of its own, "
     "so its figures are exact and the same on "
-    "every machine. Its parameters, with what each rests on, are below; none is fitted to a single cell. "
+    "every machine. Its parameters, with what each rests on, are below. One is inferred from a cell of the "
+    "paper (the latency timer, from 974 us): that cell is no evidence for the model. Beside a difference "
+    "stands what the model says when a suspected cause is changed in it; where that does not move the cell "
+    "towards the paper, the difference is not explained. "
     "What the PC of 2012 cost is not modelled."
 )
 PEERS = (

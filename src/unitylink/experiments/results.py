@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from unitylink.tools.bench.programs import find_checkout
 from unitylink.tools.bench.report import machine
 
 from . import level_one, peers, ros_rates, software_cost
+from .ablations import ablations
 from .exchange import (
     Exchange,
     framed_post,
@@ -94,11 +95,11 @@ def _gateware(_: Wanted) -> dict[str, Any]:
 
 def _table_one(wanted: Wanted) -> dict[str, Any]:
     cost = software_cost.measure(rounds=11 if wanted.quick else 101)
-    figures = model_figures(cost)
+    figures, changed = model_figures(cost), ablations(cost)
     return {
         "software_cost": asdict(cost),
-        "table_one": [_compared(cell, figures) for cell in CELLS],
-        "text": [_compared(cell, figures) for cell in TEXT],
+        "table_one": compared(CELLS, figures, changed),
+        "text": compared(TEXT, figures, changed),
         "ours": _ours(cost),
     }
 
@@ -157,9 +158,25 @@ PARTS = {
 }
 
 
-def _compared(cell: Cell, figures: dict[str, float]) -> dict[str, Any]:
-    value = figures[cell.model]
-    return {**asdict(cell), "model": value, "difference": value / cell.paper - 1}
+def compared(
+    cells: Sequence[Cell], figures: dict[str, float], changed: Mapping[str, dict[str, float]]
+) -> list[dict[str, Any]]:
+    """Return a row for each cell: paper, model, and what the model says with each cause changed."""
+
+    def beside(cell: Cell, value: float) -> dict[str, float]:
+        return {"model": value, "difference": value / cell.paper - 1}
+
+    return [
+        {
+            **asdict(cell),
+            "cause": cell.cause.words,
+            "tried": [
+                {"ablation": name, **beside(cell, changed[name][cell.model])} for name in cell.cause.tried
+            ],
+            **beside(cell, figures[cell.model]),
+        }
+        for cell in cells
+    ]
 
 
 def _measured(measure: Callable[[], list[dict[str, Any]]]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from .ablations import ABLATIONS
 from .document import Block, Paragraph, Table
 from .peers import wire_of
 from .sustained import LINK_HZ
@@ -33,7 +34,7 @@ def ours(rows: list[dict[str, Any]]) -> Table:
 def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
     return Table(
         caption,
-        ["row", "figure", "paper", "model", "difference", "cause"],
+        ["row", "figure", "paper", "model", "difference", "cause, and the model with it changed"],
         [
             [
                 row["row"],
@@ -41,11 +42,17 @@ def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
                 value(row["paper"], row["unit"]) + (f" (sd {value(row['sd'], 's')})" if row["sd"] else ""),
                 value(row["model"], row["unit"]),
                 f"{100 * row['difference']:+.1f} %",
-                row["cause"],
+                "; ".join([row["cause"], *(_tried(row, each) for each in row["tried"])]),
             ]
             for row in rows
         ],
     )
+
+
+def _tried(row: dict[str, Any], each: dict[str, Any]) -> str:
+    ablation, moved = ABLATIONS[each["ablation"]], value(each["model"], row["unit"])
+    chosen = f" (chosen from the paper's {ablation.chosen})" if ablation.chosen else ""
+    return f"{ablation.words}{chosen}: {moved} ({100 * each['difference']:+.1f} %)"
 
 
 def gateware(rows: list[dict[str, Any]]) -> Table:
