@@ -52,7 +52,7 @@ def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide
         program = native(run.checkout, "bench_frame_trip")
         with opened(theirs.line()) as slave, connect(url) as link:
             call = side(link)
-            command = [program, "--said", said.hex(), "--descriptor", str(slave)]
+            command: list[str | Path] = [program, "--said", said.hex(), "--descriptor", str(slave)]
             with Process(command, pass_fds=[slave]) as bare:
                 bytes_each_way = [int(word) for word in bare.line().split()]
                 before = link.statistics()
