@@ -67,7 +67,7 @@ def _markdown(block: Block, images: str) -> str:
     if isinstance(block, Paragraph):
         return block.text
     if isinstance(block, Code):
-        return f"```\n{block.text}\n```"
+        return f"```sh\n{block.text}\n```"
     if isinstance(block, Figure):
         return f"![{block.caption}]({images}{block.name})\n\n{block.caption}"
     lines = [block.headers, ["---"] * len(block.headers), *block.rows]
