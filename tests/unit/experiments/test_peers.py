@@ -80,7 +80,27 @@ def test_what_is_not_here_is_told(tmp_path: Path) -> None:
     assert "Not measured: " in str(table(told)[0])
 
 
-def test_the_page_claims_nothing_bad_of_ours() -> None:
+MET = (
+    "a bit of a write flips",
+    "a byte of an answer is lost",
+    "a write is lost",
+    "the device is frozen",
+    "an answer's datagram is lost",
+    "everything is lost for a while (#1436 #1458)",
+)
+
+
+@pytest.mark.parametrize("fault", [fault for fault in peer_faults.FAULTS if fault.name in MET], ids=str)
+def test_what_the_page_says_of_ours_is_so_today(fault: peer_faults.Fault) -> None:
     rows = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))["rows"]
     assert [row["fault"] for row in rows] == [fault.name for fault in peer_faults.FAULTS]
-    assert not any(row["ours"]["bad"] for row in rows)
+    row = next(row for row in rows if row["fault"] == fault.name)
+    told = peer_faults.met(HERE, fault.ours, fault)
+    assert not told.bad and not row["ours"]["bad"], told.text
+    assert told.text.split(" (")[0] == row["ours"]["text"].split(" (")[0]
+
+
+def test_a_wrong_value_and_an_endless_wait_are_bad() -> None:
+    for outcome, bad in (("right", False), ("error", False), ("wrong, unnoticed", True), ("hangs", True)):
+        told = {"outcome": outcome, "detail": "LinkTimeout", "time_s": 0.1}
+        assert peer_faults._judged(("", told)).bad is bad
