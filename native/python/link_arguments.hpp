@@ -20,6 +20,10 @@ namespace nb = nanobind;
 
 // Adds what only the framed protocol has.
 void bind_framed(nb::class_<Link>& link);
+// And what is about its line.
+void bind_line(nb::class_<Link>& link);
+
+constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
 
 inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle timeout_s) {
   RequestOptions options;

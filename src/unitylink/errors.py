@@ -6,6 +6,7 @@
     │   ├── LinkTimeout            the device did not answer in time; reads had no effect, writes see below
     │   ├── OutcomeUnknown         a write was sent and its answer lost: it may or may not have happened
     │   ├── LinkClosed             the port is closed, gone, or was unplugged
+    │   ├── LinkDown               the line is gone and is being opened again (reconnect=1); nothing was sent
     │   ├── LinkBusy               another program holds the port or the board
     │   ├── LinkNotFound           there is no such port, host or file
     │   ├── BusError               the device answered that its bus refused or did not answer the address
@@ -87,6 +88,13 @@ class OutcomeUnknown(LinkError):
 
 class LinkClosed(LinkError):
     """The port is closed, gone, or was unplugged."""
+
+
+class LinkDown(LinkError):
+    """The line is gone and is being opened again (`reconnect=1`); nothing was sent.
+
+    `Link.wait_up` waits for it, `Link.on_event` tells when it is back.
+    """
 
 
 class LinkBusy(LinkError):
