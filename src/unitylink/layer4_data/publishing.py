@@ -199,7 +199,7 @@ class Publisher:
             rate_hz = positive(f"{value.path}: rate_hz", rate_hz)
             if not base / DIVISOR_MAX <= rate_hz <= base:
                 raise ValueRangeError(
-                    f"{value.path}: rate_hz {rate_hz} is not above 0 and at most {base} Hz (the base rate)"
+                    f"{value.path}: rate_hz {rate_hz:g} is not above 0 and at most {base} Hz (the base rate)"
                 )
             with self._lock:
                 self._items[value] = Publish(SOFTWARE, round(base / rate_hz))
