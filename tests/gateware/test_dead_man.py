@@ -42,9 +42,13 @@ class Host:
             data = b"\0" + token(1, poll=False) + data + token(1, poll=True)
         self.do(("send", data.decode("latin-1")))
         if self.physical == "rs485":  # the node has its turn
-            self.do(("quiet", 1500))
+            self.settle()
         elif pause:
             self.do(("wait", pause))
+
+    def settle(self) -> None:
+        """Wait until all is said, which takes a serial line its time."""
+        self.do(("quiet", 4000 if self.physical in ("uart", "rs485") else 500))
 
     def mark(self, name: str) -> None:
         """What is answered from here to the next mark can be asked for by this name."""
@@ -56,7 +60,8 @@ class Host:
         self.next_id = self.posts = 0
         hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
         last = Frame(p.REQUEST_KIND_OPEN, field((self.nonce, 2), (self.epoch, 2), (0, 1))).encode()
-        self.say(b"\0\0" + hello + last, pause=400)
+        self.say(b"\0\0" + hello + last)
+        self.settle()  # as a host does, which waits for the answer
 
     def ask(self, kind: int, *fields: tuple[int, int]) -> bytes:
         frame = Frame(kind, field((self.next_id, 2), *fields)).encode(self.epoch)
@@ -169,9 +174,9 @@ def cut(host: Host, name: str, tick: int, moment: int) -> None:
         b"".join(host.ask(p.REQUEST_KIND_READ, (address, 2)) for address, _ in SAFE) + host.write(0x10, 3),
         300,
     )
-    host.do(("quiet", 1500))
+    host.settle()
     host.say(host.control(p.CONTROL_ARM, 1) + host.write(0x20, 4))
-    host.do(("quiet", 1500))
+    host.settle()
 
 
 # Behind each layer: clocks of a tick, how late a byte may come in at most, and the moments of the traffic.
@@ -179,9 +184,9 @@ LAYERS = {
     "none": (600, 60, range(0, 330, 11)),
     "ft245_async": (3000, 400, range(0, 3000, 499)),
     "ft245_sync": (2000, 400, range(0, 1500, 251)),
-    "uart": (3000, 400, range(0, 12_000, 4999)),
-    "spi_slave": (5000, 400, range(0, 12_000, 4999)),
-    "rs485": (5000, 400, range(2000, 10_000, 5003)),
+    "uart": (3000, 2000, range(0, 12_000, 4999)),
+    "spi_slave": (5000, 1000, range(0, 12_000, 4999)),
+    "rs485": (5000, 2000, range(5003, 5004)),
 }
 
 
