@@ -26,7 +26,8 @@ entity lockstep_tb is
     read_many     : natural  := 32;
     publish_mode  : natural  := 2;
     datalink      : string   := "full";
-    checksum      : string   := "crc8"
+    checksum      : string   := "crc8";
+    protocol      : string   := "classic"
   );
 end entity;
 
@@ -51,7 +52,7 @@ begin
     generic map (
       address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
       group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-      datalink => datalink, checksum => checksum)
+      datalink => datalink, checksum => checksum, protocol => protocol)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

@@ -18,14 +18,12 @@ from unitylink.lazy import load_name
 if TYPE_CHECKING:
     from unitylink.connection import connect
     from unitylink.errors import (
-        AssignmentError,
         BindingError,
         BoardError,
         BusError,
         DeviceMismatch,
         LinkBusy,
         LinkClosed,
-        LinkDown,
         LinkError,
         LinkNotFound,
         LinkTimeout,
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
         SpecError,
         ToolError,
         UnityLinkError,
-        UnknownName,
         UrlError,
         ValueRangeError,
     )
@@ -44,7 +41,6 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "AssignmentError",
     "BindingError",
     "BoardError",
     "BusError",
@@ -53,7 +49,6 @@ __all__ = [
     "Link",
     "LinkBusy",
     "LinkClosed",
-    "LinkDown",
     "LinkError",
     "LinkNotFound",
     "LinkTimeout",
@@ -65,7 +60,6 @@ __all__ = [
     "Subscription",
     "ToolError",
     "UnityLinkError",
-    "UnknownName",
     "UrlError",
     "ValueRangeError",
     "__version__",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From base strobe to first bus strobe: always the same when idle, within the bound under full load.
+"""From base strobe to first bus strobe: always the same when idle, within the bound under full load; classic.
 
 `-s` prints the table of docs/gateware/isochrony.md with what was measured beside it.
 """
@@ -7,19 +7,17 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.gateware.strobes import Watch
 from unitylink.isochrony import isochrony
 from unitylink.simulate import BoardConfiguration
 from unitylink.tools.conformance_bench import bench
 
-CLOCK_FS = 2_000_000  # of replay_tb
-STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
 TICKS = 50
 PERIODS = (1.23, 1.31, 1.47)  # between base strobes, in bounds: other phases of the load
 NEAR = 16  # clocks: so near to the bound comes the worst of so many ticks
@@ -67,52 +65,21 @@ def longest_request(configuration: BoardConfiguration, longest: str) -> str:
     raise AssertionError("a read is the longest message")
 
 
-def ticks_of(path: Path) -> list[int]:
-    """The clocks at which the base strobe rises, from the waves of one signal."""
-    now, found = 0, []
-    for line in path.read_text(encoding="ascii").splitlines():
-        if line.startswith("#"):
-            now = int(line[1:])
-        elif line.startswith("1"):
-            found.append(now // CLOCK_FS + 1)
-    return found
-
-
-class WithOptions:
-    """A simulator that is told more of in each run."""
-
-    def __init__(self, ghdl: Any, options: tuple[str, ...]) -> None:
-        self.ghdl, self.options = ghdl, options
-
-    def run(self, bench: str, **generics: int | str | bool) -> str:
-        return str(self.ghdl.run(bench, *self.options, **generics))
-
-
-class Watch:
-    """Plays to the core and sees its base strobes."""
-
-    def __init__(self, rtl: Any, folder: Path) -> None:
-        self.rtl, self.waves = rtl, folder / "ticks.vcd"
-        (folder / "ticks.opt").write_text(f"$ version 1.1\n{STROBE}\n", encoding="ascii")
-        options = (f"--vcd={self.waves}", f"--read-wave-opt={folder / 'ticks.opt'}")
-        rtl.ghdl = WithOptions(rtl.ghdl, options)
-
-    def delays(
-        self, configuration: BoardConfiguration, settings: str, period: int, load: str, **generics: int
-    ) -> list[int]:
-        """Clocks from each base strobe, the first apart, to the first bus strobe at address 0x77."""
-        hz = configuration.clock_hz // period
-        configuration = replace(configuration, base_hz=hz, bench_memory=False)
-        quiet = [("quiet", 300)]
-        enable = [("send", "#EPC\n"), ("wait", 200)]
-        steps = [("send", settings), *quiet, *enable, ("send", load + "#DPS\n"), *quiet]
-        self.rtl(configuration, [steps], **generics)
-        ticks = ticks_of(self.waves)
-        accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == 0x77]
-        first = [
-            accesses[place] for tick in ticks[1:] if (place := bisect(accesses, tick - 1)) < len(accesses)
-        ]
-        return [at - tick for at, tick in zip(first, ticks[1:], strict=False)]
+def delays(
+    watch: Watch,
+    configuration: BoardConfiguration,
+    settings: str,
+    period: int,
+    load: str,
+    **generics: int | str,
+) -> list[int]:
+    """Clocks from each base strobe, the first apart, to the first bus strobe of the publish."""
+    hz = configuration.clock_hz // period
+    configuration = replace(configuration, base_hz=hz, bench_memory=False)
+    quiet = ("quiet", 300)
+    enable = [("send", "#EPC\n"), ("wait", 200)]
+    steps = [("send", settings), quiet, *enable, ("send", load + "#DPS\n"), quiet]
+    return watch.delays(configuration, steps, **generics)
 
 
 @pytest.fixture
@@ -131,26 +98,26 @@ def settings_of(configuration: BoardConfiguration) -> str:
 @pytest.mark.parametrize("name", CONFIGURATIONS)
 def test_idle_is_always_the_same(watch: Watch, name: str) -> None:
     configuration = CONFIGURATIONS[name]
-    delays = watch.delays(configuration, settings_of(configuration), 501, "\n" * 501 * 20)
-    assert len(delays) >= 18
-    assert set(delays) == {isochrony(configuration).idle_clocks}
+    found = delays(watch, configuration, settings_of(configuration), 501, "\n" * 501 * 20)
+    assert len(found) >= 18
+    assert set(found) == {isochrony(configuration, protocol="classic").idle_clocks}
 
 
 @pytest.mark.parametrize("name", CONFIGURATIONS)
 def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
     configuration = CONFIGURATIONS[name]
-    result = isochrony(configuration)
+    result = isochrony(configuration, protocol="classic")
     load = longest_request(configuration, result.longest.name)
     cycle = max(result.longest.clocks, result.longest.characters, len(load))
-    delays: list[int] = []
+    found: list[int] = []
     for part in PERIODS:
         period = round(part * result.late_clocks) + 100
         count = TICKS * period // cycle
-        delays += watch.delays(configuration, settings_of(configuration), period, load * count)
-    late = max(delays) - result.idle_clocks
+        found += delays(watch, configuration, settings_of(configuration), period, load * count)
+    late = max(found) - result.idle_clocks
     row = f"| {name} | {result.idle_clocks} | {result.longest.name} | {result.late_clocks} |"
-    print(f"\n{row} {late} measured, {len(delays)} ticks")
-    assert min(delays) >= result.idle_clocks
+    print(f"\n{row} {late} measured, {len(found)} ticks")
+    assert min(found) >= result.idle_clocks
     assert result.late_clocks - NEAR <= late <= result.late_clocks
 
 
@@ -158,10 +125,10 @@ def test_late_is_bounded_and_the_bound_is_near(watch: Watch, name: str) -> None:
 @pytest.mark.parametrize("mode", [1, 2])
 def test_no_other_load_is_worse(watch: Watch, mode: int, load: str) -> None:
     configuration = bench({"PM": mode, "RMS": 0, "SW": 1})  # the lowest bound
-    result = isochrony(configuration)
-    delays = watch.delays(configuration, settings_of(configuration), 301, load * 600)
-    assert len(delays) > 10
-    assert max(delays) <= result.bound_clocks
+    result = isochrony(configuration, protocol="classic")
+    found = delays(watch, configuration, settings_of(configuration), 301, load * 600)
+    assert len(found) > 10
+    assert max(found) <= result.bound_clocks
 
 
 def test_a_publish_before_it(watch: Watch) -> None:
@@ -169,35 +136,35 @@ def test_a_publish_before_it(watch: Watch) -> None:
     configuration = bench({})
     settings = request("WSA", bytes([0, 9]) + bytes([0x77] * 9)) + request("WSR", bytes([0, 0, 1]))
     settings += request("WSA", bytes([1, 16]) + bytes([0x78] * 16)) + request("WSR", bytes([1, 0, 1]))
-    result = isochrony(configuration, before=[16])
+    result = isochrony(configuration, protocol="classic", before=[16])
     load = longest_request(configuration, result.longest.name)
     period = (3 * result.late_clocks + 100) | 1
-    delays = watch.delays(configuration, settings, period, load * (40 * period // 272))
-    assert max(delays) - result.idle_clocks <= result.late_clocks
-    assert max(delays) - result.idle_clocks > isochrony(configuration).late_clocks
+    found = delays(watch, configuration, settings, period, load * (40 * period // 272))
+    assert max(found) - result.idle_clocks <= result.late_clocks
+    assert max(found) - result.idle_clocks > isochrony(configuration, protocol="classic").late_clocks
 
 
 def test_a_slow_line(watch: Watch) -> None:
     """Ten clocks a byte, as a UART at a fifth of the clock: what was said before has to leave first."""
     configuration = replace(bench({"RMS": 8}), baud_hz=50_000_000)
-    result = isochrony(configuration)
+    result = isochrony(configuration, protocol="classic")
     period = round(1.31 * result.late_clocks) + 400
     load = longest_request(configuration, result.longest.name) * (
         40 * period // (10 * result.longest.characters)
     )
-    delays = watch.delays(configuration, settings_of(configuration), period, load, byte_clocks=10)
-    late = max(delays) - result.idle_clocks
+    found = delays(watch, configuration, settings_of(configuration), period, load, byte_clocks=10)
+    late = max(found) - result.idle_clocks
     assert result.late_clocks * 0.9 <= late <= result.late_clocks
 
 
 def test_slow_slaves(watch: Watch) -> None:
     configuration = bench({"RMS": 8})
-    result = isochrony(configuration, bus_waits=9)
+    result = isochrony(configuration, protocol="classic", bus_waits=9)
     load = longest_request(configuration, result.longest.name) * 120
-    delays: list[int] = []
+    found: list[int] = []
     for period in (409, 421, 443):
-        delays += watch.delays(configuration, settings_of(configuration), period, load, bus_waits=9)
-    late = max(delays) - result.idle_clocks
+        found += delays(watch, configuration, settings_of(configuration), period, load, bus_waits=9)
+    late = max(found) - result.idle_clocks
     assert result.late_clocks - NEAR <= late <= result.late_clocks
 
 
@@ -206,6 +173,6 @@ def test_page_has_these_figures() -> None:
     rows = re.findall(r"^\| (.+?) \| (\d+) \| (\w+) \| (\d+) \|$", page, re.MULTILINE)
     expected = []
     for name, configuration in CONFIGURATIONS.items():
-        result = isochrony(configuration)
+        result = isochrony(configuration, protocol="classic")
         expected.append((name, str(result.idle_clocks), result.longest.name, str(result.late_clocks)))
     assert rows == expected

@@ -14,7 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from reference.scenario import Scenario
+from reference.settings import Settings
 
+from unitylink import protocol as p
 from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
 from unitylink.gateware.repairs import repaired, with_default_arms, with_sized_constants
 from unitylink.layer1_stream import ClassicEncoder
@@ -27,6 +30,8 @@ CONFIGURATIONS: list[dict[str, Any]] = [
     {},
     {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},
     {"address_width": 24, "read_many": 0, "publish_mode": 0, "checksum": "xor"},
+    {"protocol": "both", "address_width": 16},
+    {"protocol": "framed"},
 ]
 
 
@@ -99,6 +104,18 @@ class Requests:
         return bytes(message)
 
 
+class Frames:
+    """Frames a host might send, in sessions that begin and end; groups publish, and the dead-man runs."""
+
+    def __init__(self, seed: int, address_width: int, data_width: int) -> None:
+        self.random = random.Random(seed)
+        settings = Settings(-(-address_width // 8), -(-data_width // 8), groups=2)
+        self.steps = iter(Scenario(seed, settings, steps=CLOCKS, addresses=18, timed=True))
+
+    def message(self) -> bytes:
+        return next(self.steps)
+
+
 class Model:
     """A compiled lockstep_design, driven clock by clock."""
 
@@ -120,7 +137,7 @@ class Model:
         return f"{pins.rx_ready} {pins.tx_valid} {pins.tx_data if pins.tx_valid else 0} {words}"
 
 
-def play(model: Model, requests: Requests, clocks: int) -> tuple[list[str], list[str]]:
+def play(model: Model, requests: Requests | Frames, clocks: int) -> tuple[list[str], list[str]]:
     """Talk to `model`, which may do anything; every clock's (stimulus, response)."""
     r = requests.random
     waiting: deque[int] = deque()
@@ -166,8 +183,9 @@ class Lockstep:
     def compare(self, verilog: str, clocks: int) -> tuple[list[str], list[str]]:
         library = self.folder / f"model_{len(list(self.folder.glob('*.so')))}.so"
         compile_netlist(verilog, TOP, library)
-        widths = {"address_width": 8, "data_width": 32, **self.generics}
-        requests = Requests(1, widths["address_width"], widths["data_width"])
+        told = {"address_width": 8, "data_width": 32, "protocol": "classic", **self.generics}
+        kind = Requests if told["protocol"] == "classic" else Frames
+        requests = kind(1, told["address_width"], told["data_width"])
         stimuli, compiled = play(Model(library), requests, clocks)
         stimulus_file, response_file = self.folder / "stimulus.txt", self.folder / "response.txt"
         stimulus_file.write_text("\n".join(stimuli) + "\n")
@@ -185,7 +203,9 @@ def first_difference(compiled: Sequence[str], source: Sequence[str]) -> int | No
     return next((clock for clock in range(4, len(source)) if compiled[clock] != source[clock]), None)
 
 
-@pytest.mark.parametrize("generics", CONFIGURATIONS, ids=["plain", "narrow", "without-publishing"])
+@pytest.mark.parametrize(
+    "generics", CONFIGURATIONS, ids=["plain", "narrow", "without-publishing", "both", "framed"]
+)
 def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any]) -> None:
     lockstep = Lockstep(ghdl, tmp_path, generics)
     verilog = repaired(lockstep.verilog, lockstep.vhdl)
@@ -196,7 +216,13 @@ def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any])
     differs = first_difference(compiled, source)
     assert differs is None, f"clock {differs}\nnetlist {compiled[differs]}\nsource  {source[differs]}"
     sent = bytes(int(line.split()[2]) for line in source if line.split()[1] == "1")
-    assert b"S_R:" in sent, "nothing has been compared"
+    assert len(sent) > CLOCKS / 16, "nothing has been compared"
+    if "protocol" in generics:
+        kinds = {piece[0] for piece in sent.split(b"\0") if piece}
+        seen = {p.DEVICE_KIND_HELLO, p.DEVICE_KIND_OPEN, p.DEVICE_KIND_REPLY, p.DEVICE_KIND_PUBLISH}
+        assert kinds >= seen, f"only {sorted(map(hex, kinds))}"
+        return
+    assert b"S_R:" in sent
     assert (b"PUB:" in sent) == (generics.get("publish_mode") != 0)
     assert len(sent) > CLOCKS / 8
 

@@ -64,10 +64,13 @@ class Scenario:
     """Steps of bytes for a device with `settings`; the same seed gives the same steps.
 
     `clock` fields are the only ones of the answers that depend on time; what asks for them is left out, but
-    for the answer to OPEN.
+    for the answer to OPEN. With `timed` groups publish and the dead-man runs, by the device's clock.
     """
 
-    def __init__(self, seed: int, settings: Settings, steps: int = 60, addresses: int = 64) -> None:
+    def __init__(
+        self, seed: int, settings: Settings, steps: int = 60, addresses: int = 64, *, timed: bool = False
+    ) -> None:
+        self._timed = timed
         self.settings = settings
         self._draw = random.Random(seed)
         self._steps = steps
@@ -189,7 +192,7 @@ class Scenario:
 
     def _body(self) -> tuple[int, bytes]:
         draw, s = self._draw, self.settings
-        choice = draw.randrange(12)
+        choice = draw.randrange(16 if self._timed else 12)
         if choice < 3:
             return p.REQUEST_KIND_READ, field(self._address())
         if choice < 6:
@@ -202,6 +205,17 @@ class Scenario:
             return p.REQUEST_KIND_READ_CONTROL, field(
                 (draw.choice(CONTROLS), 2), (draw.choice((1, 1, 2, 5)), 1)
             )
+        if choice > 13:
+            words = [self._address() for _ in range(draw.randrange(1, 4))]
+            rate = (draw.randrange(4), 4), (draw.randrange(2), 1)
+            head = field((draw.randrange(s.groups + 1), 1), *rate, (len(words), 1))
+            return p.REQUEST_KIND_DEFINE_GROUP, head + field(*words)
+        if choice > 11:
+            register = draw.choice(
+                (p.CONTROL_PUBLISH, p.CONTROL_PUBLISH, p.CONTROL_DEADMAN_TICKS, p.CONTROL_ARM)
+            )
+            value = draw.randrange(4) if register == p.CONTROL_DEADMAN_TICKS else 1
+            return p.REQUEST_KIND_WRITE_CONTROL, field((register, 2), (value, 4))
         group = draw.randrange(s.exchanges + 1)
         if choice == 10:
             sizes = [draw.randrange(1, s.d + 1) for _ in range(draw.randrange(5))]

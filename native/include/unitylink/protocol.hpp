@@ -118,6 +118,23 @@ inline constexpr std::uint32_t publish_words_before = 7;
 inline constexpr std::uint32_t turns_most = 3;
 }  // namespace latency
 
+namespace framed_latency {
+inline constexpr std::uint32_t tick = 19;
+inline constexpr std::uint32_t list = 50;
+inline constexpr std::uint32_t list_check = 12;
+inline constexpr std::uint32_t list_read = 29;
+inline constexpr std::uint32_t list_change = 41;
+inline constexpr std::uint32_t define_group = 74;
+inline constexpr std::uint32_t define_group_address = 4;
+inline constexpr std::uint32_t define_exchange = 62;
+inline constexpr std::uint32_t define_exchange_word = 14;
+inline constexpr std::uint32_t other = 252;
+inline constexpr std::uint32_t publish = 19;
+inline constexpr std::uint32_t publish_word = 4;
+inline constexpr std::uint32_t payload_max = 250;
+inline constexpr std::uint32_t frame_bytes = 6;
+}  // namespace framed_latency
+
 namespace tosnet {
 inline constexpr std::uint32_t address_bits = 11;
 inline constexpr std::uint32_t memory_words = 1024;

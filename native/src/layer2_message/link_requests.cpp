@@ -135,9 +135,7 @@ Outcome Link::outcome_of(const Exchange& exchange) {
   const std::scoped_lock lock(mutex_);
   return describe(exchange, {.address_bytes = configuration_.address_bytes,
                              .last_answer_ns = engine_->last_answer_ns(),
-                             .reason = !reason_.empty()                                                       ? reason_
-                                       : exchange.status == Status::down || exchange.ended_ns == lost_ns_ ? lost_because_
-                                                                                                              : std::string_view{},
+                             .reason = reason_,
                              .corrected_gateware = gateware_ == Gateware::corrected});
 }
 
@@ -274,9 +272,6 @@ Outcome Link::result(const Call& call) {
   }
   const auto index = static_cast<std::size_t>(failed - exchanges.begin());
   Outcome outcome = at(outcome_of(*failed), index * call.block + failed->words);
-  if (std::any_of(exchanges.begin(), failed, [](const Exchange& e) { return e.writes(); })) {
-    outcome = behind_writes(std::move(outcome));
-  }
   if (failed->writes() && exchanges.size() > 1) {
     const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
     outcome.text = (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
@@ -317,7 +312,11 @@ void Link::submit(Call& call) {
   start_reader();
   const std::scoped_lock lock(mutex_);
   reader_kept_ = true;
-  submit_all(call.exchanges);
+  const std::uint64_t now = now_ns();
+  for (Exchange& exchange : call.exchanges) {
+    engine_->submit(exchange, now);
+  }
+  flush(now);
   if (leading_ && (blocked_ || engine_->next_deadline_ns() < leading_until_ns_)) {
     wake();
   }

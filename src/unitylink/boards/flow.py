@@ -10,13 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError, ToolError
 from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
 from unitylink.generate import write
-from unitylink.spec.budget import budget
+from unitylink.spec.budget import DeviceBudget, budget
+from unitylink.spec.latency import BITS_PER_BYTE
 from unitylink.spec.model import Spec
 
 from .families import FAMILIES, Family, overflow
+from .fit import remedies
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
@@ -60,8 +63,9 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     folder.mkdir(parents=True, exist_ok=True)
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
-    configuration = board.configuration(spec, order.protocol)
+    configuration = board.configuration(spec, order.protocol, order.settings)
     write(spec, folder, "vhdl", configuration)
+    budgets = budgets_of(spec, configuration, clock_hz, baud_hz)
     logic = logic_of(spec, order, configuration)
     tell(logic.whence)
     tell(f"GHDL makes a netlist of {logic.top}")
@@ -79,7 +83,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     (folder / f"board.{family.constraints}").write_text(constraints(board, pinout), encoding="utf-8")
     tell(f"yosys maps it on {board.family}")
     map_cells(family.synthesis, NAME, ["design.v", "board.v"], "board.json", folder)
-    placed = _place(place, family, order, clock_hz, tell)
+    placed = _place(place, family, order, configuration, clock_hz=clock_hz, tell=tell)
     tell("the bitstream is packed")
     _run(family.pack_command(f"board.{family.routed[1]}", made), folder)
     notices = [*logic.notices, *pinout.notices, *board.notes]
@@ -105,12 +109,34 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
         pins=_shown(board, pinout),
         notices=tuple(notices),
         bitstream=str(folder / made),
-        budget=tuple(budget_of(budget(device, baud_hz=baud_hz or None)) for device in spec.devices),
+        budget=tuple(budget_of(one) for one in budgets),
         tools=_versions(place[0], folder),
         seconds=round(time.monotonic() - started, 1),
     )
     report.write(folder)
     return report
+
+
+def budgets_of(
+    spec: Spec, configuration: BoardConfiguration, clock_hz: int, baud_hz: int
+) -> list[DeviceBudget]:
+    """Return the limits of the link of the design that is built; raise BoardError where it is too slow.
+
+    They are those of the protocol that a link chooses: frames, where the design speaks both.
+    """
+    protocol = "classic" if configuration.protocol == "classic" else "framed"
+    budgets = [
+        budget(device, protocol=protocol, clock_hz=clock_hz, baud_hz=baud_hz or None)
+        for device in spec.devices
+    ]
+    for one in budgets:
+        if one.load is not None and one.load > 1:
+            raise BoardError(
+                f"{one.root}: publishes need {one.bytes_per_s * BITS_PER_BYTE:,.0f} baud; the line "
+                f"has {baud_hz:,}: publish slower or less, or choose a higher --baud "
+                "(`unitylink budget` shows what each group costs)"
+            )
+    return budgets
 
 
 def rates(spec: Spec, order: Order) -> tuple[int, int]:
@@ -138,7 +164,15 @@ class _Placed:
     area: tuple[Area, ...]
 
 
-def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, tell: Tell) -> _Placed:
+def _place(
+    command: Sequence[str],
+    family: Family,
+    order: Order,
+    configuration: BoardConfiguration,
+    *,
+    clock_hz: int,
+    tell: Tell,
+) -> _Placed:
     """Place and route with one seed after another until the clock is met; raise BoardError when none does."""
     option, ending = family.routed
     best = link_best = 0
@@ -150,7 +184,7 @@ def _place(command: Sequence[str], family: Family, order: Order, clock_hz: int, 
         code, said = run_program([*command, *files, *options], order.folder)
         (order.folder / "nextpnr.log").write_text(said, encoding="utf-8")
         if code != 0:
-            raise _refused(order, said)
+            raise _refused(order, configuration, said)
         timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
         fmax_hz, link_fmax_hz = fmax(timing["fmax"], order.board.link_clock)
         if link_fmax_hz is not None and link_fmax_hz < CHIP_CLOCK_HZ:
@@ -198,11 +232,15 @@ def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> t
     return best.get(False, 0), best.get(True)
 
 
-def _refused(order: Order, said: str) -> BoardError | ToolError:
+def _refused(order: Order, configuration: BoardConfiguration, said: str) -> BoardError | ToolError:
     """Say in our words why nextpnr gave up."""
     if too_many := overflow(said):
         text = ", ".join(f"{used} {cell} and it has {there}" for cell, used, there in too_many)
-        return BoardError(f"the design does not fit on {order.board.title}: it takes {text}")
+        helps = "".join(f"\n  {remedy}" for remedy in remedies(configuration))
+        return BoardError(
+            f"the design does not fit on {order.board.title}: it takes {text}. What would help, and by how "
+            f"much on an iCE40:{helps}"
+        )
     lines = [line for line in said.splitlines() if "ERROR" in line] or said.strip().splitlines()[
         -_LINES_SHOWN:
     ]

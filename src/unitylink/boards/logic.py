@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -44,7 +44,8 @@ class Wanted:
     """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes.
 
     `root` is the public constructor or the link whose board it is, where the spec has several. `protocol` is
-    what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says.
+    what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says. `settings` are
+    fields of the board configuration in which it differs from what the spec asks for.
     """
 
     spec_file: str
@@ -54,6 +55,7 @@ class Wanted:
     top: str | None = None
     pins: tuple[str, ...] = ()
     protocol: str | None = None
+    settings: Mapping[str, int | str | bool] = field(default_factory=dict)
 
 
 def spec_of(wanted: Wanted) -> Spec:

@@ -82,8 +82,13 @@ class Board:
         line = ((self.rx, True), (self.tx, False)) if self.physical == "uart" else ()
         return ((self.clock_pin, True), *line)
 
-    def configuration(self, spec: Spec, protocol: str | None = None) -> BoardConfiguration:
-        """Return the gateware that `spec` asks for, on this board's link; raise BoardError for another."""
+    def configuration(
+        self, spec: Spec, protocol: str | None = None, settings: Mapping[str, Any] | None = None
+    ) -> BoardConfiguration:
+        """Return the gateware that `spec` asks for, on this board's link, but for `settings`.
+
+        Raises BoardError for another link.
+        """
         told = told_physical(spec)
         if told is not None and told != self.physical:
             raise BoardError(
@@ -92,13 +97,14 @@ class Board:
             )
         speaks = protocol or self.protocol
         if self.physical == "uart":
-            return BoardConfiguration.for_spec(spec, protocol=speaks)
+            return BoardConfiguration.for_spec(spec, protocol=speaks, **(settings or {}))
         return BoardConfiguration.for_spec(
             spec,
             protocol=speaks,
             physical=self.physical,
             send_immediate=next((device.link.send_immediate for device in spec.devices), None)
             or self.send_immediate,
+            **(settings or {}),
         )
 
 

@@ -65,7 +65,8 @@ class Report:
         lines.append(f"  link        {self.url}")
         for device in self.budget:
             load = f", {device['load']:.1%} of the line" if device["load"] else ""
-            lines.append(f"  publishes   {device['root']}: {device['bytes_per_s']:,.0f} bytes a second{load}")
+            spoken = f"{device['root']}, {device['protocol']}"
+            lines.append(f"  publishes   {spoken}: {device['bytes_per_s']:,.0f} bytes a second{load}")
             for group in device["groups"]:
                 late = group["latency_s"]
                 when = f"sent within {late * 1e6:.0f} us" if late is not None else "no bound known"
@@ -91,6 +92,8 @@ def budget_of(one: DeviceBudget) -> dict[str, Any]:
     ]
     return {
         "root": one.root,
+        "protocol": one.protocol,
+        "clock_hz": one.clock_hz,
         "baud_hz": one.baud_hz,
         "bytes_per_s": one.bytes_per_s,
         "load": one.load,

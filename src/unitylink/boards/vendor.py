@@ -57,7 +57,7 @@ def write_project(order: VendorOrder) -> list[Path]:
         raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
     spec = spec_of(order)
     order.folder.mkdir(parents=True, exist_ok=True)
-    configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both")
+    configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both", **order.settings)
     write(spec, order.folder, "vhdl", configuration)
     logic = logic_of(spec, order, configuration)
     clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ

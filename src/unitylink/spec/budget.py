@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .. import protocol
-from .latency import BITS_PER_BYTE, Latency, latencies
+from .. import protocol as constants
+from ..isochrony.framed import PUBLISH_HEAD
+from .latency import BITS_PER_BYTE, Latency, latencies, publishes_of
 from .model import Device
 
 USUAL_BAUD_HZ = (115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000, 6_000_000, 12_000_000)
@@ -26,9 +27,15 @@ def message_bytes(letters: int, data_bytes: int, checked: bool = False) -> int:
     return 1 + letters + 1 + 2 * data_bytes + (3 if checked else 0) + 1
 
 
-def publish_bytes(words: int, data_bits: int, checked: bool = False) -> int:
-    """Return the bytes of a publish of `words` words: its data begin with the group and the count."""
-    return message_bytes(len(protocol.REPLY_PUBLISH), 2 + words * data_bits // 8, checked)
+def publish_bytes(words: int, data_bits: int, checked: bool = False, protocol: str = "classic") -> int:
+    """Return the bytes of a publish of `words` words; frames always have their check.
+
+    >>> publish_bytes(8, 32), publish_bytes(8, 32, protocol="framed")
+    (74, 45)
+    """
+    if protocol == "classic":  # its data begin with the group and the count
+        return message_bytes(len(constants.REPLY_PUBLISH), 2 + words * data_bits // 8, checked)
+    return PUBLISH_HEAD + words * (data_bits // 8) + constants.FRAMED_LATENCY_FRAME_BYTES
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,8 @@ class DeviceBudget:
     link: str
     data_bits: int
     base_hz: int
+    protocol: str
+    clock_hz: int
     baud_hz: int | None
     checked: bool
     groups: tuple[GroupBudget, ...]
@@ -97,14 +106,16 @@ class DeviceBudget:
     @property
     def fits_2012(self) -> bool:
         """Whether the 2012 gateware has room for the groups without dividing one."""
-        return len(self.groups) <= protocol.GROUPS_2012 and all(
-            group.words < protocol.GROUP_SIZE_2012 for group in self.groups
+        return len(self.groups) <= constants.GROUPS_2012 and all(
+            group.words < constants.GROUP_SIZE_2012 for group in self.groups
         )
 
 
 def budget(
     device: Device,
     *,
+    protocol: str = "framed",
+    clock_hz: int = constants.CLOCK_HZ_DEFAULT,
     baud_hz: int | None = None,
     checked: bool = False,
     read_many: int | None = None,
@@ -112,16 +123,18 @@ def budget(
 ) -> DeviceBudget:
     """Return the budget of a device, at the declared baud rate or another one.
 
-    `checked` counts publishes with a checksum. Replies of `read_many` words may be in the way when a
-    publish is due. Without `timed`, how late publishes are is left out, which takes most of the time.
+    `protocol` is what the link speaks ("framed" or "classic") and `clock_hz` the clock of the design. Of the
+    classic one `checked` counts publishes with a checksum. Requests of `read_many` words may be in the way
+    when a publish is due. Without `timed`, how late publishes are is left out, which takes most of the time.
     """
     link = device.link
     baud_hz = baud_hz if baud_hz is not None else link.baud_hz
-    read_many = read_many if read_many is not None else protocol.READ_MANY_MAX
-    costs = [publish_bytes(len(group.addresses), link.data_bits, checked) for group in device.groups]
+    read_many = read_many if read_many is not None else constants.READ_MANY_MAX
+    parts = [publishes_of(len(group.addresses), link.data_bits, protocol) for group in device.groups]
+    costs = [sum(publish_bytes(n, link.data_bits, checked, protocol) for n in part) for part in parts]
     late = [Latency(None, None)] * len(costs)
     if timed and baud_hz:
-        late = latencies(device, costs, baud_hz, read_many)
+        late = latencies(device, costs, baud_hz, read_many, protocol=protocol, clock_hz=clock_hz)
     groups = tuple(
         GroupBudget(
             number=group.number,
@@ -147,6 +160,8 @@ def budget(
         link=link.name,
         data_bits=link.data_bits,
         base_hz=link.base_hz,
+        protocol=protocol,
+        clock_hz=clock_hz,
         baud_hz=baud_hz,
         checked=checked,
         groups=groups,
@@ -159,5 +174,5 @@ def _highest_hz(bytes_each: int, base_hz: int, baud_hz: int) -> float | None:
     if not bytes_each:
         return None
     divisor = max(1, math.ceil(bytes_each * BITS_PER_BYTE * base_hz / baud_hz))
-    slowest = (1 << 8 * protocol.RATE_BYTES_MAX) - 1
+    slowest = (1 << 8 * constants.RATE_BYTES_MAX) - 1
     return base_hz / divisor if divisor <= slowest else None

@@ -8,8 +8,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .. import protocol
+from .. import protocol as constants
 from ..isochrony import isochrony
+from ..isochrony.framed import PUBLISH_HEAD
 from .model import Device
 
 BITS_PER_BYTE = 10  # on the line: start, eight data, stop
@@ -40,25 +41,46 @@ class _Gateware:
     group_size: int
     rate_bytes: int
     byte_clocks: int
-    read_many: int = protocol.READ_MANY_MAX
-    clock_hz: int = protocol.CLOCK_HZ_DEFAULT
+    protocol: str
+    clock_hz: int
+    read_many: int = constants.READ_MANY_MAX
     publish_mode: int = 2
     datalink: str = "full"
     checksum: str = "crc8"
 
 
-def latencies(device: Device, message_bytes: Sequence[int], baud_hz: int, read_many: int) -> list[Latency]:
+def publishes_of(words: int, data_bits: int, protocol: str) -> list[int]:
+    """Return the words of each message in which a group publishes: of frames there may be several.
+
+    >>> publishes_of(70, 32, "framed"), publishes_of(70, 32, "classic")
+    ([60, 10], [70])
+    """
+    framed = (constants.FRAMED_LATENCY_PAYLOAD_MAX - PUBLISH_HEAD) // (data_bits // 8)
+    most = words if protocol == "classic" else framed
+    return [min(most, words - start) for start in range(0, words, max(1, most))]
+
+
+def latencies(
+    device: Device,
+    message_bytes: Sequence[int],
+    baud_hz: int,
+    read_many: int,
+    *,
+    protocol: str,
+    clock_hz: int,
+) -> list[Latency]:
     """Return the bounds of each group of `device`, whose publishes have so many `message_bytes`.
 
-    They hold for the gateware that is generated, at the usual clock, whatever requests of up to `read_many`
-    words come in. Every other group goes before, as often as it falls due meanwhile; one with an event, once.
+    They hold for the gateware that is generated, at `clock_hz`, whatever requests of up to `read_many`
+    words come in by `protocol`. Every other group goes before, as often as it falls due meanwhile; one with
+    an event, once.
     """
     groups, base_hz = device.groups, device.link.base_hz
     never = [Latency(None, None)] * len(groups)
     rated = [cost / group.divisor for group, cost in zip(groups, message_bytes, strict=True) if group.divisor]
     if sum(rated) * base_hz * BITS_PER_BYTE > baud_hz:
         return never
-    gateware = _gateware(device, baud_hz)
+    gateware = _gateware(device, baud_hz, protocol, clock_hz)
     kinds = [
         (group.divisor / base_hz if group.divisor else math.inf, len(group.addresses), cost)
         for group, cost in zip(groups, message_bytes, strict=True)
@@ -68,17 +90,19 @@ def latencies(device: Device, message_bytes: Sequence[int], baud_hz: int, read_m
     return [known[kind] for kind in kinds]
 
 
-def _gateware(device: Device, baud_hz: int) -> _Gateware:
+def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Gateware:
     """Return what the generator would make; an address width that is not said counts as the widest."""
     link = device.link
-    plain_groups, plain_size = protocol.GROUPS_2012, protocol.GROUP_SIZE_2012
+    plain_groups, plain_size = constants.GROUPS_2012, constants.GROUP_SIZE_2012
     return _Gateware(
-        address_bits=link.address_bits or protocol.ADDRESS_BITS_MAX,
+        address_bits=link.address_bits or constants.ADDRESS_BITS_MAX,
         data_bits=link.data_bits,
         groups=max(plain_groups, len(device.groups)),
         group_size=max([plain_size, *(len(group.addresses) for group in device.groups)]),
-        rate_bytes=protocol.RATE_BYTES_MAX,
-        byte_clocks=-(-protocol.CLOCK_HZ_DEFAULT * BITS_PER_BYTE // baud_hz),
+        rate_bytes=constants.RATE_BYTES_MAX,
+        byte_clocks=-(-clock_hz * BITS_PER_BYTE // baud_hz),
+        protocol=protocol,
+        clock_hz=clock_hz,
     )
 
 
@@ -87,14 +111,18 @@ def _latency(
 ) -> Latency:
     """Find the time in which all that goes before has gone; None if the next is due before that."""
     period_s, words, message_bytes = kind
-    own_clocks = words * (protocol.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
+    own_clocks = words * (constants.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
     own_s = (message_bytes + UART_FIFO_BYTES) * BITS_PER_BYTE / baud_hz + own_clocks / gateware.clock_hz
     sent_s = 0.0
     for _ in range(_ROUNDS_MAX):
         due = [(one, count * max(1, math.ceil(sent_s / one[0]))) for one, count in others.items()]
         if sum(count for _, count in due) > _MESSAGES_MAX:
             break
-        before = [one[1] for one, count in due for _ in range(count)]
+        before = [
+            part
+            for one, count in due
+            for part in publishes_of(one[1], gateware.data_bits, gateware.protocol) * count
+        ]
         found = isochrony(gateware, read_many=read_many, before=before)
         sampled_s = found.bound_clocks / found.clock_hz
         if sampled_s + own_s > period_s:

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from unitylink.protocol import GROUP_SIZE_2012, GROUPS_2012
+from unitylink.protocol import CLOCK_HZ_DEFAULT, GROUP_SIZE_2012, GROUPS_2012
 from unitylink.spec import load
 from unitylink.spec.budget import DeviceBudget, budget
 from unitylink.spec.latency import BITS_PER_BYTE
@@ -19,16 +19,38 @@ from .output import json_option, print_fields, print_json, print_table
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
 @click.option("--baud", "baud_hz", type=click.IntRange(1), metavar="N", help="Baud rate of the line.")
-@click.option("--crc", "checked", is_flag=True, help="Count publishes with a checksum.")
+@click.option(
+    "--protocol",
+    type=click.Choice(("framed", "classic")),
+    default="framed",
+    help="What the link speaks: framed (the default), classic.",
+)
+@click.option(
+    "--clock-hz",
+    type=click.IntRange(1),
+    default=CLOCK_HZ_DEFAULT,
+    metavar="N",
+    help="Clock of the design (50000000).",
+)
+@click.option(
+    "--crc", "checked", is_flag=True, help="Count publishes with a checksum, with --protocol classic."
+)
 @click.option(
     "--read-many",
     type=click.IntRange(1, 255),
     metavar="N",
-    help="Longest reply that may be in the way, in words (255).",
+    help="Most words of a request that may be in the way (255).",
 )
 @json_option("the budget")
 def command(
-    spec_file: str, *, baud_hz: int | None, checked: bool, read_many: int | None, as_json: bool
+    spec_file: str,
+    *,
+    baud_hz: int | None,
+    protocol: str,
+    clock_hz: int,
+    checked: bool,
+    read_many: int | None,
+    as_json: bool,
 ) -> int:
     """Show what the publishes of SPEC cost: bytes, load, the highest rates, how late each can come.
 
@@ -38,11 +60,22 @@ def command(
     Examples:
       unitylink budget arm.ul
       unitylink budget arm.ul --baud 3000000
-      unitylink budget arm.ul --baud 921600 --crc --json
+      unitylink budget arm.ul --baud 1000000 --clock-hz 12000000
+      unitylink budget arm.ul --baud 921600 --protocol classic --crc --json
     """
+    if checked and protocol == "framed":
+        raise click.UsageError("--crc: frames always have their check; it is of --protocol classic")
     spec = load(spec_file)
     budgets = [
-        budget(device, baud_hz=baud_hz, checked=checked, read_many=read_many) for device in spec.devices
+        budget(
+            device,
+            protocol=protocol,
+            clock_hz=clock_hz,
+            baud_hz=baud_hz,
+            checked=checked,
+            read_many=read_many,
+        )
+        for device in spec.devices
     ]
     if as_json:
         print_json({"spec": spec.name, "hash": spec.hash, "devices": [_report(one) for one in budgets]})
@@ -73,21 +106,19 @@ def _report(one: DeviceBudget) -> dict[str, Any]:
 
 def _show(one: DeviceBudget) -> None:
     line = f"{one.baud_hz:,} baud" if one.baud_hz else "no baud rate given (--baud N)"
-    fields = [("link", f"{one.link}, {one.data_bits} data bits, base rate {one.base_hz:,} Hz, {line}")]
+    gateware = f"{one.protocol}, {one.data_bits} data bits, base rate {one.base_hz:,} Hz"
+    fields = [("link", f"{one.link}, {gateware}, {line}")]
     if not one.groups:
         print_fields([*fields, ("publishes", "none")], title=one.root)
         return
     fields += [
         ("bytes", f"{one.tick_bytes:,} at a tick with all groups due, {one.bytes_per_s:,.0f} a second"),
         *([("load", f"{one.load:.1%} of the line")] if one.load is not None else []),
-        (
-            "2012 gateware",
-            f"has {GROUPS_2012} groups of {GROUP_SIZE_2012 - 1} usable words: "
-            + ("enough" if one.fits_2012 else "too little, groups are divided or refused"),
-        ),
+        *([("2012 gateware", _fit(one))] if one.protocol == "classic" else []),
     ]
     if one.baud_hz:
-        fields.append(("in the way", f"replies of up to {one.read_many} words (--read-many)"))
+        longest = f"requests of up to {one.read_many} words (--read-many)"
+        fields.append(("in the way", f"{longest}, at {one.clock_hz / 1e6:g} MHz (--clock-hz)"))
     print_fields(fields, title=one.root)
     click.echo()
     rows = [
@@ -116,6 +147,11 @@ def _show(one: DeviceBudget) -> None:
             for baud in one.bauds
         ]
         print_table(("baud", "load", "highest rate of all groups"), lines, right=[0, 1, 2])
+
+
+def _fit(one: DeviceBudget) -> str:
+    room = "enough" if one.fits_2012 else "too little, groups are divided or refused"
+    return f"has {GROUPS_2012} groups of {GROUP_SIZE_2012 - 1} usable words: {room}"
 
 
 def _time(latency_s: float | None, one: DeviceBudget) -> str:

@@ -43,6 +43,13 @@ from .root import root_option
     type=click.Choice(("both", "framed", "classic")),
     help="What the link speaks, if not what the board's manifest says.",
 )
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A setting of the gateware, if not what the spec asks for: groups=2.",
+)
 @click.option("--part", metavar="PART", help="The chip, for --board vendor:vivado and vendor:quartus.")
 @click.option(
     "--out", metavar="FOLDER", help="Where to build (build/SPEC-BOARD; with --root build/NAME-BOARD)."
@@ -61,6 +68,7 @@ def command(
     baud_hz: int | None,
     seeds: int,
     protocol: str | None,
+    settings: tuple[str, ...],
     part: str | None,
     out: str | None,
     as_json: bool,
@@ -79,6 +87,7 @@ def command(
       unitylink build arm.ul --board vendor:vivado --part xc7a35ticsg324-1L --clock-hz 100000000
     """
     from unitylink.boards import Order, board_names, build_bitstream, load_board
+    from unitylink.boards.fit import settings_of
 
     if listing:
         print_table(("board", ""), [(name, load_board(name).title) for name in board_names()])
@@ -112,6 +121,7 @@ def command(
             clock_hz=clock_hz,
             baud_hz=baud_hz,
             protocol=protocol,
+            settings=settings_of(settings),
         )
         for path in write_project(wanted):
             click.echo(f"wrote {path}")
@@ -130,6 +140,7 @@ def command(
         baud_hz=baud_hz,
         seeds=seeds,
         protocol=protocol,
+        settings=settings_of(settings),
     )
     report = build_bitstream(order, tell)
     if as_json:

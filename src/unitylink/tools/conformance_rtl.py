@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from unitylink.simulate import BoardConfiguration
 
 
-# Of steps in the bench's file, where it is not the first: that is `reset`.
-LETTERS = {"rx_error": "x", "deaf": "d", "dead": "k"}
+LETTERS = {"rx_error": "x"}  # of steps in the bench's file, where it is not the first: that is `reset`
 
 
 class Simulator(Protocol):

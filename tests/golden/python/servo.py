@@ -73,7 +73,7 @@ _CLASSES: dict[str, type] = {
 }
 
 
-class Servo(Node, closed=True):
+class Servo(Node):
     """The public interface `servo`: 11 words.
 
     >>> servo = Servo(unitylink.connect("sim:servo.ul"))
@@ -138,7 +138,7 @@ class Servo(Node, closed=True):
         )
 
 
-class Pwm(Node, closed=True):
+class Pwm(Node):
     """The constructor `pwm`, expanded as `drive`."""
 
     control: ReadWriteValue[PwmControl]
@@ -182,7 +182,7 @@ class Pwm(Node, closed=True):
         )
 
 
-class QuadratureEncoder(Node, closed=True):
+class QuadratureEncoder(Node):
     """The constructor `quadrature_encoder`, expanded as `wheel`."""
 
     position: ReadWriteValue[int]

@@ -103,7 +103,7 @@ _WALKER18_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Walker18(Node, closed=True):
+class Walker18(Node):
     """The public interface `walker18`: 36 words.
 
     `ctrl` and `comm` default to `link`.
@@ -193,7 +193,7 @@ class Walker18(Node, closed=True):
         )
 
 
-class Pair(Node, closed=True):
+class Pair(Node):
     """The constructor `pair`, expanded as `front`, `middle`, `rear`."""
 
     l: Leg
@@ -208,7 +208,7 @@ class Pair(Node, closed=True):
         self.r = Leg(self, "r")
 
 
-class Leg(Node, closed=True):
+class Leg(Node):
     """The constructor `leg`, expanded as `front.l`, `front.r`, `middle.l`, `middle.r`,
     `rear.l`, `rear.r`.
     """

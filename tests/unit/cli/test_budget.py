@@ -16,17 +16,28 @@ SCARA = Path(__file__).resolve().parents[3] / "examples" / "scara" / "scara.ul"
 def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["budget", str(SCARA), "--baud", "3000000"]) == 0
     out = capsys.readouterr().out
-    assert "74 at a tick" in out and "7,400 a second" in out and "2.5% of the line" in out
+    assert "45 at a tick" in out and "4,500 a second" in out and "1.5% of the line" in out
+    assert "scara, framed, 32 data bits" in out and "at 50 MHz" in out and "2012" not in out
     assert "100 Hz" in out and "highest rate" in out
+
+
+def test_the_classic_protocol_and_another_clock(capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["budget", str(SCARA), "--baud", "1000000", "--clock-hz", "12000000"]
+    assert main([*line, "--protocol", "classic", "--crc"]) == 0
+    out = capsys.readouterr().out
+    assert "77 at a tick" in out and "at 12 MHz" in out and "2012 gateware" in out
+    assert main([*line, "--crc"]) == 2
+    assert "--crc: frames always have their check" in capsys.readouterr().err
 
 
 def test_json_and_a_line_too_slow(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["budget", str(SCARA), "--baud", "9600", "--json"]) == 1
     captured = capsys.readouterr()
     (device,) = json.loads(captured.out)["devices"]
-    assert device["groups"][0]["message_bytes"] == 74 and device["load"] > 7
+    assert device["groups"][0]["message_bytes"] == 45 and device["load"] > 4
+    assert (device["protocol"], device["clock_hz"]) == ("framed", 50_000_000)
     assert device["groups"][0]["latency_s"] is None
-    assert "the publishes need 74,000 baud, the line has 9,600" in captured.err
+    assert "the publishes need 45,000 baud, the line has 9,600" in captured.err
 
 
 def test_a_spec_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:

@@ -23,6 +23,7 @@ configurations = st.builds(
     read_many=st.integers(0, 255),
     rate_bytes=st.integers(1, 4),
     publish_mode=st.integers(1, 2),
+    protocol=st.sampled_from(["classic", "framed", "both"]),
     baud_hz=st.sampled_from([0, 115_200, 3_000_000, 12_000_000]),
 )
 
@@ -46,14 +47,16 @@ def test_more_to_do_is_never_sooner(configuration: BoardConfiguration) -> None:
 
 
 def test_figures_in_seconds() -> None:
-    result = isochrony(BoardConfiguration(groups=2, group_size=16, read_many=32, clock_hz=1_000_000))
+    board = BoardConfiguration(groups=2, group_size=16, read_many=32, clock_hz=1_000_000)
+    assert isochrony(board).longest.name == "LIST", "a link chooses frames where they are there"
+    result = isochrony(board, protocol="classic")
     assert result.idle_s == pytest.approx(result.idle_clocks * 1e-6)
     assert result.late_s == pytest.approx(result.late_clocks * 1e-6)
     assert result.longest.name == "RM"
 
 
 def test_requests_have_their_turn_between_many_publishes() -> None:
-    configuration = BoardConfiguration(read_many=32, group_size=16)
+    configuration = BoardConfiguration(read_many=32, group_size=16, protocol="classic")
     three, four = (isochrony(configuration, before=[16] * count).late_clocks for count in (3, 4))
     two = isochrony(configuration, before=[16] * 2).late_clocks
     longest = isochrony(configuration).longest.characters
@@ -67,8 +70,11 @@ def test_requests_have_their_turn_between_many_publishes() -> None:
         ({"publish_mode": 0}, {}, "publish_mode is 0"),
         ({"datalink": "lite"}, {}, "datalink is 'lite'"),
         ({"datalink": "none"}, {}, "datalink is 'none'"),
-        ({"read_many": 32}, {"read_many": 33}, "read_many is 33; choose 0 to 32"),
+        ({"read_many": 32}, {"read_many": 33, "protocol": "classic"}, "read_many is 33; choose 0 to 32"),
+        ({}, {"read_many": -1, "protocol": "classic"}, "read_many is -1"),
         ({}, {"read_many": -1}, "read_many is -1"),
+        ({"protocol": "framed"}, {"protocol": "classic"}, "is 'classic'; the gateware speaks framed"),
+        ({}, {"protocol": "both"}, "protocol is 'both'"),
     ],
 )
 def test_what_has_no_bound(changes: dict[str, Any], options: dict[str, Any], message: str) -> None:

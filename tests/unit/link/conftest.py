@@ -7,7 +7,6 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from unit.link.reconnect_rig import Rig
 
 from unitylink import Link, connect
 
@@ -29,11 +28,3 @@ def device(fake: ModuleType) -> Iterator[Any]:
 def link(device: Any) -> Iterator[Link]:
     with connect(device.url()) as link:
         yield link
-
-
-@pytest.fixture
-def rig() -> Iterator[Rig]:
-    """A board behind a line that can be cut."""
-    made = Rig()
-    yield made
-    made.close()

@@ -51,7 +51,10 @@ def test_bytes_are_those_on_the_wire(words: int, data_bytes: int, checked: bool)
 
 
 def test_the_walker_by_hand() -> None:
-    (one,) = (budget(d, baud_hz=921_600) for d in load(EXAMPLES / "walker18" / "walker18.ul").devices)
+    (walker,) = load(EXAMPLES / "walker18" / "walker18.ul").devices
+    (framed,) = budget(walker).groups
+    assert (framed.words, framed.message_bytes, framed.rate_hz) == (18, 13 + 18 * 4, 100.0)
+    one = budget(walker, baud_hz=921_600, protocol="classic")
     (group,) = one.groups
     assert (group.words, group.message_bytes, group.rate_hz) == (18, 10 + 18 * 8, 100.0)
     assert one.tick_bytes == 154 and one.bytes_per_s == 15_400
@@ -94,9 +97,11 @@ def replayed(one: DeviceBudget, order: list[int], blocked_s: float) -> list[floa
 def test_no_order_of_service_is_later_than_the_bound(
     groups: list[tuple[int, int]], baud_hz: int, data: st.DataObject
 ) -> None:
-    one = budget(device(*groups), baud_hz=baud_hz, read_many=8)
+    protocol = data.draw(st.sampled_from(["framed", "classic"]))
+    one = budget(device(*groups), baud_hz=baud_hz, read_many=8, protocol=protocol)
     order = data.draw(st.permutations(range(len(one.groups))))
-    blocked_s = (6 + 2 * 8 * 4) * BITS_PER_BYTE / baud_hz  # #S_RM: and eight words
+    reply = 6 + 2 * 8 * 4 if protocol == "classic" else 6 + 8 * 4 + 6  # #S_RM: or LIST's, and eight words
+    blocked_s = reply * BITS_PER_BYTE / baud_hz
     for group, late_s in zip(one.groups, replayed(one, order, blocked_s), strict=True):
         if group.latency_s is not None:
             assert late_s <= group.latency_s + 1e-9
@@ -128,15 +133,35 @@ def test_sampling_is_bounded_by_the_isochrony_of_the_gateware() -> None:
     link = "link l (ADDRESS=8, BAUD=1000000);\n"
     spec = compile_text(link + "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }", "board.ul").spec
     assert spec is not None
-    (group,) = budget(spec.devices[0], read_many=8).groups
+    (group,) = budget(spec.devices[0], read_many=8, protocol="classic").groups
     gateware = BoardConfiguration(baud_hz=1_000_000, rate_bytes=4)
-    assert group.sampled_s == pytest.approx(isochrony(gateware, read_many=8).bound_clocks / gateware.clock_hz)
+    bound = isochrony(gateware, read_many=8, protocol="classic").bound_clocks
+    assert group.sampled_s == pytest.approx(bound / gateware.clock_hz)
     assert group.latency_s is not None
     assert group.latency_s == pytest.approx(group.sampled_s + (18 + 16) * 10e-6 + 8 / gateware.clock_hz)
-    (long,) = budget(spec.devices[0], read_many=100).groups
-    (longest,) = budget(spec.devices[0]).groups
+    (long,) = budget(spec.devices[0], read_many=100, protocol="classic").groups
+    (longest,) = budget(spec.devices[0], protocol="classic").groups
     assert long.latency_s is not None and longest.latency_s is not None
     assert longest.latency_s - long.latency_s == pytest.approx((255 - 100) * 8 * 10e-6, rel=1e-3)
+
+
+@pytest.mark.parametrize("clock_hz", [12_000_000, 50_000_000])
+def test_the_bound_is_of_the_protocol_and_the_clock_that_are_there(clock_hz: int) -> None:
+    link = "link l (ADDRESS=8, BAUD=1000000);\n"
+    spec = compile_text(link + "public board() { @x = 0x0: READ(PUBLISH(10 Hz)); }", "board.ul").spec
+    assert spec is not None
+    one = budget(spec.devices[0], read_many=8, clock_hz=clock_hz)
+    gateware = BoardConfiguration(baud_hz=1_000_000, clock_hz=clock_hz)
+    bound = isochrony(gateware, read_many=8)
+    assert (one.protocol, one.clock_hz) == ("framed", clock_hz)
+    assert one.groups[0].sampled_s == pytest.approx(bound.bound_clocks / clock_hz)
+    assert bound.longest.name == "LIST" and bound.late_s > 2 * (6 + 8 * 4 + 6) * 10e-6 - 100 / clock_hz
+
+
+def test_a_group_that_is_longer_than_a_frame_comes_as_several() -> None:
+    (group,) = budget(device((70, 10))).groups
+    assert group.message_bytes == (13 + 60 * 4) + (13 + 10 * 4)
+    assert budget(device((70, 10)), protocol="classic").groups[0].message_bytes == 10 + 70 * 8
 
 
 def test_events_wait_for_each_other_and_requests_have_their_turns() -> None:
@@ -144,7 +169,7 @@ def test_events_wait_for_each_other_and_requests_have_their_turns() -> None:
     text += "".join(f"@v{n} = 0x{n}: READ(PUBLISH(on e{n}));\n" for n in range(8))
     spec = compile_text(text + "}", "board.ul").spec
     assert spec is not None
-    groups = budget(spec.devices[0], read_many=100).groups
+    groups = budget(spec.devices[0], read_many=100, protocol="classic").groups
     assert len(groups) == 8 and len({group.latency_s for group in groups}) == 1
     assert groups[0].latency_s is not None
     replies = 3 * (6 + 800) * 10e-6  # one has begun, two have their turns among eight publishes

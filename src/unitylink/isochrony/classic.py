@@ -1,107 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How regularly the gateware publishes: the clocks from a base strobe to the first bus strobe of a publish.
-
-The constants are those of protocol.toml, [latency]; tests/gateware/test_isochrony.py holds the RTL to them.
-"""
+"""The bound of a publish where the link speaks the classic protocol."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
 
-from . import protocol
-from .errors import ValueRangeError
+from unitylink import protocol
+from unitylink.errors import ValueRangeError
+
+from .bound import Gateware, Isochrony, Occupation
 
 _CHECKSUM_CHARACTERS = 3
 _CONFIGURATION_CHARACTERS = 34  # of CNF, with a base frequency of four bytes
 
 
-class Gateware(Protocol):
-    """What has to be known of the gateware; a BoardConfiguration tells it."""
-
-    @property
-    def address_bits(self) -> int: ...
-    @property
-    def data_bits(self) -> int: ...
-    @property
-    def clock_hz(self) -> int: ...
-    @property
-    def groups(self) -> int: ...
-    @property
-    def group_size(self) -> int: ...
-    @property
-    def read_many(self) -> int: ...
-    @property
-    def rate_bytes(self) -> int: ...
-    @property
-    def publish_mode(self) -> int: ...
-    @property
-    def datalink(self) -> str: ...
-    @property
-    def checksum(self) -> str: ...
-    @property
-    def byte_clocks(self) -> int: ...
-
-
-@dataclass(frozen=True)
-class Occupation:
-    """What a message costs: clocks of the application, and characters on the line; `name` is its command."""
-
-    name: str
-    clocks: int
-    characters: int
-
-
-@dataclass(frozen=True)
-class Isochrony:
-    """Clocks from base strobe to first bus strobe: `idle_clocks` when idle, at most `late_clocks` more.
-
-    `longest` is the message that can be in the way for the longest time.
-    """
-
-    idle_clocks: int
-    late_clocks: int
-    longest: Occupation
-    clock_hz: int
-
-    @property
-    def bound_clocks(self) -> int:
-        return self.idle_clocks + self.late_clocks
-
-    @property
-    def idle_s(self) -> float:
-        return self.idle_clocks / self.clock_hz
-
-    @property
-    def late_s(self) -> float:
-        return self.late_clocks / self.clock_hz
-
-
 def isochrony(
-    gateware: Gateware,
-    *,
-    read_many: int | None = None,
-    before: Sequence[int] = (),
-    checked: bool = True,
-    bus_waits: int = 0,
+    gateware: Gateware, *, read_many: int | None, before: Sequence[int], checked: bool, bus_waits: int
 ) -> Isochrony:
-    """Return the idle time and the bound of a publish of `gateware`, in clocks.
-
-    `read_many` is the longest one the host sends (None: the longest there is); `before` has the words of
-    publishes that may be due at once and go before; `checked` counts checksums; `bus_waits` is by how many
-    clocks a slave acknowledges later than one after the strobe. An access that times out takes twice the bus
-    timeout more. Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing
-    bounds that.
-
-    >>> from unitylink.simulate import BoardConfiguration
-    >>> result = isochrony(BoardConfiguration(groups=2, group_size=16, read_many=32))
-    >>> result.idle_clocks, result.late_clocks, result.longest.name
-    (14, 273, 'RM')
-    """
+    """Return idle time and bound; `read_many` is the longest one the host sends (None: there is)."""
     c = gateware
-    if c.publish_mode == 0:
-        raise ValueRangeError("isochrony: publish_mode is 0; gateware without publishing has none")
     if c.datalink != "full":
         raise ValueRangeError(
             f"isochrony: datalink is {c.datalink!r}; only 'full' has a bound, the others wait for the host"

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What makes a design smaller: the settings that can be lowered, and what each takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import MISSING, dataclass, fields
+from typing import Union
+
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.errors import BoardError
+from unitylink.spec.suggest import nearest
+
+Setting = Union[int, str, bool]
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """`option` of `unitylink build` makes a design smaller by so many cells and block RAMs of an iCE40."""
+
+    option: str
+    what: str
+    cells: int
+    memories: int
+    helps: Callable[[BoardConfiguration], bool]  # where it is not so already
+
+
+def _above(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
+    """Say whether a configuration has more than `value` of a setting; no where it has no such setting."""
+    return lambda configuration: int(getattr(configuration, name, 0)) > value
+
+
+# The figures follow from the rows of gateware/area.json (tests/unit/boards/test_fit.py).
+REMEDIES = (
+    Remedy("--protocol classic", "text alone, without frames", 1300, 14, lambda c: c.protocol == "both"),
+    Remedy("--protocol framed", "frames alone, without text", 550, 7, lambda c: c.protocol == "both"),
+    Remedy("--set groups=2", "2 publish groups instead of 16", 360, 0, _above("groups", 2)),
+    Remedy(
+        "--set lists=false --set exchanges=0 --set deadman=false",
+        "frames without lists, exchange groups and dead-man",
+        300,
+        4,
+        lambda c: c.protocol != "classic" and _above("lists", 0)(c),
+    ),
+    Remedy("--set publish_mode=0", "no publishing", 260, 4, _above("publish_mode", 0)),
+    Remedy("--set window=32", "half of the reply cache", 0, 1, _above("window", 32)),
+)
+
+
+def remedies(configuration: BoardConfiguration) -> Iterator[str]:
+    """Yield what would make the design smaller, the most helpful first."""
+    for one in REMEDIES:
+        if one.helps(configuration):
+            parts = [f"{one.cells} cells"] if one.cells else []
+            parts += [f"{one.memories} block RAMs"] if one.memories else []
+            yield f"{one.option}: {one.what}, about {' and '.join(parts)} less"
+    yield "fewer words in the spec, or a narrower DATA of its link: each bit of a word takes a flip-flop"
+
+
+def settings_of(texts: Sequence[str]) -> dict[str, Setting]:
+    """Return settings that are written NAME=VALUE; raise BoardError for one that there is not.
+
+    >>> settings_of(["groups=2", "configuration_command=false"])
+    {'groups': 2, 'configuration_command': False}
+    """
+    known = {
+        one.name: type(one.default)
+        for one in fields(BoardConfiguration)
+        if one.default is not MISSING and isinstance(one.default, (int, str))
+    }
+    found: dict[str, Setting] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        if name not in known:
+            near = nearest(name, known)
+            raise BoardError(
+                f"--set {text}: there is no setting {name!r}; "
+                + (f"did you mean {near}?" if near else f"there are: {', '.join(known)}")
+            )
+        found[name] = _read(text, value, known[name])
+    return found
+
+
+def _read(text: str, value: str, kind: type) -> Setting:
+    if kind is str:
+        return value
+    if kind is bool:
+        if value in ("true", "false"):
+            return value == "true"
+        raise BoardError(f"--set {text}: write true or false")
+    try:
+        return int(value, 0)
+    except ValueError:
+        raise BoardError(f"--set {text}: {value!r} is not a whole number") from None

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How regularly the gateware publishes: the clocks from a base strobe to the first bus strobe of a publish.
+
+The constants are those of protocol.toml, [latency] and [framed_latency]; tests/gateware/test_isochrony.py and
+test_framed_isochrony.py hold the RTL to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from unitylink.errors import ValueRangeError
+
+from . import classic, framed
+from .bound import Gateware, Isochrony, Occupation
+
+__all__ = ["Gateware", "Isochrony", "Occupation", "isochrony"]
+
+
+def isochrony(
+    gateware: Gateware,
+    *,
+    protocol: str | None = None,
+    read_many: int | None = None,
+    before: Sequence[int] = (),
+    checked: bool = True,
+    bus_waits: int = 0,
+) -> Isochrony:
+    """Return the idle time and the bound of a publish of `gateware`, in clocks.
+
+    `protocol` is what the link speaks ("classic" or "framed"; None: framed where the gateware does).
+    `read_many` is the most words of a request of the host (None: the most there can be); `before` has the
+    words of publishes that may be due at once and go before; `checked` counts the classic checksums;
+    `bus_waits` is by how many clocks a slave acknowledges later than one after the strobe. An access that
+    times out takes twice the bus timeout more. Classic text that is sent in a framed session is not counted.
+    Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing bounds that.
+
+    >>> from unitylink.simulate import BoardConfiguration
+    >>> board = BoardConfiguration(groups=2, group_size=16, read_many=32)
+    >>> result = isochrony(board, protocol="classic")
+    >>> result.idle_clocks, result.late_clocks, result.longest.name
+    (14, 273, 'RM')
+    >>> isochrony(board).longest.name
+    'LIST'
+    """
+    chosen = protocol or ("classic" if gateware.protocol == "classic" else "framed")
+    if chosen not in ("classic", "framed") or gateware.protocol not in (chosen, "both"):
+        raise ValueRangeError(f"isochrony: protocol is {chosen!r}; the gateware speaks {gateware.protocol}")
+    if gateware.publish_mode == 0:
+        raise ValueRangeError("isochrony: publish_mode is 0; gateware without publishing has none")
+    if read_many is not None and read_many < 0:
+        raise ValueRangeError(f"isochrony: read_many is {read_many}; choose 0 or more words")
+    if chosen == "framed":
+        return framed.isochrony(gateware, words=read_many, before=before, bus_waits=bus_waits)
+    return classic.isochrony(
+        gateware, read_many=read_many, before=before, checked=checked, bus_waits=bus_waits
+    )

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sees the base strobes of a core in the bench, and how long after each a publish asks for the bus."""
+
+from __future__ import annotations
+
+from bisect import bisect
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from unitylink.simulate import BoardConfiguration
+
+CLOCK_FS = 2_000_000  # of replay_tb
+STROBE = "/replay_tb/core/core_bii/publishing/subscription_manager/strobe"
+PUBLISHED = 0x77  # the first word of the publish that is watched
+
+
+def ticks_of(path: Path) -> list[int]:
+    """The clocks at which the base strobe rises, from the waves of one signal."""
+    now, found = 0, []
+    for line in path.read_text(encoding="ascii").splitlines():
+        if line.startswith("#"):
+            now = int(line[1:])
+        elif line.startswith("1"):
+            found.append(now // CLOCK_FS + 1)
+    return found
+
+
+class WithOptions:
+    """A simulator that is told more of in each run."""
+
+    def __init__(self, ghdl: Any, options: tuple[str, ...]) -> None:
+        self.ghdl, self.options = ghdl, options
+
+    def run(self, bench: str, **generics: int | str | bool) -> str:
+        return str(self.ghdl.run(bench, *self.options, **generics))
+
+
+class Watch:
+    """Plays to the core and sees its base strobes."""
+
+    def __init__(self, rtl: Any, folder: Path) -> None:
+        self.rtl, self.waves = rtl, folder / "ticks.vcd"
+        (folder / "ticks.opt").write_text(f"$ version 1.1\n{STROBE}\n", encoding="ascii")
+        options = (f"--vcd={self.waves}", f"--read-wave-opt={folder / 'ticks.opt'}")
+        rtl.ghdl = WithOptions(rtl.ghdl, options)
+
+    def delays(
+        self, configuration: BoardConfiguration, steps: Sequence[tuple[str, Any]], **generics: Any
+    ) -> list[int]:
+        """Clocks from each base strobe, the first apart, to the first bus strobe at PUBLISHED."""
+        self.rtl(configuration, [steps], **generics)
+        ticks = ticks_of(self.waves)
+        accesses = [at for kind, at, value in self.rtl.times if kind == "t" and value == PUBLISHED]
+        first = [
+            accesses[place] for tick in ticks[1:] if (place := bisect(accesses, tick - 1)) < len(accesses)
+        ]
+        return [at - tick for at, tick in zip(first, ticks[1:], strict=False)]

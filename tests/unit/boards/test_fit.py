@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What makes a design smaller: only what helps is said, with the figures of the record."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from unitylink.board_configuration import BoardConfiguration
+from unitylink.boards.fit import REMEDIES, remedies, settings_of
+from unitylink.errors import BoardError
+from unitylink.resources import resource_folder
+
+
+def test_what_is_so_already_is_no_remedy() -> None:
+    both = list(remedies(BoardConfiguration()))
+    assert [text.partition(":")[0] for text in both][:3] == [
+        "--protocol classic",
+        "--protocol framed",
+        "--set groups=2",
+    ]
+    small = "".join(remedies(BoardConfiguration(protocol="framed", groups=2, publish_mode=0)))
+    assert "--protocol" not in small and "groups" not in small and "publish_mode" not in small
+    assert "fewer words" in small
+
+
+def test_figures_are_those_of_the_record() -> None:
+    path = resource_folder("gateware") / "area.json"
+    rows = {name: row["ice40"] for name, row in json.loads(path.read_text("utf-8"))["rows"].items()}
+
+    def less(larger: str, smaller: str, kind: str) -> int:
+        return int(rows[larger][kind] - rows[smaller][kind])
+
+    def publishing(kind: str) -> int:
+        return less("core", "no_publishing", kind)
+
+    for kind, told in (("cells", lambda one: one.cells), ("memories", lambda one: one.memories)):
+        expected = {
+            "--protocol classic": rows["framed_minimal"][kind],
+            "--protocol framed": rows["no_publishing"][kind],
+            "--set groups=2": less("groups_16", "core", kind),
+            "--set lists": less("framed", "framed_minimal", kind) - publishing(kind),
+            "--set publish_mode=0": publishing(kind),
+        }
+        for option, figure in expected.items():
+            (one,) = [one for one in REMEDIES if one.option.startswith(option)]
+            assert told(one) == pytest.approx(figure, rel=0.4, abs=2), f"{option}: {figure} {kind}"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("group=2", "there is no setting 'group'; did you mean groups?"),
+        ("fast", "there is no setting 'fast'; there are: address_bits"),
+        ("groups=two", "'two' is not a whole number"),
+        ("configuration_command=yes", "write true or false"),
+    ],
+)
+def test_settings_that_are_not(text: str, message: str) -> None:
+    with pytest.raises(BoardError, match=message):
+        settings_of([text])
+
+
+def test_settings_reach_the_design() -> None:
+    found = settings_of(["groups=0x2", "checksum=xor", "configuration_command=false"])
+    assert found == {"groups": 2, "checksum": "xor", "configuration_command": False}
