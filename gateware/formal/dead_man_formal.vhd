@@ -193,11 +193,11 @@ begin
   bus_answers : assume always waited < access_most - 1 or bii.valid = '0' or response.done = '1';
 
   -- It trips at the tick that makes the silence too long, and never later.
-  trips_in_time : assert always begun = '1' and watched = '1' and tripped = '0' -> since <= period * limit;
+  trips_in_time : assert always begun = '1' and watched = '1' and tripped = '0' -> since <= period * limit - 1;
 
   -- Nor earlier than one tick before, unless it is told to.
   trips_for_a_reason : assert always begun = '1' and tripped = '1' and tripped_before = '0' and reset = '0' ->
-                       commanded_before = '1' or since >= period * (limit - 1);
+                       commanded_before = '1' or since >= period * (limit - 1) + 1;
 
   -- It is `running` whenever it was started, and nothing has ended that.
   runs : assert always begun = '1' and watched = '1' -> state.running = '1' or tripped = '1';

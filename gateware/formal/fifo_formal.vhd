@@ -88,8 +88,8 @@ begin
   -- It offers a word only if there is one.
   never_underflows : assert always begun = '1' and read_valid = '1' -> count > 0;
 
-  -- It refuses a word only with `depth` words inside.
-  takes_while_room : assert always begun = '1' and write_ready = '0' -> count >= depth;
+  -- It refuses a word only when it is full, with the depth and one inside.
+  takes_while_room : assert always begun = '1' and write_ready = '0' -> count = depth + 1;
 
   -- What leaves is what came in, in the order of coming: a word with none before it is the one on offer.
   order_kept : assert always inside = '1' and ahead = 0 and read_valid = '1' -> read_data = word;

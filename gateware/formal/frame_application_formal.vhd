@@ -5,16 +5,19 @@
 --
 -- What it remembers is left out: the words of its memory have any value whenever they are looked at, but for its constants, so
 -- an epoch that is loaded is any; a session may be open when it wakes up; what goes through the memory ends anywhere; the reply
--- cache says of an id whatever it likes, but the same while it is in work; the clock turns at any time.
+-- cache says of an id whatever it likes, but the same while it is in work; the clock turns at any time. The instructions come
+-- from the position that the sequencer decides (frame_sequencer_formal proves that they are the same).
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.bii_pkg.all;
+use work.frame_assembler_pkg.all;
 use work.frame_instruction_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
+use work.frame_program_pkg.all;
 use work.one_thing_pkg.all;
 use work.protocol_pkg.all;
 
@@ -38,6 +41,8 @@ entity frame_application_formal is
     finishes        : in std_ulogic;
     jump            : in std_ulogic;
     steps           : in std_ulogic;
+    position        : in unsigned(7 downto 0);
+    fetched         : out frame_instruction_t;
     entry_now       : in entry_t;
     id              : in std_ulogic_vector(15 downto 0);
     word_index      : in unsigned(7 downto 0);
@@ -64,7 +69,11 @@ architecture properties of frame_application_formal is
     lists => false, deadman => false, gateware_version => x"00000000", build => x"00000000",
     spec_hash => x"0000000000000000");
 
-  constant content : word_memory_t := memory_content(settings, no_safe_values);
+  constant content : word_memory_t := memory_content(settings);
+
+  constant program : frame_program_t := frame_program_for(settings);
+
+  signal position_now : unsigned(7 downto 0) := (others => '0');
 
   subtype constants_t is natural range word_zero to word_defined;
 
@@ -134,6 +143,7 @@ begin
 
   bus_side : entity work.bii_user_view port map (clk => clk, reset => reset, request => bii, response => response);
 
+  fetched    <= program(to_integer(position_now));
   in_session <= nand epoch(15 downto 8);
   at_rest    <= begun and started and not busy;
   begins     <= wants and may_begin;
@@ -192,6 +202,9 @@ begin
     if rising_edge(clk) then
       epoch_before <= epoch;
       id_before    <= id;
+      if steps = '1' or reset = '1' then
+        position_now <= position;
+      end if;
       if busy = '0' then
         started <= '1';
       end if;
@@ -346,9 +359,13 @@ begin
   -- Nor does the program go around: no id is judged more than twice.
   judged_twice_most : assert always begun = '1' -> judgements <= 2;
 
-  -- What was executed is remembered, with the status that its answer tells, which is that of the bus.
-  executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 ->
+  -- What was executed is remembered, with the status that its answer tells, which is that of the bus: where it went well …
+  executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble = 0 ->
                            holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
+
+  -- … and where the bus refused, or nobody answered.
+  failure_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble /= 0 ->
+                          holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
 
   -- A READ or WRITE that is remembered was executed.
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and
@@ -368,8 +385,8 @@ begin
 
   -- Nothing is stored where constants or the description are, by an instruction that names the place.
   constants_stand : assert always begun = '1' and finishes = '1' and instruction(store_f) /= store_nothing and instruction(do_pointer) = '0' -> holds(
-                    to_integer(word_index) >= control_frames_c and
-                    (to_integer(word_index) < constants_t'low or to_integer(word_index) > constants_t'high));
+                    not (to_integer(word_index) < control_frames_c) and
+                    not (to_integer(word_index) >= constants_t'low and to_integer(word_index) <= constants_t'high));
 
   -- A READ is answered.
   read_seen : cover {at_rest = '1' and entry = request_kind_read_c mod 16 and accesses = 1 and kinds = 1};

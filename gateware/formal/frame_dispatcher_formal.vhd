@@ -72,7 +72,7 @@ begin
   publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish -> publish = '1' and room = '1';
 
   -- With room it goes before every frame.
-  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' -> kind > 15;
+  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' -> not (kind < 16);
 
   -- Without room it keeps no post waiting.
   post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> pending = '1';

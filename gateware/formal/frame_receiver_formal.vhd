@@ -27,7 +27,7 @@ end entity;
 
 architecture properties of frame_receiver_formal is
 
-  constant request_max : positive := 16;
+  constant request_max : positive := 2;
   constant ring_bytes  : positive := 32;
   constant waiting_most : positive := 17;  -- frames that stand behind each other
 
@@ -182,12 +182,12 @@ begin
   session_only : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry < entry_check ->
                  (was_outside = '1' or was_in_session = '1') and
                  (was_outside = '0' or entry = entry_hello or entry = entry_open) and
-                 (was_outside = '1' or entry < entry_hello);
+                 (was_outside = '1' or not (entry >= entry_hello));
 
   -- Its payload is as long as its blocks say, and no longer than a request may be.
   length_is_told : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
                    entry < entry_check -> to_integer(request.length) = was_size and
-                   (was_size <= request_max or was_outside = '1');
+                   (was_outside = '1' or was_size <= request_max);
 
   -- What is dropped has no payload.
   dropped_is_empty : assert always begun = '1' and request.valid = '1' and entry >= entry_check -> request.length = 0;

@@ -88,7 +88,7 @@ begin
   one_strobe : assert always begun = '0' or rd_n = '1' or wr_n = '1';
 
   -- It drives the data for writing only: never while the chip does, nor in the clock after.
-  never_both_drive : assert always begun = '0' or drive = '0' or (rd_n = '1' and (was_rd_n = '1' or after_reset = '1'));
+  never_both_drive : assert always begun = '0' or drive = '0' or (rd_n = '1' and (after_reset = '1' or was_rd_n = '1'));
 
   -- It drives while it writes, and before and after it for a clock at least, the same byte all the time.
   byte_stands : assert always begun = '0' or after_reset = '1' or (wr_n = '1' and was_wr_n = '1') or
@@ -99,7 +99,7 @@ begin
                         ((was_rd_n = '1' or rd_n = '0' or rd_low >= 2) and (was_wr_n = '1' or wr_n = '0' or wr_low >= 2));
 
   -- SIWU# falls only if the end of a message has been taken.
-  flushes_ends_only : assert always begun = '0' or siwu_n = '1' or ends = '1' or after_reset = '1';
+  flushes_ends_only : assert always begun = '0' or siwu_n = '1' or after_reset = '1' or ends = '1';
 
   -- It stays low for 13 clocks, 250 ns rounded up.
   flush_long_enough : assert always begun = '0' or after_reset = '1' or was_siwu_n = '1' or siwu_n = '0' or siwu_low >= 13;

@@ -17,7 +17,7 @@ architecture properties of siwu_pulse_formal is
 
   constant pulse_clocks : positive := 5;
   constant gap_clocks   : positive := 2;
-  constant wait_most    : positive := pulse_clocks + gap_clocks;  -- of one that came with another
+  constant wait_most    : positive := pulse_clocks + gap_clocks - 1;  -- of one that came with another
 
   signal siwu_n : std_ulogic;
   signal begun  : std_ulogic := '0';                             -- the reset of power-up is over

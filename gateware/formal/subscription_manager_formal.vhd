@@ -21,7 +21,7 @@ end entity;
 architecture properties of subscription_manager_formal is
 
   constant period      : positive := 8;
-  constant rate_clocks : positive := 12;  -- a new rate is taken in so many clocks
+  constant rate_clocks : positive := 10;  -- a new rate is taken in so many clocks
 
   signal response : subscription_response_t;
   signal begun    : std_ulogic := '0';

@@ -33,7 +33,7 @@ architecture properties of wishbone_master_formal is
   signal current : std_ulogic := '0';  -- it is the one that stands now
 
   signal unanswered : natural range 0 to timeout_clocks := 0;          -- clocks of this access without an answer
-  signal waiting    : natural range 0 to 2 * timeout_clocks + 2 := 0;  -- clocks of this request
+  signal waiting    : natural range 0 to 2 * timeout_clocks + 1 := 0;  -- clocks of this request
 
 begin
 
@@ -77,7 +77,7 @@ begin
         unanswered <= unanswered + 1;
       end if;
       waiting <= 0;
-      if request.valid = '1' and response.done = '0' and waiting < 2 * timeout_clocks + 2 then
+      if request.valid = '1' and response.done = '0' and waiting <= 2 * timeout_clocks then
         waiting <= waiting + 1;
       end if;
 
@@ -96,8 +96,8 @@ begin
   -- A slave answers an access it took, once, at most twice the time-out late.
   slave_owes : assume always answered = '0' or stb = '1' or owed > 0;
 
-  -- A request is done after at most two time-outs and two clocks: its own, and that of a rest before it.
-  always_ends : assert always waiting < 2 * timeout_clocks + 2;
+  -- A request is done after at most two time-outs: its own, and that of a rest before it.
+  always_ends : assert always waiting <= 2 * timeout_clocks;
 
   -- It ends as silent only after all clocks of the time-out have passed without an answer.
   silent_in_time : assert always begun = '0' or response.done = '0' or response.status /= silent or

@@ -25,7 +25,7 @@ use work.width_pkg.all;
 
 entity frame_receiver is
   generic (
-    request_max : positive range 16 to 250 := 250;  -- longest payload of a request
+    request_max : positive range 2 to 250 := 250;  -- longest payload of a request
     ring_bytes  : positive := 512;                  -- a power of two: bytes of all payloads not done yet
     many        : boolean  := true                  -- take_bytes counts; else one byte is taken at a time
   );

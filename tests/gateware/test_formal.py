@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import json
 import re
@@ -28,6 +29,72 @@ def tools(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 def block_of(tools: Any, name: str) -> Any:
     return next(block for block in tools("blocks").BLOCKS if block.name == name)
+
+
+def test_no_proof_is_stale(tools: Any) -> None:
+    stale = tools("digest").stale(tools("blocks").BLOCKS, RECORD)
+    assert not stale, f"their sources have changed: make formal BLOCKS='{' '.join(stale)}'"
+
+
+def test_the_digest_is_of_all_that_the_block_is_made_of(tools: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    digests = tools("digest")
+    block = block_of(tools, "frame_application")
+    names = {path.name for path in digests.sources_of(block)}
+    assert {
+        "frame_application_formal.vhd",
+        "frame_post_pkg.vhd",
+        "bii_user_view.vhd",
+        "protocol_pkg.vhd",
+    } <= names
+    assert "wishbone_master.vhd" not in names
+    before = digests.digest(block)
+    assert digests.digest(dataclasses.replace(block, not_proven="other words")) == before
+    assert digests.digest(dataclasses.replace(block, deep=block.deep - 1)) != before
+    read = digests.plain_text
+    monkeypatch.setattr(
+        digests, "plain_text", lambda path: read(path) + " x" * (path.name == "frame_post_pkg.vhd")
+    )
+    assert digests.digest(block) != before
+
+
+def test_a_comment_makes_no_proof_stale(tools: Any, tmp_path: Path) -> None:
+    path = tmp_path / "some.vhd"
+    path.write_text('a <= "--";  -- why\n', encoding="utf-8")
+    assert tools("digest").plain_text(path) == 'a <= "--";'
+
+
+@pytest.mark.parametrize(
+    ("claim", "moments"),
+    [
+        ("a = '1' -> b", ["true = ((a = '1'))"]),
+        ("a = '1' -> next (b)", ["true = ((a = '1')); true"]),
+        ("a = '1' -> next[3] (b)", ["true = ((a = '1')); true; true; true"]),
+        ("a -> next (b or c -> next (d))", ["true = ((a)); true = ((b or c)); true"]),
+        ("begun = '0' or c = d", ["true = ((not (begun = '0')))"]),
+        ("a -> holds(b and (c or d))", ["true = ((a))", "true = ((a) and (not (c)))"]),
+        ("waited <= most", ["true = ((waited = most))"]),
+        ("a -> waited < 2 * most", ["true = ((a) and (waited = 2 * most - 1))"]),
+        ("(a and b) = c", []),
+    ],
+)
+def test_each_part_of_a_claim_has_its_moment(tools: Any, claim: str, moments: list[str]) -> None:
+    assert tools("cases").cases(claim) == moments
+
+
+def late_block(tools: Any, depth: int, **others: Any) -> Any:
+    """`fifo`, searched for fewer clocks than it takes to fill it; bounded, where nothing else is said."""
+    return dataclasses.replace(block_of(tools, "fifo"), **{"depth": depth, "pdr": False} | others)
+
+
+def test_a_property_whose_moment_is_not_searched_is_refused(tools: Any) -> None:
+    with pytest.raises(ToolError, match=r"not reached in 5 clocks: .*never_overflows_case"):
+        tools("prove").prove(late_block(tools, 5))
+    assert not tools("prove").prove(late_block(tools, 5, pdr=True, reach=10))["induction"]
+
+
+def test_a_bounded_proof_has_no_covers_beyond_its_search(tools: Any) -> None:
+    with pytest.raises(ValueError, match="fifo: what a bounded proof does not search"):
+        late_block(tools, 5, reach=10)
 
 
 QUICK = ["fifo", "crc8", "wishbone_interconnect"]
@@ -103,10 +170,11 @@ def test_the_record_is_complete_and_the_page_is_the_record(tools: Any) -> None:
         }
         proven = {re.sub(r".*\.", "", name) for name in found["properties"]}
         assert written <= proven, block.name
-        assert (found["depth"], found["induction"], found["pdr"]) == (
+        assert (found["depth"], found["induction"], found["pdr"], found["for_ever"]) == (
             block.searched,
             block.induction,
             block.pdr,
+            list(block.for_ever),
         )
         assert len(found["mutants"]) == len(block.mutants) and all(found["mutants"]), block.name
     assert (ROOT / "docs" / "gateware" / "formal.md").read_text(encoding="utf-8") == tools("page").page(

@@ -210,7 +210,6 @@ BLOCKS = (
         "`common/async_fifo`, 4 words of a bit, two clocks of any ratio; depths in half clocks",
         depth=8,
         deep=24,
-        reach=18,
         several_clocks=True,
         not_proven="resets; a flip-flop that takes long to decide, against which the two in a row stand",
         mutants=(
@@ -265,10 +264,9 @@ BLOCKS = (
     ),
     Block(
         "frame_receiver",
-        "`framed/frame_receiver`, requests of up to 16 bytes, a ring of 32",
+        "`framed/frame_receiver`, requests of up to 2 bytes, a ring of 32",
         depth=4,
-        deep=11,
-        reach=12,
+        deep=13,
         not_proven="the bytes of the payload, and room in the ring: the benches compare with the reference",
         mutants=(
             Mutant("frame_receiver.vhd", "delay(1) /= check_byte(crc, 1) or ", ""),
@@ -301,7 +299,6 @@ BLOCKS = (
         "`framed/frame_transmitter`",
         depth=2,
         deep=13,
-        reach=14,
         not_proven="payloads of more than a few bytes, and that they come back decoded: the bench tries them",
         mutants=(
             Mutant(
@@ -314,22 +311,41 @@ BLOCKS = (
         ),
     ),
     Block(
+        "frame_sequencer",
+        "`framed/frame_sequencer`, a program of 256 instructions that all differ",
+        depth=10,
+        induction=1,
+        seen={"steps": "dut.step", "position": "dut.position"},
+        not_proven="where the program leads: that is the proof of `frame_application`",
+        mutants=(
+            Mutant("frame_sequencer.vhd", "if step = '1' or reset = '1' then", "if step = '1' then"),
+            Mutant("frame_sequencer.vhd", "act and (is_last or jumps)", "(is_last or jumps)"),
+            Mutant(
+                "frame_sequencer.vhd",
+                "now_done <= program(to_integer(position));",
+                "now_done <= program(to_integer(position + 1));",
+            ),
+        ),
+    ),
+    Block(
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
         depth=3,
-        deep=19,
-        reach=30,
+        deep=24,
+        for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most", "epoch_stands"),
         without=(
             ("frame_application", "memory"),
             ("frame_application", "cache"),
             ("frame_application", "timer"),
         ),
         loose=("dut.pointer", "dut.epoch_now"),
+        given={"dut.sequencer.now_done": "fetched"},
         seen={
             "instruction": "dut.instruction",
             "finishes": "dut.finishes",
             "jump": "dut.jump",
             "steps": "dut.sequencer.step",
+            "position": "dut.sequencer.position",
             "entry_now": "dut.entry",
             "id": "dut.id",
             "word_index": "dut.word_index",
@@ -344,12 +360,23 @@ BLOCKS = (
             "kept_count": "dut.kept_count",
             "epoch_now": "dut.epoch_now",
         },
-        not_proven="longer work, as OPEN and CLOSE are; lists, groups, the dead-man; words of the memory",
+        not_proven="longer work but what is proven for ever; lists, groups, dead-man; words of the memory",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",
                 "times(s.address_bytes) or act(do_read), if_not_new, not_new);",
                 "times(s.address_bytes) or act(do_read));",
+            ),
+            # A request that was executed is forgotten: one that went well, and one that failed.
+            Mutant(
+                "frame_program_pkg.vhd",
+                "act(do_place) or number(reply_status_ok_c) or act(do_done));",
+                "number(reply_status_ok_c) or act(do_done));",
+            ),
+            Mutant(
+                "frame_program_pkg.vhd",
+                "act(do_place) or number(status_of_data) or act(do_done));",
+                "number(status_of_data) or act(do_done));",
             ),
             Mutant("frame_application.vhd", "request_done <= finishes and", "request_done <= does and"),
             Mutant("frame_application.vhd", "act_now  <= (reply_ready or not says) and", "act_now  <="),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from block import Block, Mutant
+from cases import with_cases
 
 from unitylink.errors import ToolError
 from unitylink.gateware import Ghdl, gateware_folder, gateware_sources
@@ -24,7 +25,7 @@ _PSL = tuple(
     for pattern, replacement in (
         (r"^\s*(\S+): assert (\S+) = '1' severity warning; --  assume$", r"  always @* \1: assume(\2);"),
         (r"^\s*(\S+): assert (\S+) = '1' severity note; --  cover$", r"  always @* \1: cover(\2);"),
-        (_FATAL + r'assertion\(cover\) failure (\S+)"\);', r"always @* \2: cover(\1);"),
+        (_FATAL + r'assertion\(cover\) failure (\S+)"\);', ""),  # GHDL's own; `cases` says more
         (_FATAL + r'assertion failure (\S+)"\);', r"always @* \2: assert(\1);"),
     )
 )
@@ -40,6 +41,7 @@ proc
 setundef -undriven -anyseq
 flatten
 {loose}
+{given}
 {seen}
 opt_clean
 memory -nordff -nomap
@@ -83,9 +85,13 @@ class Model:
 
 def model(block: Block, folder: Path, mutant: Mutant | None = None) -> Model:
     """Make the model of `block` in `folder`, with one text of the design replaced if there is a `mutant`."""
-    sources = [*gateware_sources(), *sorted((gateware_folder() / "formal").glob("*.vhd"))]
+    sources = list(gateware_sources())
     if mutant is not None:
         sources = [_mutated(path, mutant, folder) if path.name == mutant.file else path for path in sources]
+    for path in sorted((gateware_folder() / "formal").glob("*.vhd")):
+        copy = folder / path.name
+        copy.write_text(with_cases(path.read_text(encoding="utf-8")), encoding="utf-8")
+        sources.append(copy)
     ghdl = Ghdl(folder, sources)
     verilog, vhdl = (ghdl.synthesise(block.top, language, block.generics) for language in ("verilog", "vhdl"))
     return _made(block, with_properties(repaired(verilog, vhdl)), folder / "model.v")
@@ -106,6 +112,7 @@ def _made(block: Block, verilog: str, source: Path) -> Model:
         top=block.top,
         removed=_removed(block),
         loose=_loose(block),
+        given=_given(block),
         seen=_seen(block),
         smt2=smt2,
         aiger=aiger,
@@ -135,6 +142,14 @@ def _seen(block: Block) -> str:
 def _loose(block: Block) -> str:
     """Return the commands that take its driver from signals of the flat design."""
     return "\n".join(f"select -assert-count 1 w:{each}\ncutpoint w:{each}" for each in block.loose)
+
+
+def _given(block: Block) -> str:
+    """Return the commands that drive signals of the flat design with signals of the property file."""
+    commands = [f"select -assert-count 1 w:{each}\ncutpoint w:{each}" for each in block.given]
+    commands += [f"connect -nomap -set \\{signal} \\{own}" for signal, own in block.given.items()]
+    commands += [f"delete -output w:{own}" for own in block.given.values()]
+    return "\n".join([f"cd {block.top}", *commands, "cd .."]) if commands else ""
 
 
 def with_properties(verilog: str) -> str:

@@ -25,7 +25,6 @@ PHYSICAL_BLOCKS = (
         "`physical/uart_rx`, 8N1, 8 clocks a bit",
         depth=12,
         deep=110,
-        reach=100,
         not_proven="frames after the first; parity, fast or slow senders, spikes: the benches try them",
         mutants=(
             Mutant(
@@ -58,7 +57,7 @@ PHYSICAL_BLOCKS = (
         "`physical/ft245_async` at 50 MHz, buffers of 2 bytes",
         depth=8,
         deep=20,
-        reach=20,
+        reach=32,
         pdr=True,
         not_proven="that no byte is lost between chip and buffers: the chip model of the benches tries it",
         mutants=(
@@ -74,7 +73,6 @@ PHYSICAL_BLOCKS = (
         "`physical/ft245_async`, 50 MHz, buffers of 2 bytes, a chip that gives and takes when it likes",
         depth=8,
         deep=18,
-        reach=12,
         not_proven="times within a clock, and other clocks: the bench's model of the chip checks them",
         mutants=(
             Mutant("ft245_async.vhd", "seen_rxf_n = '0' and read_wait = 0 and", "read_wait = 0 and"),
@@ -112,7 +110,6 @@ PHYSICAL_BLOCKS = (
         "`physical/ft245_sync`, as above: its bytes, both ways",
         depth=6,
         deep=34,
-        reach=30,
         not_proven="streams on another clock, which `async_fifo` proves for itself; bits that change places",
         mutants=(
             Mutant("ft245_sync.vhd", "bytes_under_way : positive := 2;", "bytes_under_way : positive := 1;"),
@@ -127,7 +124,6 @@ PHYSICAL_BLOCKS = (
         "`physical/spi_slave`, buffers of 2 bytes, any sck up to the clock's rate; depths in half clocks",
         depth=4,
         deep=34,
-        reach=36,
         several_clocks=True,
         not_proven="resets, overruns, filler within a message, long transfers: the bench tries them",
         mutants=(

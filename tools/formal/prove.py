@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prove every block and catch every mutant; print the table, and write record and page."""
+"""Prove blocks and catch their mutants; print what goes on and the table, and write record and page."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ import resource
 import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
 from block import Block, Mutant
 from blocks import BLOCKS
+from digest import digest, stale
 from model import model, unreachable
 from page import page, table
-from solvers import always, followed, inductive, reached, violated, violated_at
+from solvers import always, followed, inductive, reached, reached_late, violated, violated_at
 
 from unitylink.errors import ToolError
 
@@ -26,12 +27,13 @@ RECORD = ROOT / "gateware" / "formal.json"
 PAGE = ROOT / "docs" / "gateware" / "formal.md"
 TRACES = ROOT / "build" / "formal"
 
+SECONDS_SILENT = 30  # at most, then what is under way is told
+
 Result = dict[str, Any]
 
 
 def prove(block: Block) -> Result:
-    """Return the figures of a block; raise ToolError if a property fails or a cover is out of reach."""
-    begun = _cpu_s()
+    """Return the figures of a block; raise ToolError: a property fails, a case or cover is out of reach."""
     with tempfile.TemporaryDirectory(prefix="unitylink-formal-") as folder:
         made = model(block, Path(folder))
         TRACES.mkdir(parents=True, exist_ok=True)
@@ -47,35 +49,55 @@ def prove(block: Block) -> Result:
             raise ToolError(
                 f"{block.name}: a property can be violated after more than {block.searched} clocks"
             )
+        for name in block.for_ever:
+            if not always(made, name):
+                raise ToolError(
+                    f"{block.name}: {name} can be violated after more than {block.searched} clocks"
+                )
         covers = unreachable(block, made)
         clocks = reached(covers, block.reached)
+        for name in set(covers.named) - set(clocks):
+            if (
+                name.rpartition("_case")[0] in block.for_ever
+                and (late := reached_late(covers, name)) is not None
+            ):
+                clocks[name] = late
         if missing := sorted(set(covers.named) - set(clocks)):
-            raise ToolError(f"{block.name}: not reached in {block.reached} clocks: {', '.join(missing)}")
+            raise ToolError(
+                f"{block.name}: search deeper, or claim less; "
+                f"not reached in {block.reached} clocks: {', '.join(missing)}"
+            )
     return {
         "properties": made.named,
         "depth": block.searched,
         "induction": block.induction,
         "pdr": block.pdr,
+        "for_ever": list(block.for_ever),
         "covers": dict(sorted(clocks.items())),
-        "seconds": round(_cpu_s() - begun, 1),
+        "digest": digest(block),
     }
 
 
 def catch(block: Block, mutant: Mutant) -> str:
     """Return the property that notices the fault first; raise ToolError if none does."""
     with tempfile.TemporaryDirectory(prefix="unitylink-formal-") as folder:
-        found = violated_at(model(block, Path(folder), mutant), max(block.searched, block.reached))
-    if found is None:
-        raise ToolError(
-            f"{block.name}: nothing notices {mutant.new!r} instead of {mutant.old!r} in {mutant.file}"
-        )
-    return found[1]
+        made = model(block, Path(folder), mutant)
+        if found := violated_at(made, block.reached):
+            return found[1]
+        for name in block.for_ever:
+            if not always(made, name):
+                return name
+    raise ToolError(
+        f"{block.name}: nothing notices {mutant.new!r} instead of {mutant.old!r} in {mutant.file}"
+    )
 
 
-def _cpu_s() -> float:
-    """Return the processor time of the programs this process has run; wall time says much of other work."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+def timed(block: Block, mutant: Mutant | None) -> tuple[Result | str, float]:
+    """Do one task; what came of it, and the seconds of a processor: wall time says much of other work."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    found = prove(block) if mutant is None else catch(block, mutant)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return found, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def run_all(blocks: list[Block], jobs: int) -> tuple[dict[str, Result], list[str]]:
@@ -85,34 +107,47 @@ def run_all(blocks: list[Block], jobs: int) -> tuple[dict[str, Result], list[str
     wrong: list[str] = []
     begun = time.monotonic()
     with ProcessPoolExecutor(jobs) as pool:
-        # The slow ones first, so that none is left alone at the end.
-        tasks = {pool.submit(prove, block): (block, -1) for block in blocks}
-        tasks |= {
-            pool.submit(catch, block, mutant): (block, number)
-            for block in blocks
-            for number, mutant in enumerate(block.mutants)
-        }
-        for done, task in enumerate(as_completed(tasks), 1):
-            block, number = tasks[task]
-            what = block.name if number < 0 else f"{block.name}, mutant {number + 1}"
-            try:
-                found = task.result()
-                if isinstance(found, dict):
-                    results[block.name] = found
-                    said = f"{len(found['properties'])} properties hold, {found['seconds']} s"
-                else:
-                    caught[block.name, number] = found
-                    said = f"caught by {found}"
-            except ToolError as error:
-                wrong.append(str(error))
-                said = "FAILED: " + str(error).partition("\n")[0]
-            print(f"[{done}/{len(tasks)}, {time.monotonic() - begun:.0f} s] {what}: {said}", flush=True)
+        # The slow ones are the last rows. They go first, so that none is left alone at the end.
+        tasks: dict[Future[tuple[Result | str, float]], tuple[Block, int]] = {}
+        for block in reversed(blocks):
+            tasks[pool.submit(timed, block, None)] = (block, -1)
+        for block in reversed(blocks):
+            for number, mutant in enumerate(block.mutants):
+                tasks[pool.submit(timed, block, mutant)] = (block, number)
+        print(f"{len(blocks)} blocks, {len(tasks)} tasks, {jobs} at a time", flush=True)
+        left = set(tasks)
+        while left:
+            done, left = wait(left, timeout=SECONDS_SILENT, return_when=FIRST_COMPLETED)
+            if not done:
+                under_way = ", ".join(
+                    _named(*tasks[task]) for task in tasks if task in left and task.running()
+                )
+                print(f"[{time.monotonic() - begun:.0f} s] under way: {under_way}", flush=True)
+            for task in done:
+                block, number = tasks[task]
+                try:
+                    found, seconds = task.result()
+                    if isinstance(found, dict):
+                        results[block.name] = found
+                        said = f"{len(found['properties'])} properties hold, {seconds:.1f} s"
+                    else:
+                        caught[block.name, number] = found
+                        said = f"caught by {found}"
+                except ToolError as error:
+                    wrong.append(str(error))
+                    said = "FAILED: " + str(error).partition("\n")[0]
+                passed = f"{len(tasks) - len(left)}/{len(tasks)}, {time.monotonic() - begun:.0f} s"
+                print(f"[{passed}] {_named(block, number)}: {said}", flush=True)
     for block in blocks:
         if block.name in results:
             results[block.name]["mutants"] = [
                 caught.get((block.name, n), "") for n in range(len(block.mutants))
             ]
     return {block.name: results[block.name] for block in blocks if block.name in results}, wrong
+
+
+def _named(block: Block, mutant: int) -> str:
+    return block.name if mutant < 0 else f"{block.name}, mutant {mutant + 1}"
 
 
 def main() -> int:
@@ -122,15 +157,17 @@ def main() -> int:
     parser.add_argument(
         "--blocks", nargs="+", choices=names, help="these only; the others keep their figures"
     )
+    parser.add_argument("--stale", action="store_true", help="only those whose sources have changed since")
     parser.add_argument("--jobs", type=int, default=2, help="solvers at the same time")
     arguments = parser.parse_args()
-    blocks = [block for block in BLOCKS if block.name in (arguments.blocks or names)]
+    known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
+    wanted = stale(BLOCKS, known) if arguments.stale else arguments.blocks or names
+    blocks = [block for block in BLOCKS if block.name in wanted]
     results, wrong = run_all(blocks, arguments.jobs)
     print("\n" + table(blocks, results))
     for text in wrong:
         print(text, file=sys.stderr)
     # What failed is in neither record nor page.
-    known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
     known = {name: known[name] for name in known if name not in {block.name for block in blocks}} | results
     record = {name: known[name] for name in names if name in known}
     RECORD.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

@@ -10,7 +10,8 @@ from model import Model, run
 
 from unitylink.errors import ToolError
 
-_ASSERTED = re.compile(r"Output (\d+)\b.* was asserted in frame +(\d+)")
+_ASSERTED = re.compile(r"Output +(\d+)\b.* was asserted in frame +(\d+)")
+_SATISFIABLE = re.compile(r"^SATISFIABLE", re.MULTILINE)
 _NO_MEMORY = "Does not work for combinational networks"  # of such, one clock is as good as many
 
 
@@ -53,13 +54,27 @@ def reached(covers: Model, depth: int) -> dict[str, int]:
         return {}
     said = _abc(covers, f"bmc3 -a -x -F {depth}")
     if _NO_MEMORY in said:
-        return dict.fromkeys(violated(covers, 1), 0)
+        outputs = enumerate(covers.asserted)
+        return {
+            name: 0 for output, name in outputs if _SATISFIABLE.search(_abc(covers, f"cone -O {output}; sat"))
+        }
     return {covers.asserted[int(output)]: int(clock) for output, clock in _ASSERTED.findall(said)}
 
 
-def always(model: Model) -> bool:
-    """Return whether ABC finds an invariant under which no property can ever be violated."""
-    said = _abc(model, "scorr; pdr")
+def reached_late(covers: Model, name: str) -> int | None:
+    """Return in which clock ABC reaches a cover, if ever, however late."""
+    said = _abc(covers, f"cone -O {covers.asserted.index(name)} -s; scorr; dc2; scorr; pdr")
+    if found := _ASSERTED.search(said):
+        return int(found.group(2))
+    if "Property proved" in said:
+        return None
+    raise ToolError(f"yosys-abc has no answer for {name} of {covers.top}:\n{said[-2000:]}")
+
+
+def always(model: Model, name: str | None = None) -> bool:
+    """Return whether ABC finds an invariant under which no property, or not that one, is ever violated."""
+    alone = f"cone -O {model.asserted.index(name)} -s; scorr; dc2; " if name else ""
+    said = _abc(model, f"{alone}scorr; pdr")
     if "Property proved" in said:
         return True
     if "was asserted in frame" in said:

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which VHDL files a design unit is made of, and what they say but for comments: for digests of results."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+_COMMENT = re.compile(r'("[^"\n]*")|--[^\n]*')
+_UNIT = re.compile(r"\b(?:entity|package)\s+(\w+)\s+is\b")
+
+
+def needed_sources(top: str, sources: Iterable[Path]) -> list[Path]:
+    """Return those of `sources` whose units the unit `top` needs, and its own, in order of their names.
+
+    >>> from unitylink.gateware import gateware_sources
+    >>> [path.name for path in needed_sources("fifo", gateware_sources())]
+    ['fifo.vhd', 'width_pkg.vhd']
+    """
+    units = {name: path for path in sources for name in _UNIT.findall(plain_text(path))}
+    wanted, found = [top], set()
+    while wanted:
+        path = units.get(wanted.pop())
+        if path is not None and path not in found:
+            found.add(path)
+            wanted += re.findall(r"\bwork\.(\w+)", plain_text(path))
+    return sorted(found, key=lambda path: path.name)
+
+
+@cache
+def plain_text(path: Path) -> str:
+    """Return a VHDL file without comments, a blank for all that separates."""
+    text = _COMMENT.sub(lambda found: found.group(1) or "", path.read_text(encoding="utf-8"))
+    return " ".join(text.split())

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The digest of all that a proof depends on. The record has it, so that a stale proof is noticed."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+
+from block import Block
+
+from unitylink.gateware import gateware_folder, gateware_sources
+from unitylink.gateware import ghdl as ghdl_module
+from unitylink.gateware import repairs as repairs_module
+from unitylink.gateware.dependencies import needed_sources, plain_text
+
+_HERE = Path(__file__).parent
+_ASKS = (  # what makes the models, and what is asked of them
+    *(_HERE / name for name in ("cases.py", "model.py", "solvers.py")),
+    *(Path(str(module.__file__)) for module in (ghdl_module, repairs_module)),
+)
+_WORDS_ONLY = ("what", "not_proven", "quick")  # of a row: they change no question
+
+
+def digest(block: Block) -> str:
+    """Return 16 hex digits over all VHDL that `block` is made of, its row, and how it is asked.
+
+    Comments and blanks do not count. The versions of the solvers do not either: what one proves, holds.
+    """
+    said = hashlib.sha256()
+    for part in (_row(block), *map(plain_text, sources_of(block)), *map(_python, _ASKS)):
+        said.update(part.encode() + b"\0")
+    return said.hexdigest()[:16]
+
+
+def sources_of(block: Block) -> list[Path]:
+    """Return the VHDL files that the block and its properties are made of."""
+    return needed_sources(block.top, [*gateware_sources(), *(gateware_folder() / "formal").glob("*.vhd")])
+
+
+def stale(blocks: tuple[Block, ...], record: Mapping[str, Mapping[str, object]]) -> list[str]:
+    """Return the blocks of which the record has no proof, or one of other sources."""
+    return [block.name for block in blocks if record.get(block.name, {}).get("digest") != digest(block)]
+
+
+@cache
+def _python(path: Path) -> str:
+    return ast.dump(ast.parse(path.read_text(encoding="utf-8")))
+
+
+def _row(block: Block) -> str:
+    return repr([getattr(block, each.name) for each in fields(block) if each.name not in _WORDS_ONLY])
