@@ -11,8 +11,8 @@
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
 #   make coverage  which lines of the gateware its benches execute, at least 95 %
-#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record a growth; ROWS="core lite": these only)
-#   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only)
+#   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them; ROWS="core lite": these only)
+#   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
 #   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings)
 #   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
@@ -100,7 +100,7 @@ synth: $(VENV)/.built
 
 formal: $(VENV)/.built
 	@tools/setup.sh formal
-	$(BIN)/python tools/formal/prove.py $(if $(BLOCKS),--blocks $(BLOCKS))
+	$(BIN)/python tools/formal/prove.py $(if $(BLOCKS),--blocks $(BLOCKS)) $(if $(STALE),--stale)
 
 boards: $(VENV)/.built
 	@tools/setup.sh group boards

@@ -96,6 +96,11 @@ install_missing() {
   fi
 }
 
+progress() {                              # of ninja's lines, ten
+  awk -v what="$1" 'match($0, /^\[[0-9]+\/[0-9]+\]/) { split(substr($0, 2, RLENGTH - 2), n, "/"); part = int(10 * n[1] / n[2])
+    if (part != told && n[2] >= 10) { told = part; print "building " what ": " n[1] " of " n[2]; fflush() } }'
+}
+
 # native FOLDER [cmake option...]: the native tests, fuzz loops and benches
 native() {
   local folder=$1; shift
@@ -103,7 +108,7 @@ native() {
   tools/setup.sh group build
   PATH="$PWD/$venv/bin:$PATH" cmake -S . -B "$folder" -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON "$@" > build/cmake.log 2>&1 \
     || { cat build/cmake.log >&2; stop "cmake failed"; }
-  PATH="$PWD/$venv/bin:$PATH" cmake --build "$folder" > build/native.log 2>&1 || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
+  PATH="$PWD/$venv/bin:$PATH" cmake --build "$folder" 2>&1 | tee build/native.log | progress "$folder" || { tail -60 build/native.log >&2; stop "the native tests did not build"; }
   touch -r "$folder.started" "$folder/.built"
 }
 

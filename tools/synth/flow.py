@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import shutil
@@ -16,6 +17,8 @@ from pathlib import Path
 
 from table import Row
 
+from unitylink.gateware import gateware_sources
+from unitylink.gateware.dependencies import needed_sources, plain_text
 from unitylink.gateware.netlist import netlist
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -78,6 +81,16 @@ def verilog_of(row: Row) -> str:
         call(sys.executable, "-m", "unitylink", *generate)
         sources = sorted(Path(folder).rglob("*.vhd"))
         return netlist(row.top, sources=sources, generics=row.generics, assertions=False)
+
+
+def digest(row: Row) -> str:
+    """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
+    said = hashlib.sha256(repr((row.top, sorted(row.generics.items()), row.example)).encode())
+    spec = ROOT / "examples" / row.example / f"{row.example}.ul"
+    paths = needed_sources("core" if row.example else row.top, gateware_sources())
+    for text in (*map(plain_text, paths), spec.read_text(encoding="utf-8") if row.example else ""):
+        said.update(text.encode() + b"\0")
+    return said.hexdigest()[:16]
 
 
 def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure every row on both chips, compare with the record, and write record and page."""
+"""Measure rows on both chips and compare with the record; with --accept, write record and page anew."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from flow import CHIPS, ICE40, ROOT, SEEDS, TARGET_MHZ, map_cells, place, verilog_of, versions
+from flow import CHIPS, ICE40, ROOT, SEEDS, TARGET_MHZ, digest, map_cells, place, verilog_of, versions
 from table import ROWS, Row
 
 RECORD = ROOT / "gateware" / "area.json"
@@ -27,6 +27,7 @@ Figures = dict[str, dict[str, Any]]
 def measure(row: Row) -> Figures:
     """Return the figures of a row on each chip."""
     verilog = verilog_of(row)
+    print(f"{row.name:14} ...", flush=True)
     figures = {name: place(map_cells(verilog, row.top, chip)) for name, chip in CHIPS.items()}
     print(
         f"{row.name:14}", *(f"{c['cells']:5} cells {c['mhz']:6.1f} MHz" for c in figures.values()), flush=True
@@ -73,7 +74,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
         "`hello_led` and `servo` are whole designs. 2012 is the gateware of that year in the same flow.",
         "",
         f"Tools: {'; '.join(tools)}. `make synth` measures anew, and fails when a row grew or slowed; "
-        "`tests/gateware/test_area.py` watches the cells in every `make test`.",
+        "`make test` maps every row anew of which the gateware has changed since, and fails when it grew.",
     ]
     for chip_name, chip in CHIPS.items():
         lines += [
@@ -103,7 +104,7 @@ def page(figures: dict[str, Figures], tools: list[str]) -> str:
 def main() -> int:
     """Measure; 0 if nothing is worse than it may be."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--accept", action="store_true", help="record a growth that is meant")
+    parser.add_argument("--accept", action="store_true", help="record what was measured, and write the page")
     parser.add_argument(
         "--rows",
         nargs="+",
@@ -112,19 +113,33 @@ def main() -> int:
     )
     parser.add_argument("--jobs", type=int, default=2, help="rows measured at the same time")
     arguments = parser.parse_args()
-    recorded = json.loads(RECORD.read_text(encoding="utf-8"))["rows"] if RECORD.exists() else {}
+    whole = json.loads(RECORD.read_text(encoding="utf-8"))
+    recorded = whole["rows"]
     rows = [row for row in ROWS if row.name in (arguments.rows or [row.name for row in ROWS])]
     print(f"{len(rows)} rows on {len(CHIPS)} chips, {len(SEEDS)} seeds each", flush=True)
     with ThreadPoolExecutor(arguments.jobs) as pool:
         measured = dict(zip((row.name for row in rows), pool.map(measure, rows), strict=True))
     found = [text for row in rows for text in complaints(row, measured[row.name], recorded.get(row.name))]
+    tools = versions()
+    if tools != whole["tools"]:
+        print(
+            f"measured with {'; '.join(tools)}\nrecorded with {'; '.join(whole['tools'])}: figures may differ"
+        )
+    for row in rows:
+        if recorded.get(row.name, {}).get("digest") != digest(row):
+            print(f"{row.name}: the gateware has changed since it was recorded")
     for text in found:
         print(text, file=sys.stderr)
-    if found and not arguments.accept:
-        return 1
-    tools = versions()
-    known = recorded | measured
+    if not arguments.accept:
+        print("the record stays as it is; ACCEPT=1 records these figures")
+        return 1 if found else 0
+    known = recorded | {row.name: {"digest": digest(row)} | measured[row.name] for row in rows}
     figures = {row.name: known[row.name] for row in ROWS if row.name in known}
+    if whole["tools"] != tools and len(rows) < len(ROWS):
+        print(
+            "other tools than those of the rows that were not measured: record all of them", file=sys.stderr
+        )
+        return 1
     RECORD.write_text(json.dumps({"tools": tools, "rows": figures}, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(figures, tools), encoding="utf-8")
     return 0

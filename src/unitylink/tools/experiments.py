@@ -19,7 +19,7 @@ from .failure import Failure
     type=click.Path(file_okay=False, path_type=Path),
     help="Where the report goes.",
 )
-@click.option("--quick", is_flag=True, help="Repeat less often; under three minutes.")
+@click.option("--quick", is_flag=True, help="Repeat less often; about ten minutes.")
 @click.option(
     "--soak",
     metavar="SECONDS",
