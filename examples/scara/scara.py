@@ -61,7 +61,7 @@ _SCARA_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Scara(Node):
+class Scara(Node, closed=True):
     """The public interface `scara`: 16 words.
 
     `ctrl` and `comm` default to `link`.
@@ -103,7 +103,7 @@ class Scara(Node):
         self.j4 = Joint(self, "j4")
 
 
-class Joint(Node):
+class Joint(Node, closed=True):
     """The constructor `joint`, expanded as `j1`, `j2`, `j3`, `j4`."""
 
     cpos: ReadValue[int]

@@ -25,7 +25,7 @@ package frame_assembler_pkg is
   type label_t is (
     -- what all share
     next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
-    finish_plain, write_ok,
+    finish_plain, write_ok, write_failed, write_denied,
     invalid, bad_address, denied, too_long, order,
     behind, no_group, failed, count_failure, count_silence, count_denial, drop_kind, drop_stale, drop_done, clear_next, cleared,
     -- sessions
@@ -40,7 +40,7 @@ package frame_assembler_pkg is
     registers_kept, registers_say, turn_down, write_arm,
     write_publish, write_ticks,
     -- posts
-    post_other, post_old, post_denied, post_failed, post_note, post_noted, post_formed, post_end,
+    post_other, post_old, post_denied, post_stopped, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
     list_start, list_op, list_pass, list_values, list_more, list_masks, list_once, list_reads, list_plain, list_free,
     list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads, run_read,

@@ -48,11 +48,15 @@ package body frame_post_pkg is
 
     at(p, post_denied);
     bump(p, control_posts_c);
-    bump(p, control_refused_c);
     put(p, store(store_next, word_posts) or times(2));
+    at(p, post_stopped);
+    bump(p, control_refused_c);
     load(p, word_four);
     go_to(p, post_note);
     at(p, post_failed);
+    if s.deadman then
+      put(p, nothing_done, if_denied, post_stopped);  -- it tripped meanwhile
+    end if;
     call(p, count_failure);
     at(p, post_note);
     bump(p, control_post_errors_c);

@@ -91,9 +91,6 @@ package body frame_program_pkg is
     call(p, count_failure, say(say_again));
     put(p, say(say_kind, from_other) or number(status_of_data));
     put(p, number(mark_repeated), if_mark, tail_plain);
-    if s.deadman then
-      put(p, number(reply_status_denied_c), if_low, tail_plain);
-    end if;
     call(p, head);
     at(p, end_failed);
     put(p, say(say_end) or act(do_place) or number(status_of_data) or act(do_done));
@@ -109,9 +106,9 @@ package body frame_program_pkg is
     bump(p, control_bus_timeouts_c);
     load(p, word_two, act(do_return));
     if s.deadman then
-      at(p, count_denial);
+      at(p, count_denial);  -- a list or group has been executed in part
       bump(p, control_refused_c);
-      load(p, word_four, act(do_return));
+      load(p, word_one, act(do_return));
     end if;
 
     at(p, denied);
@@ -316,8 +313,15 @@ package body frame_program_pkg is
     end if;
     put(p, take(take_data) or times(s.data_bytes) or act(do_write));
     bump(p, control_frames_c);
-    put(p, act(do_await) or say(say_kind) or number(device_kind_reply_c), if_failed, failed);
+    put(p, act(do_await) or say(say_kind) or number(device_kind_reply_c), if_failed, write_failed);
     go_to(p, tail_ok);
+    at(p, write_failed);
+    put(p, nothing_done, if_denied, write_denied);
+    go_to(p, failed);
+    at(p, write_denied);  -- the dead-man tripped before it came to the bus
+    bump(p, control_refused_c, say(say_again));
+    put(p, say(say_kind) or number(device_kind_reply_c + reply_status_denied_c));
+    go_to(p, tail_plain);
 
     at(p, general);
     put(p, act(do_rewind));

@@ -9,10 +9,16 @@
 --                     e N    set the event inputs to this mask
 --                     x N    pulse the physical error bits for one clock
 --                     r N    reset for N clocks
+--                     d N    the host takes no more bytes, N clocks from now on; 0: it does again
+--                     k N    nor does it send any, and what it would send is lost; likewise
 -- Answers:            b CLOCK BYTE  a byte has left
 --                     o CLOCK       the first byte of an `s` has entered
 --                     i CLOCK       its last byte has
 --                     t CLOCK ADDRESS  a bus strobe has begun (of the address, the low 16 bits)
+--                     u CLOCK ADDRESS  a write has been acknowledged
+--                     v CLOCK DATA  and this was written
+--                     p CLOCK LEVEL  `tripped` is another one now
+--                     k CLOCK LEVEL  the host is dead, or alive again
 --                     s             a step is over
 --                     end           all steps are
 
@@ -53,7 +59,7 @@ entity replay_tb is
     bad_base      : natural  := 0;       -- see bench_memory
     registers     : natural  := 0;       -- so many words from 0 on are a register_slave, frozen while the bus is held
     fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
-    physical      : string   := "none";  -- or behind "ft245_async" or "ft245_sync" and a model of its chip
+    physical      : string   := "none";  -- or behind one, and the other end of its wires: see far_end
     stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
     bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
     byte_clocks   : positive := 1;       -- clocks a byte that leaves takes on its line
@@ -78,6 +84,14 @@ architecture bench of replay_tb is
     return 10 ns;
   end function;
 
+  function line_kind return string is
+  begin
+    if fifo_words > 0 then
+      return "fifo";
+    end if;
+    return physical;
+  end function;
+
   signal clock    : std_ulogic := '0';
   signal reset    : std_ulogic := '1';
   signal ended    : boolean := false;
@@ -94,7 +108,10 @@ architecture bench of replay_tb is
   signal core_tx_ready : std_ulogic;
   signal core_tx_data  : std_ulogic_vector(7 downto 0);
   signal core_tx_last, core_tx_publish : std_ulogic;
-  signal rx_error : std_ulogic_vector(2 downto 0) := "000";
+  signal rx_error, line_error, core_rx_error : std_ulogic_vector(2 downto 0) := "000";
+  signal tripped  : std_ulogic;
+  signal deaf_from, dead_from : natural := natural'high;  -- clocks
+  signal deaf, dead : boolean;
   signal tx_valid : std_ulogic;
   signal tx_ready : std_ulogic := '1';
   signal tx_data  : std_ulogic_vector(7 downto 0);
@@ -111,6 +128,10 @@ begin
   clock     <= not clock after half_period when not ended;
   now_clock <= now_clock + 1 when rising_edge(clock);
 
+  core_rx_error <= rx_error or line_error;
+  dead <= now_clock >= dead_from;
+  deaf <= now_clock >= deaf_from or dead;
+
   core : entity work.core
     generic map (
       address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
@@ -121,78 +142,21 @@ begin
       gateware_version => x"00010000", spec_hash => x"0123456789ABCDEF")
     port map (
       clock => clock, reset => reset,
-      rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => rx_error,
+      rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => core_rx_error,
       tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
       tx_last => core_tx_last, tx_publish => core_tx_publish, events => events,
+      tripped => tripped,
       wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
 
-  line_sides : if fifo_words > 0 generate
-    rx_fifo : entity work.fifo
-      generic map (width => 8, depth => fifo_words)
-      port map (
-        clock => clock, reset => reset,
-        write_valid => rx_valid, write_ready => rx_ready, write_data => rx_data,
-        read_valid => core_rx_valid, read_ready => core_rx_ready, read_data => core_rx_data);
-    tx_fifo : entity work.fifo
-      generic map (width => 8, depth => fifo_words)
-      port map (
-        clock => clock, reset => reset,
-        write_valid => core_tx_valid, write_ready => core_tx_ready, write_data => core_tx_data,
-        read_valid => tx_valid, read_ready => tx_ready, read_data => tx_data);
-  elsif physical = "ft245_async" generate
-    chip : block is
-      signal rxf_n, txe_n, rd_n, wr_n, siwu_n, data_drive : std_ulogic;
-      signal data_to_fpga, data_to_chip                   : std_ulogic_vector(7 downto 0);
-    begin
-      ft245 : entity work.ft245_async
-        generic map (clock_hz => 50_000_000)
-        port map (
-          clock => clock, reset => reset,
-          rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-          data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
-          rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data,
-          tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
-          tx_last => core_tx_last, tx_publish => core_tx_publish);
-      model : entity work.ft245_async_model
-        generic map (seed => seed, room_bytes => 4)
-        port map (
-          clock => clock, rxf_n => rxf_n, txe_n => txe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-          data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
-          to_fpga_valid => rx_valid, to_fpga_ready => rx_ready, to_fpga_data => rx_data,
-          from_fpga_valid => tx_valid, from_fpga_ready => tx_ready, from_fpga_data => tx_data,
-          written => open, si_pulses => open);
-    end block;
-  elsif physical = "ft245_sync" generate
-    chip : block is
-      signal chip_clock, rxf_n, txe_n, oe_n, rd_n, wr_n, siwu_n, data_drive : std_ulogic;
-      signal data_to_fpga, data_to_chip                                     : std_ulogic_vector(7 downto 0);
-    begin
-      ft245 : entity work.ft245_sync
-        port map (
-          clock => clock, reset => reset, chip_clock => chip_clock,
-          rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-          data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
-          rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data,
-          tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
-          tx_last => core_tx_last, tx_publish => core_tx_publish);
-      model : entity work.ft245_sync_model
-        generic map (seed => seed, room_bytes => 4)
-        port map (
-          clock => clock, running => not ended, chip_clock => chip_clock,
-          rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-          data_to_fpga => data_to_fpga, data_to_chip => data_to_chip, data_drive => data_drive,
-          to_fpga_valid => rx_valid, to_fpga_ready => rx_ready, to_fpga_data => rx_data,
-          from_fpga_valid => tx_valid, from_fpga_ready => tx_ready, from_fpga_data => tx_data,
-          written => open, si_pulses => open);
-    end block;
-  else generate
-    core_rx_valid <= rx_valid;
-    rx_ready      <= core_rx_ready;
-    core_rx_data  <= rx_data;
-    tx_valid      <= core_tx_valid;
-    core_tx_ready <= tx_ready;
-    tx_data       <= core_tx_data;
-  end generate;
+  line_side : entity work.far_end
+    generic map (kind => line_kind, fifo_words => maximum(fifo_words, 1), seed => seed)
+    port map (
+      clock => clock, reset => reset, running => not ended,
+      in_valid => rx_valid, in_ready => rx_ready, in_data => rx_data,
+      out_valid => tx_valid, out_ready => tx_ready, out_data => tx_data,
+      rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => line_error,
+      tx_valid => core_tx_valid, tx_ready => core_tx_ready, tx_data => core_tx_data,
+      tx_last => core_tx_last, tx_publish => core_tx_publish);
 
   memory : entity work.bench_memory
     generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, bad_base => bad_base,
@@ -231,7 +195,15 @@ begin
     variable random : random_t;
     variable seeded : boolean := false;
     variable strobe : std_ulogic := '0';
+    variable level  : std_ulogic := '0';
+    variable silence : boolean := false;
     variable answer : line;
+
+    procedure tell (what : character; number : integer) is
+    begin
+      write(answer, what & " " & integer'image(now_clock) & " " & integer'image(number));
+      writeline(answers, answer);
+    end procedure;
   begin
     if rising_edge(clock) then
       if not seeded then
@@ -239,20 +211,29 @@ begin
         seeded := true;
       end if;
       if reset = '0' and tx_valid = '1' and tx_ready = '1' then
-        write(answer, string'("b ") & integer'image(now_clock) & " " & integer'image(to_integer(unsigned(tx_data))));
-        writeline(answers, answer);
+        tell('b', to_integer(unsigned(tx_data)));
       end if;
       if wishbone_m2s.stb = '1' and strobe = '0' then
-        write(answer, string'("t ") & integer'image(now_clock) & " " &
-              integer'image(to_integer(unsigned(wishbone_m2s.adr(15 downto 0)))));
-        writeline(answers, answer);
+        tell('t', to_integer(unsigned(wishbone_m2s.adr(15 downto 0))));
+      end if;
+      if (wishbone_m2s.stb and wishbone_m2s.we and wishbone_s2m.ack) = '1' then
+        tell('u', to_integer(unsigned(wishbone_m2s.adr(15 downto 0))));
+        tell('v', to_integer(signed(wishbone_m2s.dat)));
+      end if;
+      if dead /= silence then
+        silence := dead;
+        tell('k', boolean'pos(dead));
+      end if;
+      if reset = '0' and tripped /= level then
+        level := tripped;
+        tell('p', boolean'pos(level = '1'));
       end if;
       strobe := wishbone_m2s.stb;
       if (tx_valid = '1' and tx_ready = '1') or (rx_valid = '1' and rx_ready = '1') then
         last_activity <= now_clock;
       end if;
       tx_ready <= '1';
-      if random.chance(stall_percent) or now_clock mod byte_clocks /= 0 then
+      if random.chance(stall_percent) or now_clock mod byte_clocks /= 0 or deaf then
         tx_ready <= '0';
       end if;
     end if;
@@ -286,11 +267,14 @@ begin
       while random.chance(stall_percent) loop
         wait until rising_edge(clock);
       end loop;
+      if dead then
+        return;
+      end if;
       rx_valid <= '1';
       rx_data  <= std_ulogic_vector(to_unsigned(byte, 8));
       loop
         wait until rising_edge(clock);
-        exit when rx_ready = '1';
+        exit when rx_ready = '1' or dead;
         assert now_clock - start < step_clocks_most
           report "replay_tb: the core takes no more bytes" severity failure;
       end loop;
@@ -346,6 +330,16 @@ begin
             rx_error <= std_ulogic_vector(to_unsigned(number, 3));
             wait until rising_edge(clock);
             rx_error <= "000";
+          when 'd' | 'k' =>
+            start := natural'high;
+            if number > 0 then
+              start := now_clock + number;
+            end if;
+            if kind = 'd' then
+              deaf_from <= start;
+            else
+              dead_from <= start;
+            end if;
           when 'r' =>
             reset <= '1';
             for count in 1 to number loop

@@ -48,7 +48,8 @@ enum {
   UL_CANCELLED = 12,     /* not sent, because an earlier request of the same call failed */
   UL_ARGUMENT = 13,      /* a NULL pointer or a struct of unknown size */
   UL_NO_MEMORY = 14,
-  UL_DENIED = 15         /* the dead-man has tripped: nothing is written before ul_arm */
+  UL_DENIED = 15,        /* the dead-man has tripped: nothing is written before ul_arm */
+  UL_DOWN = 16           /* reconnect=1: the line is gone and is being opened again; nothing was sent */
 };
 
 typedef struct ul_link ul_link;
@@ -91,6 +92,8 @@ typedef struct {
   uint64_t stale_replies, garbage_bytes, publishes, unclaimed_publishes, mismatched_publishes, overruns;
   uint64_t bytes_sent, bytes_received;
   uint64_t posts, missing_publishes, sessions; /* of the framed protocol; left out where size ends before them */
+  uint64_t restarts;      /* framed: the device was reset, or another program has had it: its outputs are its own */
+  uint64_t reconnections; /* reconnect=1: the line was gone, and is back */
 } ul_statistics;
 
 typedef struct {
@@ -124,7 +127,11 @@ UL_API void ul_free(ul_link* link);
 UL_API ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration);
 UL_API ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics);
 
-/* All requests: UL_TIMEOUT UL_CLOSED UL_BUSY UL_BUS_ERROR UL_PROTOCOL_ERROR UL_MISMATCH UL_RANGE UL_ARGUMENT UL_NO_MEMORY;
+/* Until requests are taken: at once, unless the line is gone and is being opened again (reconnect=1 in the URL). UL_DOWN: not within
+ * `timeout_ns`; ul_last_error_text says why. UL_CLOSED UL_MISMATCH: it has ended. */
+UL_API ul_status ul_wait_up(ul_link* link, uint64_t timeout_ns);
+
+/* All requests: UL_TIMEOUT UL_CLOSED UL_DOWN UL_BUSY UL_BUS_ERROR UL_PROTOCOL_ERROR UL_MISMATCH UL_RANGE UL_ARGUMENT UL_NO_MEMORY;
  * writes also UL_UNKNOWN. Buffers are the caller's and are not used after the call has returned. */
 UL_API ul_status ul_read(ul_link* link, uint32_t address, uint32_t* value, const ul_options* options);
 UL_API ul_status ul_write(ul_link* link, uint32_t address, uint32_t value, const ul_options* options);

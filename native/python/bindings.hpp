@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unistd.h>
 #include <vector>
 
@@ -56,6 +57,8 @@ void raise_unless_ok(const Outcome& outcome);
 // Any Python integer, numpy's included, as a word; ValueRangeError says what `name` may be otherwise.
 [[nodiscard]] std::uint32_t word_of(nanobind::handle value, const char* name);
 [[nodiscard]] std::vector<std::uint32_t> words_of(nanobind::handle sequence, const char* name);
+// How Python shows an argument, for an error.
+[[nodiscard]] std::string told(nanobind::handle object);
 
 // Words to write, of a sequence of pairs (address, value).
 struct Writes {

@@ -352,6 +352,7 @@ void bind_board(nb::module_& module) {
       .def("pulse_event", &Board::pulse_event, nb::arg("group"), Release())
       .def("receive_error", &Board::receive_error, nb::arg("bits"), Release())
       .def("damage_cycle", &Board::damage_cycle, Release())
+      .def("hang_up", &Board::hang_up, Release())
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
       .def("async_take",
            [](PythonBoard& self) -> nb::object {

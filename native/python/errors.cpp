@@ -24,6 +24,7 @@ const char* class_of(Status status) {
     case Status::protocol_error: return "ProtocolError";
     case Status::mismatch: return "DeviceMismatch";
     case Status::denied: return "DeadManTripped";
+    case Status::down: return "LinkDown";
     case Status::range: return "ValueRangeError";
     case Status::bad_url: return "UrlError";
     default: return "LinkError";

@@ -27,8 +27,6 @@ namespace nb = nanobind;
 namespace unitylink::python {
 namespace {
 
-constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
-
 std::unique_ptr<Link> open_link(std::string_view url) {
   std::unique_ptr<Link> link;
   Outcome outcome;
@@ -353,6 +351,8 @@ nb::dict statistics(Link& link) {
   UNITYLINK_COUNTER(posts);
   UNITYLINK_COUNTER(missing_publishes);
   UNITYLINK_COUNTER(sessions);
+  UNITYLINK_COUNTER(restarts);
+  UNITYLINK_COUNTER(reconnections);
 #undef UNITYLINK_COUNTER
   return result;
 }
@@ -381,6 +381,7 @@ void bind_link(nb::module_& module) {
   nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a).def("withdraw", &Pending::withdraw, "link"_a);
   nb::class_<Link> link(module, "NativeLink");
   bind_framed(link);
+  bind_line(link);
   link.def("read", &read, "address"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("write", &write, "address"_a, "value"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("read_many", &read_many, "addresses"_a, "atomic"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
@@ -401,7 +402,7 @@ void bind_link(nb::module_& module) {
       .def("forget_notification", &Link::forget_notification, "descriptor"_a, nb::call_guard<GilRelease>())
       .def("statistics", &statistics)
       .def("now_s", [](const Link& self) { return static_cast<double>(self.now_ns()) / 1e9; })
-      .def_prop_ro("warning", &Link::warning)
+      .def_prop_ro("warning", &Link::warning, nb::call_guard<GilRelease>())
       .def_prop_ro("configuration", &configuration)
       .def_prop_ro("usable_group_size", &Link::usable_group_size)
       .def_prop_ro("closed", &Link::closed, nb::call_guard<GilRelease>())

@@ -20,17 +20,26 @@ namespace nb = nanobind;
 
 // Adds what only the framed protocol has.
 void bind_framed(nb::class_<Link>& link);
+// And what is about its line.
+void bind_line(nb::class_<Link>& link);
+
+constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
 
 inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle timeout_s) {
   RequestOptions options;
   options.repeat = repeat;
   if (!checked.is_none()) {
-    options.checked = nb::cast<bool>(checked);
+    bool wanted = false;
+    if (!nb::try_cast(checked, wanted)) {
+      raise_unless_ok({Status::range, "checked is True, False or None, not " + told(checked)});
+    }
+    options.checked = wanted;
   }
   if (!timeout_s.is_none()) {
-    const double seconds = nb::cast<double>(timeout_s);
-    if (!(seconds > 0 && seconds <= 3600)) {
-      raise_unless_ok({Status::range, "timeout_s must be above 0 and at most 3600, not " + std::to_string(seconds)});
+    double seconds = 0;
+    if (!nb::try_cast(timeout_s, seconds) || !(seconds > 0 && seconds <= 3600)) {
+      PyErr_Clear();  // an integer beyond all floats leaves one
+      raise_unless_ok({Status::range, "timeout_s must be above 0 and at most 3600, not " + told(timeout_s)});
     }
     options.timeout_ns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(seconds * 1e9));
   }

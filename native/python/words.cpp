@@ -15,13 +15,12 @@ namespace unitylink::python {
 namespace {
 
 constexpr long long word_max = 0xFFFFFFFFLL;
+constexpr std::size_t text_max = 200;  // of an argument that an error shows
 
 [[noreturn]] void raise_range(const std::string& text) {
   raise_unless_ok({Status::range, text});
   throw nb::value_error(text.c_str());
 }
-
-std::string told(nb::handle object) { return nb::cast<std::string>(nb::repr(object)); }
 
 // Any integer that is no `int` of Python itself, such as numpy's; and what is wrong with all others.
 std::uint32_t other_word_of(nb::handle value, const char* name) {
@@ -33,7 +32,7 @@ std::uint32_t other_word_of(nb::handle value, const char* name) {
   int overflow = 0;
   const long long number = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
   if (overflow != 0 || number < 0 || number > word_max) {
-    raise_range(std::string(name) + " " + nb::cast<std::string>(nb::str(index)) + " is not in 0..0xffffffff");
+    raise_range(std::string(name) + " " + told(index) + " is not in 0..0xffffffff");
   }
   return static_cast<std::uint32_t>(number);
 }
@@ -52,6 +51,16 @@ std::span<PyObject*> span_of(const nb::object& items) noexcept {
 }
 
 }  // namespace
+
+std::string told(nb::handle object) {
+  const nb::object text = nb::steal(PyObject_Repr(object.ptr()));
+  if (!text.is_valid()) {  // an integer of more digits than Python writes
+    PyErr_Clear();
+    return "a " + nb::cast<std::string>(nb::str(nb::type_name(object.type()))) + " that cannot be shown";
+  }
+  const auto whole = nb::cast<std::string>(text);
+  return whole.size() <= text_max ? whole : whole.substr(0, text_max) + "...";
+}
 
 std::uint32_t word_of(nb::handle value, const char* name) {
   if (PyLong_CheckExact(value.ptr())) {

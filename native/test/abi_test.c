@@ -49,6 +49,9 @@ int abi_test(const char* url) {
   EXPECT(ul_get_statistics(link, &statistics) == UL_OK && statistics.requests >= 6);
   statistics.size = offsetof(ul_statistics, posts); /* a program of version 0.1.0 */
   EXPECT(ul_get_statistics(link, &statistics) == UL_OK);
+  statistics.size = offsetof(ul_statistics, restarts); /* of one before reconnect=1 */
+  EXPECT(ul_get_statistics(link, &statistics) == UL_OK);
+  EXPECT(ul_wait_up(link, 0) == UL_OK && ul_wait_up(NULL, 0) == UL_ARGUMENT);
 
   addresses[0] = 0x20;
   EXPECT(ul_transfer(link, addresses, values, 3, addresses, values, 3, 0, NULL) == UL_OK && values[0] == 1 && values[2] == 3);
@@ -68,7 +71,7 @@ int abi_test(const char* url) {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_MISMATCH);
   }
   EXPECT(ul_close(link) == UL_OK && ul_close(link) == UL_OK);
-  EXPECT(ul_read(link, 0x12, &value, NULL) == UL_CLOSED);
+  EXPECT(ul_read(link, 0x12, &value, NULL) == UL_CLOSED && ul_wait_up(link, 0) == UL_CLOSED);
   ul_free(link);
   ul_free(NULL);
   return 0;

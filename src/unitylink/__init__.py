@@ -18,12 +18,14 @@ from unitylink.lazy import load_name
 if TYPE_CHECKING:
     from unitylink.connection import connect
     from unitylink.errors import (
+        AssignmentError,
         BindingError,
         BoardError,
         BusError,
         DeviceMismatch,
         LinkBusy,
         LinkClosed,
+        LinkDown,
         LinkError,
         LinkNotFound,
         LinkTimeout,
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
         SpecError,
         ToolError,
         UnityLinkError,
+        UnknownName,
         UrlError,
         ValueRangeError,
     )
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "AssignmentError",
     "BindingError",
     "BoardError",
     "BusError",
@@ -49,6 +53,7 @@ __all__ = [
     "Link",
     "LinkBusy",
     "LinkClosed",
+    "LinkDown",
     "LinkError",
     "LinkNotFound",
     "LinkTimeout",
@@ -60,6 +65,7 @@ __all__ = [
     "Subscription",
     "ToolError",
     "UnityLinkError",
+    "UnknownName",
     "UrlError",
     "ValueRangeError",
     "__version__",

@@ -56,6 +56,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "experiments": ("experiments", "Repeat the paper's measurements on a model of its USB chip."),
 }
 
+CHECKOUT_ONLY = frozenset({"bench"})  # what they run is no part of a wheel
+
 _EXAMPLES = f"""
 \b
 Examples, none of which needs a board:
@@ -75,7 +77,7 @@ class Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order of the table."""
-        return list(COMMANDS)
+        return list(available())
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return the command."""
@@ -89,18 +91,32 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command, or say which one was probably meant."""
+        if args and args[0] in CHECKOUT_ONLY and args[0] not in available():
+            raise click.UsageError(
+                f"'{args[0]}' needs a checkout of the source; there it is `make {args[0]}`", ctx
+            )
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from unitylink.spec.suggest import nearest
 
-            meant = nearest(args[0], COMMANDS)
-            hint = f"did you mean '{meant}'?" if meant else f"there are: {', '.join(COMMANDS)}"
+            meant = nearest(args[0], available())
+            hint = f"did you mean '{meant}'?" if meant else f"there are: {', '.join(available())}"
             raise click.UsageError(f"no command '{args[0]}'; {hint}", ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+            formatter.write_dl([(name, line) for name, (_, line) in available().items()])
+
+
+def available() -> dict[str, tuple[str, str]]:
+    """Return the commands that this installation has: in a wheel, all that need no checkout."""
+    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "tools")
+    return {
+        name: row
+        for name, row in COMMANDS.items()
+        if name not in CHECKOUT_ONLY or os.path.isfile(os.path.join(folder, f"{row[0]}.py"))
+    }
 
 
 def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -12,7 +13,7 @@ from unitylink.layer2_message import Link
 from unitylink.schemes import scheme_of
 
 
-def connect(url: str) -> Link:
+def connect(url: str, *, reconnect: bool | None = None) -> Link:
     """Return an open Link to the device that `url` names.
 
         connect("serial:/dev/ttyUSB0?baud=3000000")
@@ -29,6 +30,10 @@ def connect(url: str) -> Link:
     outputs safe), `spec_hash=HEX` (DeviceMismatch where the gateware has another wire hash) or
     `spec_hash=any` (objects are made although it was built from another spec; that is logged).
 
+    `reconnect=1` in the URL, or `reconnect=True`: a line that is lost, or whose device falls silent, is
+    opened again, and what was subscribed goes on (`Link.on_event`, `Link.wait_up`). What is asked meanwhile
+    is LinkDown at once; with `wait=SECONDS` reads wait so long instead. Not for `fd:` and `mmap:`.
+
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
     options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
     buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,
@@ -38,6 +43,8 @@ def connect(url: str) -> Link:
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
+    if reconnect is not None:
+        url = _with_reconnect(url, reconnect)
     scheme = scheme_of(url)
     if scheme.make is None:
         return Link(url)
@@ -54,6 +61,12 @@ def connect(url: str) -> Link:
     link.board = device if scheme.virtual else None
     link.call_on_close(device.close)
     return link
+
+
+def _with_reconnect(url: str, reconnect: bool) -> str:
+    if re.search(r"[?&]reconnect=", url):
+        raise UrlError(f"link URL {url!r}: reconnect stands in the URL, and is given beside it")
+    return f"{url}{'&' if '?' in url else '?'}reconnect={int(reconnect)}"
 
 
 @contextmanager

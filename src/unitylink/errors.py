@@ -6,6 +6,7 @@
     │   ├── LinkTimeout            the device did not answer in time; reads had no effect, writes see below
     │   ├── OutcomeUnknown         a write was sent and its answer lost: it may or may not have happened
     │   ├── LinkClosed             the port is closed, gone, or was unplugged
+    │   ├── LinkDown               the line is gone and is being opened again (reconnect=1); nothing was sent
     │   ├── LinkBusy               another program holds the port or the board
     │   ├── LinkNotFound           there is no such port, host or file
     │   ├── BusError               the device answered that its bus refused or did not answer the address
@@ -15,6 +16,8 @@
     │   ├── DeadManTripped         the device has made its outputs safe; nothing is written before arm()
     │   └── DeviceMismatch         the device cannot do what is asked (widths, groups, publishing)
     ├── ValueRangeError            a value, address or count that cannot be sent; nothing was (ValueError)
+    ├── AssignmentError            an attribute or entry of a robot that cannot be replaced (AttributeError)
+    ├── UnknownName                a name that a robot, a group or a recording does not have (KeyError)
     ├── UrlError                   a link URL that cannot be understood (ValueError)
     ├── SpecError                  a UL-spec with errors; carries .diagnostics
     ├── ToolError                  a program that compiles gateware is missing or refuses its input
@@ -26,11 +29,26 @@ Whose fault it is can be read from the branch: `LinkError` is the world outside,
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+def shown(value: object) -> str:
+    """Return a value for the text of an error: short, whatever it is.
+
+    >>> shown([1, 2, "x"]), shown(10**5000)
+    ("[1, 2, 'x']", 'a number that is too long to be shown')
+    """
+    try:
+        return reprlib.repr(value)
+    except Exception:  # an integer of more digits than Python writes; an object that cannot show itself
+        return (
+            f"a {'number' if isinstance(value, int) else type(value).__name__} that is too long to be shown"
+        )
 
 
 class UnityLinkError(Exception):
@@ -89,6 +107,13 @@ class LinkClosed(LinkError):
     """The port is closed, gone, or was unplugged."""
 
 
+class LinkDown(LinkError):
+    """The line is gone and is being opened again (`reconnect=1`); nothing was sent.
+
+    `Link.wait_up` waits for it, `Link.on_event` tells when it is back.
+    """
+
+
 class LinkBusy(LinkError):
     """Another program holds the port or the board."""
 
@@ -123,6 +148,18 @@ class DeviceMismatch(LinkError):
 
 class ValueRangeError(UnityLinkError, ValueError):
     """A value, address or count that cannot be sent; nothing was."""
+
+
+class AssignmentError(UnityLinkError, AttributeError):
+    """An attribute or entry of a robot that cannot be replaced: a value is written by its methods."""
+
+
+class UnknownName(UnityLinkError, KeyError):
+    """A name that a robot, a group or a recording does not have."""
+
+    def __str__(self) -> str:
+        """Return the sentence, which a KeyError would show in quotes."""
+        return str(self.args[0]) if self.args else ""
 
 
 class UrlError(UnityLinkError, ValueError):

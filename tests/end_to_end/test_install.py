@@ -83,13 +83,27 @@ class TestWheel:
             p.relative_to(package.parent) for p in package.rglob("*") if p.suffix != ".so" and p.is_file()
         ]
         for file in files:  # all of it: a pattern that leaves out too much is seen by users only
-            assert file.parent.name == "__pycache__" or f"{file} " in listed, file
+            shipped = f"{file} " in listed
+            assert shipped == (file.name != "bench_command.py") or file.parent.name == "__pycache__", file
+        assert "share/examples/scara/run.py" in listed
+        assert "examples/c_reader/" not in listed and "examples/ros/" not in listed
         assert "share/tools/wireshark/unitylink.lua" in listed
 
     def test_the_robot_moves(self, fresh: Path) -> None:
         said = call("venv/bin/unitylink", "demo", cwd=fresh)
         assert "0 lost" in said
         assert str(fresh / "venv") in call("venv/bin/unitylink", "--version", cwd=fresh)
+
+    def test_its_metadata_say_whose_it_is_and_what_it_is_for(self, fresh: Path) -> None:
+        said = call("venv/bin/pip", "show", "--verbose", "unitylink", cwd=fresh)
+        assert "Author: The Unity-Link authors" in said and "Typing :: Typed" in said
+        assert re.search(r"Project-URLs:\n +\S.*https://", said)
+
+    def test_what_needs_a_checkout_is_no_command_of_a_wheel(self, fresh: Path) -> None:
+        assert "\n  bench " not in call("venv/bin/unitylink", "--help", cwd=fresh)
+        tried = ["venv/bin/unitylink", "bench"]
+        done = subprocess.run(tried, cwd=fresh, capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == 2 and "needs a checkout of the source" in done.stderr
 
     def test_own_spec_is_alive(self, fresh: Path) -> None:
         call("venv/bin/unitylink", "new", "arm", cwd=fresh)

@@ -89,8 +89,13 @@ inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexce
   if ((low || high) && !value.saturate) return false;
   if (low) wanted = value.minimum;
   if (high) wanted = value.maximum;
-  const double scaled = (wanted - value.offset) / value.scale;
+  double scaled = (wanted - value.offset) / value.scale;
   if (value.is_float) {
+    const double most = value.width == 32 ? static_cast<double>(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
+    if (!(std::fabs(scaled) <= most)) {  // no set-point is infinite, nor becomes so in 32 bits
+      if (!value.saturate) return false;
+      scaled = std::copysign(most, scaled);
+    }
     if (value.width == 32) {
       const auto single = static_cast<float>(scaled);
       std::uint32_t word = 0;

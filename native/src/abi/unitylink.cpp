@@ -162,8 +162,10 @@ ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration) {
 }
 
 ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
-  constexpr std::uint32_t first_size = offsetof(ul_statistics, posts);  // of version 0.1.0
-  if (link == nullptr || statistics == nullptr || (statistics->size != first_size && !known(statistics))) {
+  constexpr std::uint32_t before_frames = offsetof(ul_statistics, posts);  // what earlier programs were compiled with
+  constexpr std::uint32_t before_reconnect = offsetof(ul_statistics, restarts);
+  if (link == nullptr || statistics == nullptr ||
+      (statistics->size != before_frames && statistics->size != before_reconnect && !known(statistics))) {
     return bad_argument(unknown_size);
   }
   return guarded([&] {
@@ -189,7 +191,9 @@ ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
                    has.bytes_received,
                    has.posts,
                    has.missing_publishes,
-                   has.sessions};
+                   has.sessions,
+                   has.restarts,
+                   has.reconnections};
     std::memcpy(statistics, &all, statistics->size);
     return ul_status{UL_OK};
   });
@@ -403,6 +407,13 @@ ul_status ul_wait_publish(ul_link* link, uint32_t subscription, uint64_t timeout
     const bool over = link->link->closed() || !link->link->subscribed(subscription);
     return told({over ? Status::closed : Status::timeout, over ? "the link or the subscription has ended" : "no publish came in time"});
   });
+}
+
+ul_status ul_wait_up(ul_link* link, uint64_t timeout_ns) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->wait_up(timeout_ns)); });
 }
 
 ul_status ul_lost(ul_link* link, uint32_t subscription, uint64_t* lost) {

@@ -323,6 +323,15 @@ void Board::receive_error(std::uint8_t bits) {
   wake();
 }
 
+void Board::hang_up() {
+  const auto lock = enter();
+  if (endpoint_) {
+    endpoint_->dismiss();
+    forget_output();
+    wake();
+  }
+}
+
 bool Board::async_take(AsyncWord& word) {
   const auto lock = enter();
   Tosnet* tosnet = device_->tosnet();

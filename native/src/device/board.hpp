@@ -56,6 +56,7 @@ class Board {
   void set_event(std::uint32_t group, bool high);
   void pulse_event(std::uint32_t group);
   void receive_error(std::uint8_t bits);
+  void hang_up();  // the line to the client breaks; the device goes on
   bool async_take(AsyncWord& word);
   bool async_give(const AsyncWord& word);
   void set_online(bool online);  // of the TosNet, as the next

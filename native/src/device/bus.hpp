@@ -9,7 +9,7 @@
 
 namespace unitylink::device {
 
-enum class BusStatus : std::uint8_t { ok, error, silent };
+enum class BusStatus : std::uint8_t { ok, error, silent, denied };  // denied: a write, and the dead-man has tripped
 
 struct BusReply {
   BusStatus status = BusStatus::ok;

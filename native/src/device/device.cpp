@@ -15,13 +15,14 @@ Device::Device(const DeviceConfiguration& configuration)
     : configuration_(configuration),
       bus_(configuration_,
            [this](std::uint32_t group, bool high, Clock now) { subscriptions_.set_input(group, high, now); }),
+      dead_man_(configuration_, bus_),
       input_(configuration_),
       output_(configuration_),
       receiver_(configuration_),
       transmitter_(configuration_, output_),
       subscriptions_(configuration_),
-      application_(configuration_, receiver_, subscriptions_, transmitter_, bus_),
-      framed_(configuration_, subscriptions_, bus_, output_) {}
+      application_(configuration_, receiver_, subscriptions_, transmitter_, dead_man_),
+      framed_(configuration_, subscriptions_, dead_man_, output_) {}
 
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
@@ -77,13 +78,14 @@ Clock Device::framed_clock() const noexcept {
 void Device::take_bytes(Clock limit) {
   Clock now = receiver_clock();
   while (configuration_.framed.present && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
+    const bool border = input_.front() == protocol::frame::delimiter;  // a frame may be whole
     framed_.take(input_.front(), now);
     input_.pop();
     ++statistics_.bytes_received;
     last_activity_ = std::max(last_activity_, now);
     receiver_ready_ = now + 1;
     now = receiver_clock();
-    if (now >= limit) {
+    if (border || now >= limit) {
       return;
     }
     clock_ = std::max(clock_, now);

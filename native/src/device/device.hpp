@@ -10,6 +10,7 @@
 #include "device/configuration.hpp"
 #include "device/datalink_receiver.hpp"
 #include "device/datalink_transmitter.hpp"
+#include "device/framed/dead_man.hpp"
 #include "device/framed/framed_application.hpp"
 #include "device/framed/port_splitter.hpp"
 #include "device/physical.hpp"
@@ -67,6 +68,7 @@ class Device final : public ServedDevice {
 
   DeviceConfiguration configuration_;
   AddressMap bus_;
+  DeadMan dead_man_;  // in front of it
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   DatalinkReceiver receiver_;

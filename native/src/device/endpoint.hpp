@@ -43,6 +43,7 @@ class Endpoint {
   [[nodiscard]] virtual bool must_look() const noexcept { return false; }
   // True when the client has said that it sends no more, and may still read: `receive` then only finds out that it is gone.
   [[nodiscard]] virtual bool ended() const noexcept { return false; }
+  // Lets the client go; a terminal cannot.
   virtual void dismiss() {}
   virtual Transfer receive(std::span<std::uint8_t> room) = 0;
   virtual Transfer send(std::span<const std::uint8_t> bytes) = 0;

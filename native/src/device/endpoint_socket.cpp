@@ -97,7 +97,6 @@ class TcpEndpoint final : public StreamEndpoint {
   [[nodiscard]] int listener() const noexcept override { return listener_.get(); }
 
   [[nodiscard]] bool ended() const noexcept override { return client_.open() && ended_; }
-  void dismiss() override { client_.reset(); }
 
   // `printf '$RLC*9B\n' | nc -N` closes its sending side at once: its answers are still on their way.
   Transfer receive(std::span<std::uint8_t> room) override {

@@ -45,6 +45,7 @@ class StreamEndpoint : public Endpoint {
  public:
   [[nodiscard]] bool has_client() const noexcept override { return client_.open(); }
   [[nodiscard]] int client() const noexcept override { return client_.get(); }
+  void dismiss() override { client_.reset(); }
   Transfer receive(std::span<std::uint8_t> room) override;
   Transfer send(std::span<const std::uint8_t> bytes) override;
 

@@ -12,7 +12,7 @@ namespace unitylink {
 
 class CapturingDriver final : public Driver {
  public:
-  CapturingDriver(std::unique_ptr<Driver> driver, std::unique_ptr<Capture> capture) noexcept
+  CapturingDriver(std::unique_ptr<Driver> driver, std::shared_ptr<Capture> capture) noexcept
       : driver_(std::move(driver)), capture_(std::move(capture)) {}
 
   Transfer send(std::span<const std::uint8_t> bytes) noexcept override {
@@ -26,6 +26,7 @@ class CapturingDriver final : public Driver {
     capture_->add(Capture::now_ns(), Capture::Direction::received, room.first(transfer.count));
     return transfer;
   }
+  ~CapturingDriver() override = default;  // the next driver goes on with the capture
   void close() noexcept override {
     driver_->close();
     capture_->close();
@@ -36,14 +37,14 @@ class CapturingDriver final : public Driver {
   }
   [[nodiscard]] int descriptor() const noexcept override { return driver_->descriptor(); }
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return driver_->byte_time_ns(); }
-  [[nodiscard]] std::uint64_t now_ns() const noexcept override { return driver_->now_ns(); }
+  [[nodiscard]] TimeSource time_source() const noexcept override { return driver_->time_source(); }
   [[nodiscard]] std::string reason() const override { return driver_->reason(); }
   void messages_end_with(std::uint8_t end) noexcept override { driver_->messages_end_with(end); }
   [[nodiscard]] std::string warning() const override { return capture_->failure(); }
 
  private:
   std::unique_ptr<Driver> driver_;
-  std::unique_ptr<Capture> capture_;
+  std::shared_ptr<Capture> capture_;  // of all drivers that have been opened for one link
 };
 
 }  // namespace unitylink

@@ -38,8 +38,9 @@ class Driver {
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // How long one byte takes on the wire, 0 where that does not limit (tcp, udp, pseudo-terminals).
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
-  // The time at the other end: the real one, or that of the virtual boards of this process.
-  [[nodiscard]] virtual std::uint64_t now_ns() const noexcept { return real_ns(); }
+  // What tells the time at the other end: the real one, or that of the virtual boards of this process. It outlives the driver.
+  using TimeSource = std::uint64_t (*)() noexcept;
+  [[nodiscard]] virtual TimeSource time_source() const noexcept { return &real_ns; }
   // Messages end with this byte from now on: a driver whose chip gathers bytes hands on what it has when one comes.
   virtual void messages_end_with(std::uint8_t) noexcept {}
   // Why the last transfer said closed, in the operating system's words.
@@ -50,5 +51,26 @@ class Driver {
 
 // Opens what the URL names; the errors are bad_url, not_found, permission, busy, timeout and closed. `timeout_ns` bounds a connection.
 [[nodiscard]] Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver);
+
+class Capture;
+
+// Opens one place again and again; what goes over the wire lands in one capture.
+class DriverSource {
+ public:
+  DriverSource(Url url, std::uint64_t timeout_ns);
+  ~DriverSource();
+
+  // The driver of before must be gone. A connection that is being made ends with closed as soon as `cancelled`, a descriptor, is readable; -1: never.
+  [[nodiscard]] Outcome open(std::unique_ptr<Driver>& driver, int cancelled = -1);
+  // Nothing is opened any more: the capture is whole.
+  void close() noexcept;
+  void disown() noexcept;
+  [[nodiscard]] const Url& url() const noexcept { return url_; }
+
+ private:
+  const Url url_;
+  const std::uint64_t timeout_ns_;
+  std::shared_ptr<Capture> capture_;
+};
 
 }  // namespace unitylink

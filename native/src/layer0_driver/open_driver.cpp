@@ -20,7 +20,9 @@ namespace {
 class LocalDriver final : public DescriptorDriver {
  public:
   using DescriptorDriver::DescriptorDriver;
-  [[nodiscard]] std::uint64_t now_ns() const noexcept override { return RobotTime::here().now_ns(); }
+  [[nodiscard]] TimeSource time_source() const noexcept override {
+    return []() noexcept { return RobotTime::here().now_ns(); };
+  }
 };
 
 // Whether this process made the pair of sockets, one end of which it is.
@@ -48,7 +50,7 @@ Outcome open_descriptor(const Url& url, std::unique_ptr<Driver>& driver) {
   return {};
 }
 
-Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+Outcome open_port(const Url& url, std::uint64_t timeout_ns, int cancelled, std::unique_ptr<Driver>& driver) {
   if (url.scheme == "serial") {
     return open_serial(url, driver);
   }
@@ -62,26 +64,46 @@ Outcome open_port(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driv
     return open_spi(url, driver);
   }
   if (url.scheme == "tcp" || url.scheme == "udp") {
-    return open_socket(url, timeout_ns, driver);
+    return open_socket(url, timeout_ns, cancelled, driver);
   }
   return open_descriptor(url, driver);
 }
 
 }  // namespace
 
-Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
-  const std::string* const trace = url.option("trace");
-  std::unique_ptr<Capture> capture;
-  if (trace != nullptr) {  // before the port: a file that cannot be written must not cost a connection
-    if (Outcome outcome = Capture::create(*trace, url.text, capture); !outcome.ok()) {
+DriverSource::DriverSource(Url url, std::uint64_t timeout_ns) : url_(std::move(url)), timeout_ns_(timeout_ns) {}
+DriverSource::~DriverSource() = default;
+
+Outcome DriverSource::open(std::unique_ptr<Driver>& driver, int cancelled) {
+  const std::string* const trace = url_.option("trace");
+  if (trace != nullptr && capture_ == nullptr) {  // before the port: a file that cannot be written must not cost a connection
+    std::unique_ptr<Capture> made;
+    if (Outcome outcome = Capture::create(*trace, url_.text, made); !outcome.ok()) {
       return outcome;
     }
+    capture_ = std::move(made);
   }
-  Outcome outcome = open_port(url, timeout_ns, driver);
-  if (outcome.ok() && capture != nullptr) {
-    driver = std::make_unique<CapturingDriver>(std::move(driver), std::move(capture));
+  Outcome outcome = open_port(url_, timeout_ns_, cancelled, driver);
+  if (outcome.ok() && capture_ != nullptr) {
+    driver = std::make_unique<CapturingDriver>(std::move(driver), capture_);
   }
   return outcome;
+}
+
+void DriverSource::close() noexcept {
+  if (capture_ != nullptr) {
+    capture_->close();
+  }
+}
+
+void DriverSource::disown() noexcept {
+  if (capture_ != nullptr) {
+    capture_->disown();
+  }
+}
+
+Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+  return DriverSource(url, timeout_ns).open(driver);
 }
 
 }  // namespace unitylink

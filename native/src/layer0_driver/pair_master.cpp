@@ -93,7 +93,8 @@ Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Mas
   const std::string path = real != nullptr ? real : url.path;
   std::free(real);
   const std::scoped_lock lock(masters_mutex);
-  if ((shared = masters()[path].lock()) != nullptr) {
+  shared = masters()[path].lock();
+  if (shared != nullptr && shared->reason().empty()) {
     return shared->baud_ == settings.baud
                ? Outcome{}
                : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " + shared->baud_ +
@@ -155,6 +156,7 @@ std::string Master::reason() const {
 void Master::fail(const std::string& why) {
   const std::scoped_lock lock(mutex_);
   why_ = why;
+  port_->close();  // for the next master: a link that is not closed yet must not hold the port
   for (const auto& [number, node] : nodes_) {
     ::shutdown(node->descriptor, SHUT_RDWR);
   }

@@ -32,8 +32,8 @@ class UdpDriver final : public DescriptorDriver {
   }
 };
 
-// 0, or the errno of a non-blocking connect that is given `timeout_ns`.
-int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeout_ns) noexcept {
+// 0, or the errno of a non-blocking connect that is given `timeout_ns`, and less when `cancelled` is readable.
+int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeout_ns, int cancelled) noexcept {
   if (::connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) {
     return 0;
   }
@@ -41,14 +41,17 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
     return errno;
   }
   const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
-  pollfd waiting{descriptor, POLLOUT, 0};
+  pollfd waiting[2] = {{descriptor, POLLOUT, 0}, {cancelled, POLLIN, 0}};
   int ready = -1;
   do {  // a signal is no reason to give up
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
-    ready = ::poll(&waiting, 1, static_cast<int>(std::max<std::int64_t>(left, 0)) + 1);
+    ready = ::poll(waiting, 2, static_cast<int>(std::max<std::int64_t>(left, 0)) + 1);
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) {
     return ready == 0 ? ETIMEDOUT : errno;
+  }
+  if (waiting[1].revents != 0) {
+    return ECANCELED;
   }
   int error = 0;
   socklen_t size = sizeof error;
@@ -73,7 +76,7 @@ Outcome cannot_connect(const Url& url, int error) {
 
 }  // namespace
 
-Outcome open_socket(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
+Outcome open_socket(const Url& url, std::uint64_t timeout_ns, int cancelled, std::unique_ptr<Driver>& driver) {
   const bool stream = url.scheme == "tcp";
   addrinfo hints{};
   hints.ai_socktype = stream ? SOCK_STREAM : SOCK_DGRAM;
@@ -88,9 +91,12 @@ Outcome open_socket(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Dr
       error = errno;
       continue;
     }
-    error = connect_within(descriptor, *address, timeout_ns);
+    error = connect_within(descriptor, *address, timeout_ns, cancelled);
     if (error != 0) {
       ::close(descriptor);
+      if (error == ECANCELED) {
+        break;
+      }
       continue;
     }
     if (stream) {

@@ -187,17 +187,39 @@ void ClassicEngine::forget(Status status) noexcept {
 }
 
 void ClassicEngine::end(Status status, std::uint64_t now_ns) noexcept {
+  if (!ended_) {
+    ended_ = status;
+    finish_all(status, now_ns, false);
+  }
+}
+
+void ClassicEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   if (ended_) {
     return;
   }
+  drop(status, now_ns);
+  decoder_ = ClassicDecoder(settings_.sum);
+  decoder_.set_data_bytes(configuration_.data_bytes);
+}
+
+void ClassicEngine::drop(Status status, std::uint64_t now_ns) noexcept {
+  finish_all(status, now_ns, true);
+  pending_begin_ = pending_end_ = 0;
+  batch_ = request_credit_ = reply_credit_ = 0;
+  fences_sent_ = fences_hastened_ = late_refusals_ = 0;
+  fence_hastened_ = fence_unanswered_ = false;
+  fence_code_ = 0;
+}
+
+// `strict`: a write that has left is unknown although it could be repeated.
+void ClassicEngine::finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept {
   now_ns_ = now_ns;
-  ended_ = status;
   state_ = State::fence_due;
   oldest_ = nullptr;
   while (!in_flight_.empty()) {
     Exchange& exchange = in_flight_.pop_front();
     exchange.sent = exchange.sent || exchange.begin_ < position_;
-    const bool unknown = exchange.operation == Operation::write && !exchange.repeat && exchange.sent;
+    const bool unknown = exchange.operation == Operation::write && (strict || !exchange.repeat) && exchange.sent;
     finish(exchange, unknown ? Status::unknown : status);
   }
   while (!waiting_.empty()) {

@@ -50,6 +50,7 @@ class ClassicEngine final : public Engine {
   void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void end(Status status, std::uint64_t now_ns) noexcept override;
+  void cut(Status status, std::uint64_t now_ns) noexcept override;
   void forget(Status status) noexcept override;
 
  private:
@@ -65,6 +66,8 @@ class ClassicEngine final : public Engine {
   void on_bad_reply() noexcept;
   [[nodiscard]] bool take_data(Exchange& exchange, const Message& message) noexcept;
   void replied(Exchange& exchange, Status status) noexcept;
+  void drop(Status status, std::uint64_t now_ns) noexcept;
+  void finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept;
   void void_in_flight(Status why, std::uint8_t datalink_code) noexcept;
   void fence_passed() noexcept;
   void fence_failed() noexcept;

@@ -59,7 +59,7 @@ void ClassicEngine::on_message(const Message& message) noexcept {
     return;
   }
   switch (message.kind) {
-    case MessageKind::busy: end(Status::busy, now_ns_); return;
+    case MessageKind::busy: lasting_ ? drop(Status::busy, now_ns_) : end(Status::busy, now_ns_); return;
     case MessageKind::datalink_error: on_datalink_error(message.code); return;
     case MessageKind::bad_checksum: statistics_.checksum_errors += 1; break;
     case MessageKind::malformed: statistics_.malformed_messages += 1; break;

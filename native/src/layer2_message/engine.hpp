@@ -52,7 +52,17 @@ class Engine {
   virtual void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
   // Ends everything, with `status`; writes on their way end unknown. Nothing is accepted any more.
   virtual void end(Status status, std::uint64_t now_ns) noexcept = 0;
-  // The same without telling anybody: their threads are in another process.
+  // The line is gone, not for ever: all that is under way ends with `status`, writes of which something has left unknown, and nothing of it is sent again. What is
+  // submitted from then on begins anew, on another line.
+  virtual void cut(Status status, std::uint64_t now_ns) noexcept = 0;
+  // Ends a request that has not been submitted.
+  void decline(Exchange& exchange, Status status, std::uint64_t now_ns) noexcept {
+    now_ns_ = exchange.begun_ns = now_ns;
+    finish(exchange, status);
+  }
+  // The line comes back: a board that serves another program is asked again later, and is not the end.
+  void set_lasting() noexcept { lasting_ = true; }
+  // The same as end() without telling anybody: their threads are in another process.
   virtual void forget(Status status) noexcept = 0;
 
   // Who gets a group's publishes; nullptr: nobody, they are counted as unclaimed.
@@ -85,6 +95,7 @@ class Engine {
   std::uint64_t now_ns_ = 0;
   std::uint64_t last_answer_ns_ = 0;  // 0: never
   std::uint64_t completed_ = 0;
+  bool lasting_ = false;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
 };
 

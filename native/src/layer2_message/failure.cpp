@@ -145,6 +145,14 @@ std::string duration_text(std::uint64_t ns) {
   return text;
 }
 
+Outcome behind_writes(Outcome outcome) {
+  if (outcome.status == Status::down) {
+    outcome.status = Status::unknown;
+    outcome.text += "; what the call had written before was executed";
+  }
+  return outcome;
+}
+
 Outcome describe(const Exchange& exchange, const FailureContext& context) {
   Outcome outcome;
   outcome.status = exchange.status;
@@ -166,6 +174,7 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
                      ": it may or may not have been executed; read it back before going on";
       break;
     case Status::closed: outcome.text = name + ": the link is closed" + because; break;
+    case Status::down: outcome.text = name + ": the line is gone" + because + " and is being opened again; nothing was sent"; break;
     case Status::busy: outcome.text = name + ": the board serves another program; close that one first"; break;
     case Status::mismatch:
       outcome.text = name + ": another device now answers on this port; connect again";

@@ -20,6 +20,8 @@ struct FailureContext {
 
 [[nodiscard]] std::string hex_address(std::uint32_t address, std::uint32_t address_bytes);
 [[nodiscard]] std::string duration_text(std::uint64_t ns);
+// Of a call that goes on after its writes: they were executed, so that `down`, which says that nothing was sent, would not be true.
+[[nodiscard]] Outcome behind_writes(Outcome outcome);
 [[nodiscard]] Outcome describe(const Exchange& exchange, const FailureContext& context);
 
 }  // namespace unitylink

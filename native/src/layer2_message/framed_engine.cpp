@@ -169,7 +169,10 @@ bool FramedEngine::send_next() noexcept {
 // The first that waits.
 bool FramedEngine::send_request() noexcept {
   Exchange& exchange = *waiting_.front();
-  if (exchange.operation == Operation::resynchronise) {  // a session is open: done
+  if (exchange.operation == Operation::resynchronise) {  // a session is open: done when it is as the last one was
+    if (restoring()) {
+      return false;
+    }
     exchange.sent = true;
     exchange.attempts += 1;
     finish(waiting_.pop_front(), Status::ok);

@@ -36,6 +36,7 @@ class FramedEngine final : public Engine {
   static constexpr std::size_t transmit_bytes_max = 16384;
   static constexpr std::uint32_t window_max = 128;
   static constexpr std::uint32_t epochs = 0xFF00;  // FF.. are frames outside sessions
+  static constexpr std::uint32_t no_session = 0xFFFF;
 
   // `probe`: the device may be one of the classic protocol, which shows when it answers a classic question and not HELLO.
   FramedEngine(const EngineSettings& settings, bool probe) noexcept;
@@ -56,6 +57,7 @@ class FramedEngine final : public Engine {
   void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void end(Status status, std::uint64_t now_ns) noexcept override;
+  void cut(Status status, std::uint64_t now_ns) noexcept override;
   void forget(Status status) noexcept override;
   void claim(std::uint32_t group, PublishRing* ring) noexcept override;
 
@@ -154,11 +156,14 @@ class FramedEngine final : public Engine {
   void on_greeting(const Greeting& told) noexcept;
   void on_opened(std::uint16_t epoch) noexcept;
   void lose_session() noexcept;
+  void forget_session() noexcept;
+  void notice_restart(std::uint32_t told_epoch) noexcept;
   void restore() noexcept;
   void expire(Place& place) noexcept;
   void give_up(Place& place) noexcept;
   void refuse() noexcept;
   void fail_waiting() noexcept;
+  void finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept;
   [[nodiscard]] std::uint64_t limit_of(const Exchange& exchange) const noexcept;
   template <class Wanted>
   void take_back(Wanted wanted) noexcept;
@@ -179,6 +184,7 @@ class FramedEngine final : public Engine {
   std::uint64_t greeting_wait_ns_ = 0;
   std::uint32_t openings_ = 0;           // OPENs since the last HELLO answer
   std::uint64_t sessions_ = 0;
+  std::uint32_t session_epoch_ = no_session;  // that the device was last heard to have
 
   ExchangeList waiting_;
   std::uint32_t window_ = 1;

@@ -229,9 +229,14 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   finish(*exchange, status_of(status));
   if (over) {  // what comes next opens another session
     lose_session();
+    session_epoch_ = no_session;
     state_ = State::silent;
   } else if (exchange == &restoration_) {
-    restore();
+    if (status == reply_status::ok || status == reply_status::denied) {  // a dead-man that has tripped is not started
+      restore();
+    } else {  // it had room for this before
+      end(Status::mismatch, now_ns_);
+    }
   }
 }
 

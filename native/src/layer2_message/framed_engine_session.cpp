@@ -54,6 +54,7 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
     return;
   }
   greeting_ = told;
+  notice_restart(told.epoch);
   if (state_ == State::checking) {
     if (told.epoch == epoch()) {
       state_ = State::open;
@@ -74,6 +75,14 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
   greeting_due_ = true;
 }
 
+// An OPEN whose answer was lost has made the session that it offered.
+void FramedEngine::notice_restart(std::uint32_t told_epoch) noexcept {
+  if (sessions_ > 0 && told_epoch != session_epoch_ && told_epoch != offered_epoch_) {
+    statistics_.restarts += 1;
+    session_epoch_ = told_epoch;
+  }
+}
+
 void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   if (state_ != State::opening || epoch != offered_epoch_) {
     statistics_.stale_replies += 1;
@@ -90,6 +99,7 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   }
   configuration_.address_bytes = greeting_->address_bytes;
   configuration_.data_bytes = greeting_->data_bytes;
+  session_epoch_ = epoch;
   sessions_ += 1;
   statistics_.sessions += 1;
   restored_ = 0;
@@ -115,12 +125,17 @@ void FramedEngine::lose_session() noexcept {
       finish(*exchange, exchange->operation == Operation::write_control ? Status::unknown : exchange->cut_off());
     }
   }
-  base_id_ = next_id_ = 0;
-  credit_ = due_ = in_flight_ = given_up_ = 0;
   waiting_.prepend(again);
   for (Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
     waiting->follows_ = 0;
   }
+  forget_session();
+}
+
+// What was open in it is nobody's any more.
+void FramedEngine::forget_session() noexcept {
+  base_id_ = next_id_ = 0;
+  credit_ = due_ = in_flight_ = given_up_ = 0;
   unknown_posts_ += posts_.restart();
   careful_until_ns_ = confirming_ = 0;
   gone_back_order_ = order_;
@@ -137,6 +152,7 @@ void FramedEngine::restore() noexcept {
       const bool deadman = restored_ == 0;
       step.operation = Operation::write_control;
       step.address = deadman ? control::deadman_ticks : control::publish;
+      publishing_ = publishing_ && std::any_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.ring != nullptr; });
       step.value = deadman ? deadman_ticks_ : publishing_ ? 1 : 0;
       if (step.value == 0) {
         continue;
@@ -323,18 +339,39 @@ void FramedEngine::forget(Status status) noexcept {
 }
 
 void FramedEngine::end(Status status, std::uint64_t now_ns) noexcept {
+  if (!ended_) {
+    ended_ = status;
+    finish_all(status, now_ns, false);
+    base_id_ = next_id_ = 0;
+  }
+}
+
+void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   if (ended_) {
     return;
   }
+  finish_all(status, now_ns, true);
+  for (Place& place : places_) {
+    place = Place{};
+  }
+  forget_session();
+  decoder_.reset();
+  decoder_.set_key(FrameKey{});  // what the old session publishes is not for the new one
+  text_ = greeting_due_ = false;
+  pending_begin_ = pending_end_ = 0;
+  state_ = State::silent;
+}
+
+// `strict`: what a control register was to hold is unknown, too.
+void FramedEngine::finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept {
   now_ns_ = now_ns;
-  ended_ = status;
   for (std::uint16_t id = base_id_; id != next_id_; ++id) {
     Place& place = place_of(id);
     if (place.used && place.exchange != nullptr) {
-      finish(*place.exchange, place.exchange->writes() ? Status::unknown : status);
+      const bool changes = place.exchange->writes() || (strict && place.exchange->operation == Operation::write_control);
+      finish(*place.exchange, changes ? Status::unknown : status);
     }
   }
-  base_id_ = next_id_ = 0;
   while (!waiting_.empty()) {
     finish(waiting_.pop_front(), status);
   }

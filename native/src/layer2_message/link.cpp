@@ -32,18 +32,20 @@ void signal(int descriptor) noexcept {
 
 }  // namespace
 
-std::uint64_t Link::now_ns() const noexcept { return driver_->now_ns(); }
-
-Link::Link(std::unique_ptr<Driver> driver, const LinkOptions& options)
+Link::Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options)
     : options_(options),
+      clock_(driver->time_source()),
       driver_(std::move(driver)),
+      source_(std::move(source)),
       wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      cancel_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       classic_(options.engine),
       gateware_(options.gateware) {}
 
 Link::~Link() {
   close();
   ::close(wake_descriptor_);
+  ::close(cancel_descriptor_);
 }
 
 Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
@@ -56,11 +58,12 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
     return outcome;
   }
   options.engine.checked_long = url.scheme == "udp";
+  auto source = std::make_unique<DriverSource>(url, options.engine.timeout_ns * options.attempts);
   std::unique_ptr<Driver> driver;
-  if (Outcome outcome = open_driver(url, options.engine.timeout_ns * options.attempts, driver); !outcome.ok()) {
+  if (Outcome outcome = source->open(driver); !outcome.ok()) {
     return outcome;
   }
-  Outcome outcome = open(std::move(driver), options, link);
+  Outcome outcome = open(std::move(driver), std::move(source), options, link);
   if (outcome.status == Status::closed && url.scheme == "udp") {  // only the first datagram finds out
     outcome.status = Status::not_found;
   }
@@ -71,18 +74,25 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
 }
 
 Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, std::unique_ptr<Link>& link) {
+  return open(std::move(driver), nullptr, options, link);
+}
+
+Outcome Link::open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options, std::unique_ptr<Link>& link) {
   LinkOptions settled = options;
   settled.engine.byte_time_ns = driver->byte_time_ns();
   if (settled.engine.seed == 0) {
     std::random_device random;
     settled.engine.seed = std::uint64_t{random()} << 32 | random();
   }
-  std::unique_ptr<Link> opened(new Link(std::move(driver), settled));
-  if (opened->wake_descriptor_ < 0) {
+  std::unique_ptr<Link> opened(new Link(std::move(driver), std::move(source), settled));
+  if (opened->wake_descriptor_ < 0 || opened->cancel_descriptor_ < 0) {
     return {Status::closed, std::string("no descriptor to wake threads with: ") + std::strerror(errno)};
   }
   Outcome outcome = opened->begin();
   if (outcome.ok()) {
+    if (options.reconnect && opened->source_ != nullptr) {
+      opened->last();
+    }
     link = std::move(opened);
   }
   return outcome;
@@ -92,12 +102,17 @@ Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, s
 
 void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
   Lock lock(mutex_);
+  const bool waits = waits_for_line(exchanges);
+  const std::uint64_t line_ns = waits ? std::min(until_ns, now_ns() + options_.wait_ns) : 0;
+  do {
+    run_once(lock, exchanges, until_ns);
+  } while (waits && was_cut(exchanges) && wait_for_line(lock, line_ns));
+}
+
+void Link::run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t until_ns) {
   std::uint64_t now = now_ns();
   std::uint64_t look_ns = std::min(until_ns, now + interruption_patience_ns);
-  for (Exchange& exchange : exchanges) {
-    engine_->submit(exchange, now);
-  }
-  flush(now);
+  submit_all(exchanges);
   ++callers_;
   if (reader_leading_) {
     wake();  // a caller is quicker at reading its own answer than at being woken for it
@@ -125,6 +140,20 @@ void Link::run(std::span<Exchange> exchanges, std::uint64_t until_ns) {
   last_call_ns_ = engine_->now_ns();
   last_caller_ = std::this_thread::get_id();
   hand_over();
+}
+
+// What is not taken is done at once.
+void Link::submit_all(std::span<Exchange> exchanges) noexcept {
+  const std::uint64_t now = now_ns();
+  const bool taken = takes_requests();
+  for (Exchange& exchange : exchanges) {
+    if (taken) {
+      engine_->submit(exchange, now);
+    } else {
+      engine_->decline(exchange, Status::down, now);
+    }
+  }
+  flush(now);
 }
 
 // One turn of waiting: at the descriptor, or for who is there.
@@ -170,14 +199,14 @@ void Link::wake() noexcept { signal(wake_descriptor_); }
 // Everything the engine has to say, as far as the driver takes it.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
-  while (!engine_->ended()) {
+  while (!engine_->ended() && line_ != Line::gone) {
     const std::span<const std::uint8_t> bytes = engine_->transmit(now);
     if (bytes.empty()) {
       return;
     }
     const Transfer transfer = driver_->send(bytes);
     if (transfer.status != Status::ok) {
-      fail(transfer.status, driver_->reason());
+      lose(transfer.status, driver_->reason());
       return;
     }
     if (transfer.count == 0) {
@@ -218,11 +247,12 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   }
   lock.lock();
 
-  for (int turn = 1; readable && !engine_->ended(); ++turn) {
+  for (int turn = 1; readable && !engine_->ended() && line_ != Line::gone; ++turn) {
     if (transfer.status != Status::ok) {
-      fail(transfer.status, driver_->reason());
+      lose(transfer.status, driver_->reason());
     } else if (transfer.count > 0) {
-      engine_->receive(std::span<const std::uint8_t>(received_.data(), transfer.count), now_ns());
+      heard_ns_ = now_ns();
+      engine_->receive(std::span<const std::uint8_t>(received_.data(), transfer.count), heard_ns_);
       if (transfer.count >= terminal_chunk && turn < reads_per_turn_max) {
         transfer = driver_->receive(received_);
         continue;
@@ -233,6 +263,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const std::uint64_t now = now_ns();
   engine_->advance(now);
   flush(now);
+  notice_restarts();
   leading_ = false;
   if (engine_->completed() != completed || engine_->ended()) {
     hand_over();
@@ -275,12 +306,17 @@ void Link::close() {
     const std::scoped_lock lock(mutex_);
     publishing = !engine_->ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
   }
-  if (framed_ && !closed()) {  // other hosts, and classic writes, may use it again
+  bool listens = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    listens = !engine_->ended() && line_ == Line::up;
+  }
+  if (framed_ && listens) {  // other hosts, and classic writes, may use it again
     Exchange exchange;
     prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
     exchange.operation = Operation::close_session;
     run(std::span(&exchange, 1), now_ns() + farewell_ns);
-  } else if (publishing) {  // a board left publishing would meet the next program with it
+  } else if (publishing && listens) {  // a board left publishing would meet the next program with it
     Exchange exchange;
     prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
     exchange.operation = Operation::disable_publishing;
@@ -290,6 +326,7 @@ void Link::close() {
     const std::scoped_lock lock(mutex_);
     fail(Status::closed, closed_here);
   }
+  signal(cancel_descriptor_);
   stop_reader();
   Lock lock(mutex_);
   while (leading_) {
@@ -298,7 +335,12 @@ void Link::close() {
     turn_.wait(lock);
     --followers_;
   }
-  driver_->close();
+  if (driver_ != nullptr) {
+    driver_->close();
+  }
+  if (source_ != nullptr) {
+    source_->close();
+  }
 }
 
 void Link::disown() noexcept {
@@ -317,7 +359,17 @@ void Link::disown() noexcept {
   notified_.clear();
   reason_ = "it belongs to the process that this one was forked from; open another here";
   engine_->forget(Status::closed);
-  driver_->disown();
+  if (driver_ != nullptr) {
+    driver_->disown();
+  }
+  if (source_ != nullptr) {
+    source_->disown();
+  }
+}
+
+std::string Link::warning() {
+  const std::scoped_lock lock(mutex_);
+  return driver_ != nullptr ? driver_->warning() : std::string();
 }
 
 Outcome Link::ending(bool& by_itself) {
@@ -326,7 +378,15 @@ Outcome Link::ending(bool& by_itself) {
   if (!engine_->ended()) {
     return {};
   }
-  return {*engine_->ended(), reason_.empty() ? status_text(*engine_->ended()) : "the link is closed (" + reason_ + ")"};
+  return end();
+}
+
+Outcome Link::end() const {
+  const Status status = *engine_->ended();
+  if (!reason_.empty()) {
+    return {status, "the link is closed (" + reason_ + ")"};
+  }
+  return {status, status == Status::mismatch ? "another device now answers on this port; connect again" : status_text(status)};
 }
 
 Statistics Link::statistics() {

@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -70,6 +71,18 @@ struct SubscriptionRequest {
   bool verify = true;            // read every address once before: on 2012 gateware a silent one would publish for ever
   std::size_t ring = 4096;       // publishes kept until they are fetched
   std::optional<std::uint32_t> group = std::nullopt;  // of the gateware: the one with a certain event line; else any
+};
+
+// What has become of the line, or of the device behind it. Of a link that is opened again the order is lost, restarted (if it was), back.
+struct LinkEvent {
+  enum class Kind : std::uint8_t {
+    lost,       // the line is gone, or the device silent; it is being opened again
+    restarted,  // the device has not gone on where it was: it was reset, or another host has had it. Its outputs are its own
+    back,       // requests are taken again; subscriptions, groups and the dead-man are as they were
+  };
+  Kind kind = Kind::lost;
+  std::uint64_t time_ns = 0;
+  std::string text;
 };
 
 class Link {
@@ -167,12 +180,19 @@ class Link {
   void withdraw(Call& call);
   [[nodiscard]] Outcome result(const Call& call);
 
+  // Until requests are taken: at once, unless the line is gone and comes back (reconnect=1). down after `timeout_ns`, closed when it has ended.
+  [[nodiscard]] Outcome wait_up(std::uint64_t timeout_ns);
+  // Those from number `from` on, of which the last 64 are kept; `from` becomes the number of the next. wait_publishes() counts them, too.
+  [[nodiscard]] std::vector<LinkEvent> events(std::uint64_t& from);
+  // Another number whenever the device may not hold any more what was written to it: after each restart, and each time the line has come back.
+  [[nodiscard]] std::uint64_t generation() const noexcept { return generation_; }
+
   [[nodiscard]] Statistics statistics();
   [[nodiscard]] bool closed();
   // Ok while the link lives, then why it has ended; `by_itself`: not by close().
   [[nodiscard]] Outcome ending(bool& by_itself);
   // What did not go as wished although the link lives or lived, such as a trace that ends early; empty: nothing.
-  [[nodiscard]] std::string warning() const { return driver_->warning(); }
+  [[nodiscard]] std::string warning();
   // Everything waiting ends with Status::closed, here and in other threads. Does not wait for a silent device.
   void close();
   // In a forked child, first of all: the link stays the parent's, and is closed here without a word to the device.
@@ -181,14 +201,16 @@ class Link {
   static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
   // The time of deadlines and publishes, in which robots move: the real one, or that of the virtual boards in this process.
-  [[nodiscard]] std::uint64_t now_ns() const noexcept;
+  [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
 
  private:
   struct Subscription;
   struct ExchangeLayout;
   using Lock = std::unique_lock<std::mutex>;
 
-  Link(std::unique_ptr<Driver> driver, const LinkOptions& options);
+  Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options);
+  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options,
+                                    std::unique_ptr<Link>& link);
   [[nodiscard]] Outcome begin();
   [[nodiscard]] Outcome begin_framed();
   [[nodiscard]] Outcome describe_device();
@@ -203,6 +225,10 @@ class Link {
   void hand_over() noexcept;
   void wake() noexcept;
   void announce() noexcept;
+  [[nodiscard]] Outcome end() const;  // why it has ended, with the mutex held
+  void run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t until_ns);
+  [[nodiscard]] static bool was_cut(std::span<Exchange> exchanges) noexcept;
+  void submit_all(std::span<Exchange> exchanges) noexcept;
   void fail(Status status, const std::string& reason) noexcept;
   void start_reader();
   void stop_reader();
@@ -210,6 +236,25 @@ class Link {
   template <typename Ready>
   void listen(Lock& lock, std::uint64_t timeout_ns, Ready ready);
   void read_loop() noexcept;
+
+  // the line that comes back (link_reconnect.cpp)
+  enum class Line : std::uint8_t {
+    up,
+    gone,
+    opening,  // the reader sets it up as it was; nobody else's requests are taken
+  };
+  [[nodiscard]] bool takes_requests() const noexcept;
+  [[nodiscard]] bool waits_for_line(std::span<const Exchange> exchanges) const noexcept;
+  [[nodiscard]] bool wait_for_line(Lock& lock, std::uint64_t until_ns);
+  void last() noexcept;
+  void lose(Status status, const std::string& reason) noexcept;
+  void tell(LinkEvent::Kind kind, std::string text);
+  void notice_restarts();
+  void reopen(Lock& lock);
+  [[nodiscard]] Outcome restore();
+  [[nodiscard]] Outcome stop_closed_groups();
+  [[nodiscard]] std::uint64_t look_ns() const noexcept;
+  void look_after(Lock& lock);
 
   // requests (link_requests.cpp)
   void prepare(Exchange& exchange, const RequestOptions& how) const noexcept;
@@ -242,12 +287,15 @@ class Link {
   [[nodiscard]] Subscription* find(std::uint32_t id) const noexcept;
 
   const LinkOptions options_;
-  std::unique_ptr<Driver> driver_;
+  const Driver::TimeSource clock_;
+  std::unique_ptr<Driver> driver_;       // replaced by the reader alone, with the mutex held and nobody leading; none while the line is gone
+  std::unique_ptr<DriverSource> source_; // of it, where the link was opened by a URL
   Configuration configuration_;
   Description description_;
   std::string notice_;
   bool checksums_ = true;                // false: the device's datalink knows no '$'
   int wake_descriptor_;
+  int cancel_descriptor_;                // readable once the link ends
 
   std::mutex mutex_;                     // all below, up to the next mutex
   std::condition_variable turn_;         // followers: something was finished, or the role is free
@@ -263,6 +311,18 @@ class Link {
   std::uint32_t failed_posts_ = 0;       // of this session, told by the last sync()
   std::uint64_t failed_session_ = 0;
   std::string reason_;                   // why the link has ended
+  bool lasts_ = false;                   // the line is opened again when it is lost
+  Line line_ = Line::up;
+  std::string lost_because_;
+  std::uint64_t lost_ns_ = 0;            // when what was under way was last cut off
+  std::string trouble_;                  // why it could not be opened again, the last time
+  std::uint32_t attempts_ = 0;           // to open it again, since it was lost
+  std::thread::id restorer_;
+  std::uint64_t heard_ns_ = 0;           // when the last byte came
+  std::uint64_t restarts_seen_ = 0;
+  std::deque<LinkEvent> events_;
+  std::uint64_t events_made_ = 0;
+  std::atomic<std::uint64_t> generation_ = 0;
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;
@@ -276,6 +336,7 @@ class Link {
   std::uint64_t last_listened_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
+  std::vector<std::shared_ptr<Subscription>> released_subscriptions_;  // that the engine may still read
   std::uint64_t subscriptions_ended_ = 0;
   bool reader_wanted_ = false;
 

@@ -156,7 +156,7 @@ Outcome Link::exchange(std::uint32_t id, std::span<const std::uint32_t> outputs,
     for (std::size_t index = 0; index < words.size(); ++index) {
       words[index] &= highest(layout->inputs[index].bytes);
     }
-    return outcome;
+    return outputs.empty() ? outcome : behind_writes(std::move(outcome));
   }
   Exchange exchange;
   prepare(exchange, how);

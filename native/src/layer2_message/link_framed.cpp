@@ -84,6 +84,9 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
     return {};
   }
   Outcome outcome = read_many(addresses, values, atomic, how);
+  if (!write_addresses.empty()) {
+    outcome = behind_writes(std::move(outcome));
+  }
   outcome.index += outcome.ok() ? 0 : static_cast<std::uint32_t>(write_addresses.size());
   return outcome;
 }
@@ -111,9 +114,13 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
     for (std::size_t word = 0; word < count; ++word) {
       words[word] = {addresses[index + word], values[index + word]};
     }
-    while (!framed_->post(std::span(words).first(count), now_ns())) {
+    while (engine_->ended() || !takes_requests() || !framed_->post(std::span(words).first(count), now_ns())) {
       if (engine_->ended()) {
         outcome = {*engine_->ended(), "the link is closed (" + reason_ + ")"};
+        break;
+      }
+      if (!takes_requests()) {
+        outcome = {Status::down, "the line is gone (" + lost_because_ + ") and is being opened again; sync() tells what is not known of earlier posts"};
         break;
       }
       flush(now_ns());
@@ -157,7 +164,7 @@ Outcome Link::sync(const RequestOptions& how) {
   }
   const std::scoped_lock lock(mutex_);
   if (const std::uint64_t unknown = framed_->take_unknown_posts(); unknown > 0) {
-    return {Status::unknown, std::to_string(unknown) + " posts were made, and the device was reset or taken over by another host before it "
+    return {Status::unknown, std::to_string(unknown) + " posts were made, and the device was reset or taken over by another host, or the line lost, before it "
                                                        "had confirmed them: read back what matters before going on"};
   }
   const std::uint32_t known = failed_session_ == framed_->sessions() ? failed_posts_ : 0;

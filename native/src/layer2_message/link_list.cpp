@@ -146,7 +146,8 @@ Outcome Link::list_apart(std::span<const ListWord> steps, std::span<std::uint32_
     }
     if (!outcome.ok()) {
       outcome.index += static_cast<std::uint32_t>(begin);
-      return outcome;
+      const bool wrote = std::any_of(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(begin), [](const ListWord& word) { return word.writes(); });
+      return wrote ? behind_writes(std::move(outcome)) : outcome;
     }
     begin = end;
   }

@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint64_t call_patience_ns = 250'000;      // where there was one call there may soon be another
 constexpr std::uint64_t leader_patience_ns = 1'000'000;  // with one who reads, and may leave without a word
 constexpr std::uint64_t reader_patience_ns = 4'000'000;  // with one who waited for publishes, and does something with them
+constexpr std::uint64_t gone_patience_ns = 100'000'000;  // with a line that is gone
+constexpr std::uint64_t reader_look_ns = 250'000'000;    // a reader that rests looks after the line so often
 constexpr std::uint64_t reader_rest_ns = 20'000'000;     // who has waited for so long is not looked after any more
 
 }  // namespace
@@ -45,8 +47,9 @@ void Link::stop_reader() {
 void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_t until_ns) noexcept {
   const std::uint64_t now = now_ns();
   const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
-  if (leading_ || callers_ > 0 || now < call_ns) {
-    const std::uint64_t look_ns = std::min(until_ns, now < call_ns ? call_ns : now + leader_patience_ns);
+  const bool gone = line_ != Line::up;  // the reader opens it, and announces that
+  if (leading_ || callers_ > 0 || now < call_ns || gone) {
+    const std::uint64_t look_ns = std::min(until_ns, gone ? now + gone_patience_ns : now < call_ns ? call_ns : now + leader_patience_ns);
     wait(lock, elsewhere, look_ns);
     return;
   }
@@ -83,15 +86,24 @@ void Link::listen(Lock& lock, std::uint64_t timeout_ns, Ready ready) {
 void Link::read_loop() noexcept {
   Lock lock(mutex_);
   while (reader_wanted_ && !engine_->ended()) {
+    if (line_ != Line::up) {
+      reopen(lock);
+      continue;
+    }
+    const std::uint64_t look = look_ns();
+    if (now_ns() >= look) {
+      look_after(lock);
+      continue;
+    }
     const std::uint64_t heard_ns = now_ns() - last_listened_ns_;
     if (listeners_ > 0 && heard_ns > reader_rest_ns) {
       reader_rests_ = true;
-      idle_.wait(lock);
+      idle_.wait_for(lock, std::chrono::nanoseconds(std::min(look - now_ns(), reader_look_ns)));
       reader_rests_ = false;
     } else if (listeners_ > 0 || heard_ns < reader_patience_ns) {
       idle_.wait_for(lock, std::chrono::nanoseconds(reader_patience_ns));
     } else {
-      stand_in(lock, idle_, Engine::no_deadline);
+      stand_in(lock, idle_, look);
     }
   }
   hand_over();
@@ -109,7 +121,7 @@ bool Link::wait_publish(std::uint32_t id, std::uint64_t timeout_ns) {
 
 std::uint64_t Link::wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns) {
   Lock lock(mutex_);
-  const auto news = [this] { return engine_->statistics().publishes + subscriptions_ended_; };
+  const auto news = [this] { return engine_->statistics().publishes + subscriptions_ended_ + events_made_; };
   listen(lock, timeout_ns, [&] { return news() != seen; });
   return news();
 }

@@ -32,7 +32,7 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, trace, baud (serial), speed_hz and poll (spi), node, baud, poll and silence (rs485), "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, trace, baud (serial), speed_hz and poll (spi), node, baud, poll and silence (rs485), "
     "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 
@@ -81,12 +81,15 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     options.engine.sum = Crc8(static_cast<std::uint8_t>(number));
     return {};
   }
-  if (name == "crc" || name == "publish_crc") {
+  if (name == "crc" || name == "publish_crc" || name == "reconnect") {
     if (!number_in(value, 0, 1, number)) {
       return wrong(url, name, value, "0 or 1");
     }
-    (name == "crc" ? options.checked : options.publish_checked) = number == 1;
+    (name == "crc" ? options.checked : name == "reconnect" ? options.reconnect : options.publish_checked) = number == 1;
     return {};
+  }
+  if (name == "wait") {
+    return parse_seconds(value, options.wait_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
   }
   if (name == "protocol") {
     if (value != "auto" && value != "classic" && value != "framed") {
@@ -149,6 +152,12 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
     if (Outcome outcome = parse_option(url, name, value, options); !outcome.ok()) {
       return outcome;
     }
+  }
+  if (options.reconnect && url.scheme == "fd") {
+    return {Status::bad_url, "link URL '" + url.text + "': a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place"};
+  }
+  if (options.wait_ns > 0 && !options.reconnect) {
+    return {Status::bad_url, "link URL '" + url.text + "': wait= is for a line that comes back; add reconnect=1"};
   }
   if (url.scheme == "rs485" && options.protocol != Protocol::framed) {
     return {Status::bad_url, "link URL '" + url.text + "': many nodes on a pair speak the framed protocol only; leave protocol= out"};

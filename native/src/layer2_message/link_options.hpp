@@ -23,6 +23,8 @@ struct LinkOptions {
   bool any_spec = false;                   // spec_hash=any: the user knows that the two belong together
   std::uint32_t attempts = 3;
   bool checked = false;           // crc=
+  bool reconnect = false;         // reconnect=: what is lost is opened again
+  std::uint64_t wait_ns = 0;      // wait=, for reads while the line is gone
   bool publish_checked = true;    // publish_crc=
   Gateware gateware = Gateware::automatic;
   // Where the device has no RLC; where it has, they must agree with it.

@@ -135,7 +135,9 @@ Outcome Link::outcome_of(const Exchange& exchange) {
   const std::scoped_lock lock(mutex_);
   return describe(exchange, {.address_bytes = configuration_.address_bytes,
                              .last_answer_ns = engine_->last_answer_ns(),
-                             .reason = reason_,
+                             .reason = !reason_.empty()                                                       ? reason_
+                                       : exchange.status == Status::down || exchange.ended_ns == lost_ns_ ? lost_because_
+                                                                                                              : std::string_view{},
                              .corrected_gateware = gateware_ == Gateware::corrected});
 }
 
@@ -272,6 +274,9 @@ Outcome Link::result(const Call& call) {
   }
   const auto index = static_cast<std::size_t>(failed - exchanges.begin());
   Outcome outcome = at(outcome_of(*failed), index * call.block + failed->words);
+  if (std::any_of(exchanges.begin(), failed, [](const Exchange& e) { return e.writes(); })) {
+    outcome = behind_writes(std::move(outcome));
+  }
   if (failed->writes() && exchanges.size() > 1) {
     const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
     outcome.text = (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
@@ -312,11 +317,7 @@ void Link::submit(Call& call) {
   start_reader();
   const std::scoped_lock lock(mutex_);
   reader_kept_ = true;
-  const std::uint64_t now = now_ns();
-  for (Exchange& exchange : call.exchanges) {
-    engine_->submit(exchange, now);
-  }
-  flush(now);
+  submit_all(call.exchanges);
   if (leading_ && (blocked_ || engine_->next_deadline_ns() < leading_until_ns_)) {
     wake();
   }

@@ -21,6 +21,7 @@ struct Link::Subscription {
   std::uint32_t divisor;
   bool on_event;
   bool open = false;
+  bool closed_unheard = false;  // while the line was gone: the device may be setting it up
   PublishRing ring;  // outlives the subscription, so that what came can still be fetched
 };
 

@@ -223,7 +223,14 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
     if (free == configuration_.groups) {
       return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");
     }
+    if (!takes_requests()) {
+      return {Status::down, "subscribe: the line is gone (" + lost_because_ + ") and is being opened again"};
+    }
     engine_->claim(free, nullptr);
+    if (!framed_ || !framed_->restoring()) {
+      released_subscriptions_.clear();
+    }
+    released_subscriptions_.push_back(subscriptions_[free]);
     subscription->id = subscriptions_[free] ? subscriptions_[free]->id + protocol::limits::groups_max : free;
     subscriptions_[free] = subscription;
     subscription->open = true;
@@ -281,10 +288,16 @@ Outcome Link::unsubscribe(std::uint32_t id) {
       last = last && !(other && other != subscription && other->open);
     }
   }
-  const Outcome outcome = closed() ? Outcome{} : stop_group(*subscription, last);
+  bool unheard = false;
+  Outcome outcome = closed() ? Outcome{} : stop_group(*subscription, last);
+  if (outcome.status == Status::down) {  // it is not set up again
+    outcome = {};
+    unheard = true;
+  }
   bool last_user = false;
   {
     const std::scoped_lock lock(mutex_);
+    subscription->closed_unheard = unheard;
     subscription->open = false;
     engine_->claim(group, nullptr);
     subscriptions_ended_ += 1;

@@ -27,6 +27,8 @@ struct Statistics {
   std::uint64_t posts = 0;                 // framed: writes without an answer that were sent
   std::uint64_t missing_publishes = 0;     // framed: gaps in their sequence
   std::uint64_t sessions = 0;              // framed: opened; more than one: the device was reset, or had another host
+  std::uint64_t restarts = 0;              // framed: sessions that the device did not have any more
+  std::uint64_t reconnections = 0;         // the line was gone, and is back
 };
 
 }  // namespace unitylink

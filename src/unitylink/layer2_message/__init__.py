@@ -19,6 +19,7 @@ from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
 from .engine import Times, Words, check_url
+from .events import LinkEvent
 from .exchange_group import ExchangeGroup
 from .link import Link
 from .subscription import PublishCallback, Subscription
@@ -32,6 +33,7 @@ __all__ = [
     "ExchangeGroup",
     "Health",
     "Link",
+    "LinkEvent",
     "Pending",
     "PublishCallback",
     "Statistics",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from math import inf
 from typing import Protocol
 
 from unitylink.errors import LinkError
@@ -25,7 +26,7 @@ def called_back() -> bool:
 class Deliverable(Protocol):
     """A subscription, as the callback thread sees it."""
 
-    gather_s: float  # how long what has come may wait
+    gather_s: float  # how long what has come may wait; inf: as long as the others
 
     @property
     def ended(self) -> bool:
@@ -79,6 +80,8 @@ class CallbackThread:
             for subscription in self._subscriptions:
                 subscription.hush()
         elif thread is not None:
+            with self._changed:
+                self._changed.notify_all()  # it may be at rest
             thread.join()
 
     def _run(self) -> None:
@@ -108,13 +111,17 @@ class CallbackThread:
             for subscription in [each for each in subscriptions if each.ended]:
                 subscription.deliver()  # all that it ever gets is there since it has ended
                 self.remove(subscription)
-            rest_s = min([each.gather_s for each in self._subscriptions], default=0.0)
+            rest_s = self._rest_s()
             if over or rest_s or not self._subscriptions:
                 with self._changed:
                     if over or not self._subscriptions:
                         self._thread = None
                         return
-                    self._rest(min(each.gather_s for each in self._subscriptions))
+                    self._rest(self._rest_s())
+
+    def _rest_s(self) -> float:
+        shortest = min([each.gather_s for each in self._subscriptions], default=0.0)
+        return 0.0 if shortest == inf else shortest
 
     def _rest(self, most_s: float) -> None:
         self._changed.wait(most_s)  # who closes a subscription ends it

@@ -64,4 +64,8 @@ class Statistics:
     missing_publishes: int
     """Gaps in the sequence of publishes: lost on the way (framed protocol)."""
     sessions: int
-    """Opened by this link; more than one: the device was reset, or another host took it."""
+    """Opened by this link; more than one: the device was reset, had another host, or the line was lost."""
+    restarts: int
+    """Sessions that the device had no more: it was reset, or another host took it (framed protocol)."""
+    reconnections: int
+    """Times the line was lost and came back (`reconnect=1`)."""

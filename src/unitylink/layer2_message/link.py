@@ -20,6 +20,7 @@ from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health, checked_spec
 from .engine import Pairs, Words, open_engine
 from .exchange_group import ExchangeGroup, Word
+from .line import Line
 from .mailbox import LoopMailbox
 from .open_links import forget, remember
 from .subscription import Subscription
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Link:
+class Link(Line):
     """A connection to one device; every method may be called from any thread.
 
     `checked` asks for a checksum (None: the link's default, URL option `crc`), `repeat` says that sending the

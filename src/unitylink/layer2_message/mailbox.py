@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from unitylink import _native
@@ -49,3 +51,23 @@ class LoopMailbox:
                 future.set_exception(error)
         if self._retired:
             self.retire()
+
+
+@contextmanager
+def arrivals(native: Engine) -> Iterator[asyncio.Event]:
+    """An asyncio.Event that is set whenever there is news of a link."""
+    loop = asyncio.get_running_loop()
+    arrived = asyncio.Event()
+    mailbox = _native.mailbox()
+
+    def wake() -> None:
+        mailbox.collect()
+        arrived.set()
+
+    loop.add_reader(mailbox.descriptor, wake)
+    native.notify_publishes(mailbox.descriptor)
+    try:
+        yield arrived
+    finally:
+        native.forget_notification(mailbox.descriptor)
+        loop.remove_reader(mailbox.descriptor)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from unitylink import _native
-from unitylink.errors import DeviceMismatch, LinkError, ValueRangeError
+from unitylink.errors import DeviceMismatch, LinkClosed, LinkError, ValueRangeError
 from unitylink.protocol import (
     GROUP_SIZE_MAX,
     GROUPS_MAX,
@@ -294,6 +294,22 @@ class MappedEngine:
         counted["overruns"] = self._publishes.overruns
         counted["mismatched_publishes"] = self._unsettled
         return counted
+
+    def wait_up(self, timeout_s: float) -> bool:
+        if self.closed:
+            raise LinkClosed("the link is closed")
+        return True
+
+    def events(self, since: int) -> tuple[list[tuple[Any, float, str]], int]:
+        return [], 0
+
+    @property
+    def trouble(self) -> str:
+        return ""
+
+    @property
+    def generation(self) -> int:
+        return 0
 
     def check_alive(self) -> None:
         """Do nothing: memory does not go away by itself, or nobody is told."""

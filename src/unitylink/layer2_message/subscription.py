@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import threading
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -12,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from unitylink import _native
 from unitylink.errors import LinkClosed
 from unitylink.protocol import GROUPS_MAX
 
 from .callbacks import called_back
 from .engine import Times, Words
+from .mailbox import arrivals
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -137,17 +136,7 @@ class Subscription:
 
         Raises LinkClosed when the port is gone.
         """
-        loop = asyncio.get_running_loop()
-        arrived = asyncio.Event()
-        mailbox = _native.mailbox()
-
-        def wake() -> None:
-            mailbox.collect()
-            arrived.set()
-
-        loop.add_reader(mailbox.descriptor, wake)
-        self._native.notify_publishes(mailbox.descriptor)
-        try:
+        with arrivals(self._native) as arrived:
             while True:
                 over = self._native.closed or not self._native.subscribed(self._identity)
                 times, values = self.drain()
@@ -161,9 +150,6 @@ class Subscription:
                     return
                 await arrived.wait()
                 arrived.clear()
-        finally:
-            self._native.forget_notification(mailbox.descriptor)
-            loop.remove_reader(mailbox.descriptor)
 
     def close(self) -> None:
         """Stop the group's publishes and free the group. Twice does nothing.

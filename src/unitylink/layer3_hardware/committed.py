@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from unitylink.errors import OutcomeUnknown, ValueRangeError
 
+from .arguments import positive, wholes
 from .proxy import HardwareProxy
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ class CommittedProxy(HardwareProxy):
     def declare_outputs(self, addresses: Iterable[int]) -> None:
         """Take responsibility for these words: each commit writes them, at first as the device has them."""
         with self._lock:
-            for address in addresses:
+            for address in wholes(f"{self.kind}: addresses", addresses):
                 self._check_output(address)
                 self._outputs.setdefault(address, None)
 
@@ -105,7 +106,7 @@ class CommittedProxy(HardwareProxy):
         timeout_s: float | None = None,
     ) -> None:
         """Write words that take effect together: one burst, one commit; or add them to the open batch."""
-        where, words = list(addresses), list(values)
+        where, words = wholes(f"{self.kind}: addresses", addresses), wholes(f"{self.kind}: values", values)
         if len(where) != len(words):
             raise ValueRangeError(f"{self.kind}: {len(where)} addresses and {len(words)} values")
         for address in where:
@@ -155,7 +156,8 @@ class CommittedProxy(HardwareProxy):
         self.bus_address(address)
 
     def _burst(self, changes: dict[int, int], checked: bool | None, timeout_s: float | None) -> None:
-        deadline = time.monotonic() + (self.commit_timeout_s if timeout_s is None else timeout_s)
+        patience_s = self.commit_timeout_s if timeout_s is None else positive("timeout_s", timeout_s)
+        deadline = time.monotonic() + patience_s
         if not self._settled:
             self._settle(deadline, committed=False)
         for address in changes:  # if this burst fails half-way, the next one has to mend these words too

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from unitylink.errors import ValueRangeError
+from unitylink.errors import ValueRangeError, shown
 
+from .arguments import at, whole
 from .committed import CommittedProxy
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ class DoubleBufferProxy(CommittedProxy):
     kind = "double buffer"
 
     def __init__(self, link: Link, base: int = 0, *, size: int) -> None:
+        size = whole("double buffer: size", size)
         if size < 1:
-            raise ValueRangeError(f"double buffer: size {size} is not positive")
+            raise ValueRangeError(f"double buffer: size {shown(size)} is not positive")
         super().__init__(link, base, words=size + 1)
         self.size = size
         self.commit_address = size
@@ -39,6 +41,6 @@ class DoubleBufferProxy(CommittedProxy):
     def _check_output(self, address: int) -> None:
         if not 0 <= address < self.size:
             raise ValueRangeError(
-                f"double buffer at {self.base:#06x}: {address:#x} is not in its {self.size} words"
+                f"double buffer at {self.base:#06x}: {at(address)} is not in its {self.size} words"
                 + ("; commit() commits" if address == self.size else "")
             )

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from unitylink.errors import BusError, ValueRangeError
+from unitylink.errors import BusError, ValueRangeError, shown
 
+from .arguments import whole, wholes
 from .proxy import HardwareProxy
 
 if TYPE_CHECKING:
@@ -73,8 +74,9 @@ class FifoProxy(HardwareProxy):
 
     def pop_many(self, limit: int, *, timeout_s: float | None = None) -> NDArray[np.uint32]:
         """Take what is there, at most `limit` words, oldest first."""
+        limit = whole("fifo: limit", limit)
         if limit < 0:
-            raise ValueRangeError(f"fifo: cannot take {limit} words")
+            raise ValueRangeError(f"fifo: cannot take {shown(limit)} words")
         left = min(limit, int(self.link.read(self.base + COUNT)))
         blocks = [np.zeros(0, np.uint32)]
         while left:
@@ -95,7 +97,7 @@ class FifoProxy(HardwareProxy):
 
     def push_many(self, words: Iterable[int], *, timeout_s: float | None = None) -> None:
         """Append words in order; ValueRangeError before the first is sent where there is no room for all."""
-        batch = list(words)
+        batch = wholes("fifo: words", words)
         self._check_words(batch)
         space = int(self.link.read(self.base + SPACE))
         if len(batch) > space:

@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import ValueRangeError
+from unitylink.errors import ValueRangeError, shown
+
+from .arguments import at, whole, wholes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,10 +33,10 @@ class HardwareProxy:
     repeatable_writes = False
 
     def __init__(self, link: Link, base: int = 0, *, words: int | None = None) -> None:
-        if base < 0:
-            raise ValueRangeError(f"{self.kind}: base {base} is negative")
         self.link = link
-        self.base = base
+        self.base = whole(f"{self.kind}: base", base)
+        if self.base < 0:
+            raise ValueRangeError(f"{self.kind}: base {shown(base)} is negative")
         self.words = words  # how many words the module has, where that is known
 
     @property
@@ -44,13 +46,15 @@ class HardwareProxy:
 
     def bus_address(self, address: int) -> int:
         """Return the bus address of a relative one; ValueRangeError where the module has no such word."""
+        address = whole(f"{self.kind} at {self.base:#06x}: address", address)
         if address < 0 or (self.words is not None and address >= self.words):
             held = "" if self.words is None else f"; it has words 0 to {self.words - 1:#x}"
-            raise ValueRangeError(f"{self.kind} at {self.base:#06x}: no word {address:#x}{held}")
+            raise ValueRangeError(f"{self.kind} at {self.base:#06x}: no word {at(address)}{held}")
         return self.base + address
 
     def bus_addresses(self, addresses: Iterable[int]) -> list[int]:
-        return [self.bus_address(address) for address in addresses]
+        where = f"{self.kind} at {self.base:#06x}: addresses"
+        return [self.bus_address(address) for address in wholes(where, addresses)]
 
     def reader(self, address: int, *, checked: bool | None = None, repeat: bool = True) -> Callable[..., int]:
         """Return a function that reads one word with nothing left to look up, for whoever reads it often."""
@@ -94,7 +98,7 @@ class HardwareProxy:
         """Write one word."""
         self.link.write(
             self.bus_address(address),
-            value,
+            whole(f"{self.kind} at {self.base:#06x}: value", value),
             checked=checked,
             repeat=self.repeatable_writes,
             timeout_s=timeout_s,
@@ -156,7 +160,7 @@ class HardwareProxy:
         """Write one word."""
         await self.link.write_async(
             self.bus_address(address),
-            value,
+            whole(f"{self.kind} at {self.base:#06x}: value", value),
             checked=checked,
             repeat=self.repeatable_writes,
             timeout_s=timeout_s,
@@ -184,15 +188,18 @@ class HardwareProxy:
         The link reads each address once before it is published, where that has no side effect.
         """
         options.setdefault("verify", self.repeatable_reads)
+        for name in ("divisor", "ring"):
+            if name in options:
+                options[name] = whole(f"{self.kind} at {self.base:#06x}: {name}", options[name])
         return self.link.subscribe(self.bus_addresses(addresses), **options)
 
     def declare_outputs(self, addresses: Iterable[int]) -> None:
         """Say which words the PC is responsible for; only proxies with a commit need to know."""
-        for address in addresses:
-            self.bus_address(address)
+        self.bus_addresses(addresses)
 
     def _pairs(self, addresses: Iterable[int], values: Iterable[int]) -> tuple[list[int], list[int]]:
-        bus, words = self.bus_addresses(addresses), list(values)
+        bus = self.bus_addresses(addresses)
+        words = wholes(f"{self.kind} at {self.base:#06x}: values", values)
         if len(bus) != len(words):
             raise ValueRangeError(f"{self.kind}: {len(bus)} addresses and {len(words)} values")
         return bus, words
@@ -202,7 +209,7 @@ class HardwareProxy:
         bits = self.link.configuration.data_bits
         for value in values:
             if not 0 <= value < 1 << bits:
-                raise ValueRangeError(f"{self.kind}: {value} does not fit a raw word of {bits} bits")
+                raise ValueRangeError(f"{self.kind}: {shown(value)} does not fit a raw word of {bits} bits")
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} at {self.base:#06x} of {getattr(self.link, 'url', '?')}>"

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from unitylink import protocol
-from unitylink.errors import DeviceMismatch, LinkTimeout, NetworkError, ValueRangeError
+from unitylink.errors import DeviceMismatch, LinkTimeout, NetworkError, ValueRangeError, shown
 
+from .arguments import at, whole
 from .committed import CommittedProxy
 from .tosnet_async import TosNetAsync
 from .tosnet_status import NetworkNode, TosNetCounters, TosNetStatus
@@ -85,7 +86,7 @@ class TosNetProxy(CommittedProxy):
     def _check_output(self, address: int) -> None:
         if not 0 <= address < protocol.TOSNET_MEMORY_WORDS:
             raise ValueRangeError(
-                f"tosnet: {address:#x} is not in the shared memory, "
+                f"tosnet: {at(address)} is not in the shared memory, "
                 f"0 to {protocol.TOSNET_MEMORY_WORDS - 1:#x}; "
                 "commits and the asynchronous channel have methods of their own"
             )
@@ -128,8 +129,9 @@ class TosNetNode:
     """One node of the network; iterate over it for its registers."""
 
     def __init__(self, network: TosNetProxy, node_id: int) -> None:
+        node_id = whole("tosnet: node", node_id)
         if not 0 <= node_id < NODES:
-            raise ValueRangeError(f"tosnet: node {node_id} is not in 0..{NODES - 1}")
+            raise ValueRangeError(f"tosnet: node {shown(node_id)} is not in 0..{NODES - 1}")
         self.network = network
         self.node_id = node_id
 
@@ -145,8 +147,9 @@ class TosNetRegister:
     """A register: `outputs[0..3]` are written by the node, `inputs[0..3]` are what it obeys."""
 
     def __init__(self, node: TosNetNode, number: int) -> None:
+        number = whole("tosnet: register", number)
         if not 0 <= number < REGISTERS_PER_NODE:
-            raise ValueRangeError(f"tosnet: register {number} is not in 0..{REGISTERS_PER_NODE - 1}")
+            raise ValueRangeError(f"tosnet: register {shown(number)} is not in 0..{REGISTERS_PER_NODE - 1}")
         first = node.node_id << protocol.TOSNET_NODE_SHIFT | number << protocol.TOSNET_REGISTER_SHIFT
         self.outputs = TosNetWords(node.network, first)
         self.inputs = TosNetWords(node.network, first | 1 << protocol.TOSNET_IN_BIT)
@@ -161,8 +164,9 @@ class TosNetWords:
 
     def address(self, word: int) -> int:
         """Return the word's address relative to the network's base."""
+        word = whole("tosnet: word", word)
         if not 0 <= word < WORDS_PER_REGISTER:
-            raise ValueRangeError(f"tosnet: word {word} is not in 0..{WORDS_PER_REGISTER - 1}")
+            raise ValueRangeError(f"tosnet: word {shown(word)} is not in 0..{WORDS_PER_REGISTER - 1}")
         return self.first + word
 
     def __getitem__(self, word: int) -> int:

@@ -8,7 +8,9 @@ import time
 from typing import TYPE_CHECKING
 
 from unitylink import protocol
-from unitylink.errors import LinkTimeout, ValueRangeError
+from unitylink.errors import LinkTimeout, ValueRangeError, shown
+
+from .arguments import positive, whole
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -31,8 +33,13 @@ class TosNetAsync:
         self._lock = threading.Lock()  # control and data belong together
 
     def send(self, node_id: int, data: bytes, timeout_s: float) -> None:
+        node_id = whole("tosnet: node", node_id)
+        timeout_s = positive("tosnet: timeout_s", timeout_s)
+        if not isinstance(data, (bytes, bytearray, memoryview)):
+            raise ValueRangeError(f"tosnet: {shown(data)} are no bytes to send")
+        data = bytes(data)
         if not 0 <= node_id <= 15:
-            raise ValueRangeError(f"tosnet: node {node_id} is not in 0..15 (0 = all)")
+            raise ValueRangeError(f"tosnet: node {shown(node_id)} is not in 0..15 (0 = all)")
         if not data:
             raise ValueRangeError("tosnet: there are no bytes to send")
         deadline = time.monotonic() + timeout_s

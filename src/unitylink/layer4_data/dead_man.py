@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from unitylink.layer3_hardware.arguments import positive
+
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
@@ -25,8 +27,9 @@ class DeadMen:
 
         Raises DeviceMismatch on a classic link or where the gateware has none.
         """
+        time_s = positive("dead-man: silence_s", silence_s)
         for link in self.links:
-            link.set_dead_man(silence_s)
+            link.set_dead_man(time_s)
 
     def arm(self) -> None:
         """Let outputs be written again after a dead-man has tripped."""

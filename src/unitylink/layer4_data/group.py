@@ -11,8 +11,17 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from unitylink.errors import DeviceMismatch, LinkError, UnexpectedValue, ValueRangeError
+from unitylink.errors import (
+    AssignmentError,
+    DeviceMismatch,
+    LinkError,
+    UnexpectedValue,
+    UnknownName,
+    ValueRangeError,
+    shown,
+)
 
+from .assignment import refuse
 from .at_once import at_once
 from .cycle import Cycle
 from .listeners import Listeners
@@ -44,8 +53,15 @@ class ValueGroup:
     """
 
     def __init__(self, values: Mapping[str, Value[Any]] | Iterable[Value[Any]], path: str = "group") -> None:
-        pairs = values.items() if isinstance(values, Mapping) else [(value.path, value) for value in values]
         self.path = path
+        try:
+            items = values.items() if isinstance(values, Mapping) else [(None, value) for value in values]
+        except TypeError:
+            raise ValueRangeError(f"{path}: {shown(values)} are no values of a robot") from None
+        for _, value in items:
+            if not isinstance(value, Value):
+                raise ValueRangeError(f"{path}: {shown(value)} is no value of a robot")
+        pairs = [(value.path if key is None else key, value) for key, value in items]
         self.values: dict[str, Value[Any]] = {}
         for key, value in pairs:
             if key in self.values:
@@ -71,7 +87,23 @@ class ValueGroup:
         return len(self.values)
 
     def __getitem__(self, key: str) -> Value[Any]:
-        return self.values[key]
+        try:
+            return self.values[key]
+        except (KeyError, TypeError):
+            raise UnknownName(f"{self.path}: no {shown(key)}; there are {', '.join(self.values)}") from None
+
+    def __setitem__(self, key: str, value: object) -> None:
+        """Refuse what is meant as a write."""
+        refuse(f"{self.path}[{key!r}]", self.values.get(key), value)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Take no attribute once it is made: one more would be written nowhere."""
+        if "_sets" in self.__dict__:
+            raise AssignmentError(
+                f"{self.path}.{name} is not set to {shown(value)}; write values of the group: "
+                f"{self.path}.write(...)"
+            )
+        object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
         return f"<group {self.path} of {', '.join(self.values)}>"
@@ -240,12 +272,17 @@ class ValueGroup:
             for key, number in values.items():
                 if key not in self.writes:
                     raise ValueRangeError(
-                        f"{self.path}: no WRITE {key!r}; there are {', '.join(self.writes)}"
+                        f"{self.path}: no WRITE {shown(key)}; there are {', '.join(self.writes)}"
                     )
                 chosen[self.writes[key]] = number
         elif values is None:
             if not named:
                 raise ValueRangeError(f"{self.path}: nothing to write; there are {', '.join(self.writes)}")
+        elif isinstance(values, (str, bytes)) or not _has_length(values):
+            raise ValueRangeError(
+                f"{self.path}: {shown(values)} is no sequence or mapping of values for its "
+                f"{len(self.writes)} WRITEs ({', '.join(self.writes)}); nothing was sent"
+            )
         else:
             if len(values) != len(self.writes):
                 raise ValueRangeError(
@@ -365,6 +402,14 @@ class ValueGroup:
 
     def _named(self, error: LinkError) -> LinkError:
         return error.with_item(self.path)
+
+
+def _has_length(values: object) -> bool:
+    try:
+        len(values)  # type: ignore[arg-type]
+    except TypeError:  # of numpy's scalars too, which have the method
+        return False
+    return True
 
 
 def _keyword(key: str) -> str:

@@ -12,6 +12,8 @@ from functools import partial
 from typing import Generic, TypeVar
 from weakref import finalize
 
+from unitylink.errors import ValueRangeError, shown
+
 logger = logging.getLogger("unitylink.publishing")
 
 T = TypeVar("T")
@@ -33,6 +35,7 @@ class Listeners(Generic[T]):
         """Whether somebody wants to hear of each publish; who does not ask `tell` then keeps `previous`."""
 
     def on_publish(self, callback: Callable[[float, T], object]) -> Callable[[], None]:
+        self._check(callback)
         with self._lock:
             self._publish += (callback,)
             self.heard = True
@@ -45,6 +48,7 @@ class Listeners(Generic[T]):
         return remove
 
     def on_change(self, callback: Callable[[T], object]) -> Callable[[], None]:
+        self._check(callback)
         with self._lock:
             self._change += (callback,)
             self.heard = True
@@ -128,6 +132,10 @@ class Listeners(Generic[T]):
                 except Exception:
                     self._report(change)
         self.previous = value
+
+    def _check(self, callback: object) -> None:
+        if not callable(callback):
+            raise ValueRangeError(f"{self._item}: {shown(callback)} cannot be called back")
 
     def _report(self, callback: object) -> None:
         logger.exception("%s: the callback %r raised; publishing goes on", self._item, callback)

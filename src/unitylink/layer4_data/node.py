@@ -8,6 +8,9 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from unitylink.errors import AssignmentError, UnknownName, shown
+
+from .assignment import Array, refuse
 from .binding import Tree
 from .cycle import Cycle
 from .dead_man import DeadMen
@@ -26,6 +29,8 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.layer3_hardware import HardwareProxy
 
+    from .publishing import Publisher
+
 
 class Node:
     """Hold the values, groups and parts of one expansion of a constructor, under the spec's names.
@@ -38,22 +43,51 @@ class Node:
     ...     robot.on_publish(lambda time_s, s: print(s["j1.cpos"]))
     """
 
+    _closed = True
+    name: str
+    path: str
+    display: str
+    publisher: Publisher
+
     def __init__(self, parent: Node | Tree, name: str) -> None:
-        self.name = name
         if isinstance(parent, Node):
             self._tree: Tree = parent._tree
             self._hardware: HardwareProxy = parent._hardware
-            self.path: str = f"{parent.path}.{name}" if parent.path else name
+            path = f"{parent.path}.{name}" if parent.path else name
             parent._members[name] = self
         else:
             self._tree = parent
             self._hardware = parent.hardware("memory")
-            self.path = ""
-        self.display = self._tree.names.get(self.path, self.path or name)
-        self.publisher = self._tree.publisher
+            path = ""
+        display = self._tree.names.get(path, path or name)
+        self.__dict__.update(name=name, path=path, display=display, publisher=self._tree.publisher)
         self._members: dict[str, Value[Any] | ValueGroup | Node] = {}
         self._whole: ValueGroup | None = None
         self._feed: ValueGroup | None = None
+
+    def __init_subclass__(cls, *, closed: bool = False, **more: Any) -> None:
+        """Generated classes are `closed`: they have the attributes of the spec, and no others."""
+        super().__init_subclass__(**more)
+        cls._closed = closed
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Take each member once: a value that was replaced by a number would never be written again."""
+        held = self.__dict__.get(name)
+        if name.startswith("_"):
+            pass
+        elif held is not None:
+            refuse(self._path(name), held, value)
+        elif self._closed and not isinstance(value, (Value, ValueGroup, Node, tuple)):
+            near = get_close_matches(name, self.__dict__, n=1)
+            hint = f"; did you mean {self._path(near[0])}?" if near else ""
+            raise AssignmentError(f"{self.path or self.name} has no {name}{hint}")
+        elif type(value) is tuple:
+            value = Array(self._path(name), value)
+        object.__setattr__(self, name, value)
+
+    def __setitem__(self, path: str, value: object) -> None:
+        """Refuse what is meant as a write."""
+        refuse(self._path(path), self[path], value)
 
     # What generated classes and trees from a Spec are built with
 
@@ -116,14 +150,16 @@ class Node:
                 yield from member
 
     def __getitem__(self, path: str) -> Value[Any] | ValueGroup | Node:
-        """Return the value, group or part at a path of the spec's names; KeyError says what is near."""
+        """Return the value, group or part at a path of the spec's names; UnknownName says what is near."""
+        if not isinstance(path, str):
+            raise UnknownName(f"{self.path or self.name}: names are text, not {shown(path)}")
         here: Value[Any] | ValueGroup | Node = self
         for step in path.split("."):
             if not isinstance(here, Node) or step not in here._members:
                 start = len(self.path) + 1 if self.path else 0
                 near = get_close_matches(path, [value.path[start:] for value in self], n=1)
                 hint = f"; did you mean {near[0]}?" if near else ""
-                raise KeyError(f"no {path!r} in {self.path or self.name}{hint}")
+                raise UnknownName(f"no {path!r} in {self.path or self.name}{hint}")
             here = here._members[step]
         return here
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import DeviceMismatch, ValueRangeError
+from unitylink.layer3_hardware.arguments import positive
 from unitylink.spec.model import Publish
 
 from .polling import Poller
@@ -133,6 +134,7 @@ def _read(item: PublishPlan) -> tuple[int, ...]:
     return tuple(words.tolist())
 
 
+DIVISOR_MAX = 0xFFFFFFFF  # of the base rate, as of the gateware's own publishes
 RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is held up
 
 
@@ -194,9 +196,10 @@ class Publisher:
                 raise ValueRangeError(f"{value.path}: the spec gives its rate by PUBLISH; leave rate_hz out")
         elif rate_hz is not None:
             base = base_hz(value.hardware.link)
-            if not 0 < rate_hz <= base:
+            rate_hz = positive(f"{value.path}: rate_hz", rate_hz)
+            if not base / DIVISOR_MAX <= rate_hz <= base:
                 raise ValueRangeError(
-                    f"{value.path}: rate_hz {rate_hz} is not above 0 and at most {base} Hz (the base rate)"
+                    f"{value.path}: rate_hz {rate_hz:g} is not above 0 and at most {base} Hz (the base rate)"
                 )
             with self._lock:
                 self._items[value] = Publish(SOFTWARE, round(base / rate_hz))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
+from unitylink.errors import UnknownName
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from typing_extensions import Self
@@ -49,7 +51,7 @@ class Recording:
         self._publisher.take_no_more(self._take)
 
     def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
-        """Return (times in s, values) of one path, both of shape (n,); KeyError where nothing came.
+        """Return (times in s, values) of one path, both of shape (n,); UnknownName where nothing came.
 
         Values are float64, int64, uint64 or bool as the type asks; of enumerations and packed values the
         numbers.
@@ -64,7 +66,7 @@ class Recording:
                             np.concatenate([_column(rows, column) for _, rows in parts])
                         ),
                     )
-        raise KeyError(f"nothing was published for {path!r}")
+        raise UnknownName(f"nothing was published for {path!r}")
 
 
 def _column(rows: Rows, column: int) -> NDArray[np.uint64]:

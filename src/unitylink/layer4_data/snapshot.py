@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from unitylink.errors import UnknownName, shown
+
 
 class Snapshot(Mapping[str, Any]):
     """A read-only mapping from path to value in engineering units, with the time of the sample.
@@ -32,7 +34,11 @@ class Snapshot(Mapping[str, Any]):
         return max(self.times_s.values())
 
     def __getitem__(self, path: str) -> Any:
-        return self._values[path]
+        try:
+            return self._values[path]
+        except (KeyError, TypeError):
+            known = ", ".join(self._values)
+            raise UnknownName(f"no {shown(path)} in the set; there are {known}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import BindingError, DeviceMismatch
+from unitylink.errors import BindingError, DeviceMismatch, shown
 from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
 from unitylink.wire_hash import wire_hashes
@@ -41,6 +41,10 @@ def load_spec_objects(
     >>> robot["j1.cpos"].read()                                            # doctest: +SKIP
     -1204
     """
+    if root is not None and not isinstance(root, str):
+        raise BindingError(f"{spec.source}: a public constructor is named by text, not {shown(root)}")
+    if links is not None and not isinstance(links, Mapping):
+        raise BindingError(f"{spec.source}: links are given by name, not as {shown(links)}")
     try:
         roots = spec.roots if root is None else (spec.root(root),)
     except KeyError as error:
@@ -50,7 +54,7 @@ def load_spec_objects(
     for name in links or {}:
         if name not in known:
             raise BindingError(
-                f"{spec.source}: no parameter {name!r}; there are {', '.join(sorted(known)) or 'none'}"
+                f"{spec.source}: no parameter {shown(name)}; there are {', '.join(sorted(known)) or 'none'}"
             )
     several = len(roots) > 1
     addresses: dict[str, int] = {}

@@ -56,7 +56,7 @@ class Value(Generic[T]):
         configuration = hardware.link.configuration
         if quantity is None:
             quantity = Quantity(INT32) if signed else Quantity()
-        self.codec = Codec(path, quantity, configuration.data_bits, classes)
+        self.codec = Codec(path, quantity, configuration.data_bits, classes, commanded=True)
         if words is not None and words != self.codec.words:
             raise BindingError(
                 f"{path} takes {words} word(s) in the spec and {self.codec.words} on {hardware.link.url}, "

@@ -18,6 +18,9 @@ class WriteValue(Value[T]):
     """A value the PC writes, in engineering units.
 
     >>> robot.j1.pos_sp.write(-0.5)               # doctest: +SKIP
+    >>> robot.j1.pos_sp = -0.5                    # doctest: +SKIP
+    Traceback (most recent call last):
+    unitylink.errors.AssignmentError: j1.pos_sp is not replaced by -0.5; write it: j1.pos_sp.write(-0.5)
     >>> robot.j1.spd_sp.write(-1)                 # doctest: +SKIP
     Traceback (most recent call last):
     unitylink.errors.ValueRangeError: j1.spd_sp: -1 is not in 0 to 4294967295; nothing was sent

@@ -41,7 +41,7 @@ def need_library() -> None:
     try:
         import mcap  # noqa: F401
     except ImportError:
-        raise absent("mcap", "an MCAP file (CSV needs nothing)") from None
+        raise absent("mcap", "a recording in MCAP, unlike one in CSV,") from None
 
 
 class _Counting:

@@ -197,6 +197,13 @@ class Board:
         """Let one TosNet cycle arrive damaged: its error counter counts, PCKERR stands for one cycle."""
         self._native.damage_cycle()
 
+    def hang_up(self) -> None:
+        """Break the line to the client, as a pulled cable does; the board goes on, and takes the next one.
+
+        A pseudo-terminal has no cable: there close the board, and make another at the same path.
+        """
+        self._native.hang_up()
+
     def close(self) -> None:
         """End the board; a connected client sees its port go. Idempotent."""
         self._closed = True

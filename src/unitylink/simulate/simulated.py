@@ -36,7 +36,8 @@ def simulated_board(url: str) -> tuple[Board, str]:
     Options of the board: `root=NAME` (the public constructor or link whose board it is, of several),
     `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups=
     group_size= read_many= rate_bytes= publish_mode= physical= send_immediate=`; all others are the link's
-    (`timeout=` is 1 here). Close the board after the link.
+    (`timeout=` is 1 here). With `reconnect=1` it is reached over TCP on this computer:
+    `link.board.hang_up()` breaks that line, for tests. Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, UnityLinkError.
     """
@@ -79,7 +80,9 @@ def simulated_board(url: str) -> tuple[Board, str]:
         options.setdefault("protocol", "framed")
     options.setdefault("timeout", _TIMEOUT_S)
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
-    board = _KINDS[kind](spec, plant, generics)
+    # what can be opened again has a name; a descriptor has none
+    endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
+    board = _KINDS[kind](spec, plant, generics, endpoint)
     try:
         link_url = f"{board.url}?{urlencode(options, safe=',/', quote_via=quote)}"
     except UnityLinkError:
@@ -88,17 +91,19 @@ def simulated_board(url: str) -> tuple[Board, str]:
     return board, link_url
 
 
-def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int | str]) -> Board:
-    return Board(spec, configuration=BoardConfiguration.for_spec(spec, **generics), plant=plant)
+def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int | str], endpoint: str) -> Board:
+    configuration = BoardConfiguration.for_spec(spec, **generics)
+    return Board(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 
-def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int | str]) -> Board:
+def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int | str], endpoint: str) -> Board:
     from .rtl import (
         RtlBoard,
         rtl_configuration,
     )  # the generator and the compilers: only for those who want them
 
-    return RtlBoard(spec, configuration=rtl_configuration(spec, **generics), plant=plant)
+    configuration = rtl_configuration(spec, **generics)
+    return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 
 _KINDS = {"sim": _twin, "rtl": _gateware}

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from unitylink.simulate import BoardConfiguration
 
 
-LETTERS = {"rx_error": "x"}  # of steps in the bench's file, where it is not the first: that is `reset`
+# Of steps in the bench's file, where it is not the first: that is `reset`.
+LETTERS = {"rx_error": "x", "deaf": "d", "dead": "k"}
 
 
 class Simulator(Protocol):

@@ -23,7 +23,7 @@ def command() -> None:
     try:
         from .language_server.server import make_server
     except ModuleNotFoundError as error:
-        if error.name not in ("pygls", "lsprotocol"):
+        if (error.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
             raise
         raise absent("pygls", "the language server") from None
     make_server().start_io()

@@ -12,7 +12,7 @@ from enum import IntEnum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import UnexpectedValue, ValueRangeError
+from unitylink.errors import UnexpectedValue, ValueRangeError, shown
 from unitylink.spec.types import ValueType
 
 from .classes import enum_class, field_names, member_names, record_class
@@ -31,7 +31,9 @@ class Codec:
     """Encode and decode one value; `name` is what errors call it.
 
     `classes` gives the Python classes of enumerations and packed values by their names in the spec; those
-    not given are made. `integer_sign` is set where decoding is no more than a sign: (raw ^ sign) - sign.
+    not given are made. `commanded`: the values are set-points, which are never NaN nor infinite; what a
+    sensor tells may be, where it has no limits. `integer_sign` is set where decoding is no more than a sign:
+    (raw ^ sign) - sign.
 
     >>> position = Codec("pos", Quantity(ValueType("int", 16), scale=0.5, unit="mm", maximum=100.0), 32)
     >>> position.encode(-1.5), position.decode(0xFFFD)
@@ -42,7 +44,13 @@ class Codec:
     """
 
     def __init__(
-        self, name: str, quantity: Quantity, data_bits: int, classes: Mapping[str, type[Any]] | None = None
+        self,
+        name: str,
+        quantity: Quantity,
+        data_bits: int,
+        classes: Mapping[str, type[Any]] | None = None,
+        *,
+        commanded: bool = False,
     ) -> None:
         kind = quantity.type
         self.name = name
@@ -55,6 +63,7 @@ class Codec:
         self.word_mask = (1 << data_bits) - 1
         self.sign = 1 << self.width - 1 if kind.signed else 0
         self._classes = classes or {}
+        self._commanded = commanded
         self._saturates = quantity.overflow == "saturate"
         self._factor = quantity.scale / (1 << kind.fraction)
         if kind.kind == "float" and self.width not in _FLOATS:
@@ -85,6 +94,21 @@ class Codec:
     def decode(self, raw: int) -> Any:
         """Return the value of a raw number, bits above the type's ignored; UnexpectedValue if it has none."""
         return self._decode(raw & self.mask)
+
+    def check_raw(self, raw: int, value: Any) -> None:
+        """Raise ValueRangeError where the type has no such raw number, or it is beyond the limits.
+
+        `value` is what errors show.
+        """
+        try:
+            known = self.decode(raw)
+            if self.type.kind in ("bool", "enum", "bits"):
+                return
+            beyond = self.encode(known) != raw & self.mask  # what saturates would be another number
+        except UnexpectedValue as error:
+            raise ValueRangeError(f"{self.name}: {_text(value)}: {error.message}; nothing was sent") from None
+        if beyond:
+            raise self._refused(known)
 
     def split(self, raw: int) -> tuple[int, ...]:
         """Return the words of a raw number, the low one first.
@@ -156,7 +180,7 @@ class Codec:
             number = operator.index(value)
         except TypeError:
             raise ValueRangeError(
-                f"{self.name}: {value!r} is not an integer; round it first. Nothing was sent"
+                f"{self.name}: {_text(value)} is not an integer; round it first. Nothing was sent"
             ) from None
         return self._within(number, value)
 
@@ -186,17 +210,21 @@ class Codec:
         return number & self.mask
 
     def _number(self, value: Any) -> float:
+        if type(value) is float:
+            return value
         try:
+            if isinstance(value, (str, bytes, bytearray)) or getattr(value, "ndim", None):
+                raise TypeError
             return float(value)
         except OverflowError:  # an integer beyond all floats
             return math.inf if value > 0 else -math.inf
         except (TypeError, ValueError):
-            raise ValueRangeError(f"{self.name}: {value!r} is not a number; nothing was sent") from None
+            raise ValueRangeError(f"{self.name}: {_text(value)} is not a number; nothing was sent") from None
 
     def _refused(self, value: Any) -> ValueRangeError:
         unit = f" {self.quantity.unit}" if self.quantity.unit else ""
         return ValueRangeError(
-            f"{self.name}: {value}{unit} is not in {format_value(self.minimum)} to "
+            f"{self.name}: {_text(value)}{unit} is not in {format_value(self.minimum)} to "
             f"{format_value(self.maximum)}{unit}; nothing was sent"
         )
 
@@ -204,9 +232,9 @@ class Codec:
 
     def _make_bool(self) -> None:
         def encode(value: Any) -> int:
-            if _is_bool(value) or (isinstance(value, int) and value in (0, 1)):
+            if _is_bool(value) or _index(value) in (0, 1):
                 return int(value)
-            raise ValueRangeError(f"{self.name}: {value!r} is neither true nor false; nothing was sent")
+            raise ValueRangeError(f"{self.name}: {_text(value)} is neither true nor false; nothing was sent")
 
         self._encode = encode
         self._decode = bool
@@ -216,19 +244,14 @@ class Codec:
 
     def _make_float(self) -> None:
         code, whole = f"<{_FLOATS[self.width]}", f"<{ {16: 'H', 32: 'I', 64: 'Q'}[self.width] }"
-        quantity, limited = (
-            self.quantity,
-            self.quantity.minimum is not None or self.quantity.maximum is not None,
-        )
+        quantity = self.quantity
+        finite = self._commanded or quantity.minimum is not None or quantity.maximum is not None
 
         def pack(value: Any) -> int:
             real = self._number(value)
             low, high = self.minimum, self.maximum
-            if math.isnan(real):
-                if limited:
-                    raise self._refused(value)
-            elif not (low <= real <= high) and (limited or not math.isinf(real)):
-                if not self._saturates:
+            if not low <= real <= high and (finite or math.isfinite(real)):
+                if math.isnan(real) or not self._saturates:
                     raise self._refused(value)
                 real = min(max(real, low), high)
             number = (real - quantity.offset) / quantity.scale
@@ -259,17 +282,14 @@ class Codec:
             if isinstance(value, str):
                 if value not in by_name:
                     raise ValueRangeError(
-                        f"{self.name}: no {enum.name} is called {value!r}; there are {known}. "
+                        f"{self.name}: no {enum.name} is called {_text(value)}; there are {known}. "
                         "Nothing was sent"
                     )
                 return int(by_name[value])
-            try:
-                number = operator.index(value)
-            except TypeError:
-                number = -1
+            number = _index(value)
             if number not in by_number and not (enum.open and 0 <= number <= self.mask):
                 raise ValueRangeError(
-                    f"{self.name}: {value!r} is no {enum.name}; there are {known}. Nothing was sent"
+                    f"{self.name}: {_text(value)} is no {enum.name}; there are {known}. Nothing was sent"
                 )
             return number
 
@@ -301,8 +321,12 @@ class Codec:
         spec_names = {python: spec for spec, python in names.items()}
 
         def encode(value: Any) -> int:
-            if isinstance(value, int) and not isinstance(value, bool):  # the packed number itself
-                return self._within(value, value)
+            number = -1 if _is_bool(value) else _index(value)
+            if number >= 0 or isinstance(value, int):  # the packed number itself
+                raw = self._within(number, value)
+                for low, codec in parts.values():  # what a field cannot be is not sent either
+                    codec.check_raw(raw >> low, value)
+                return raw
             given = value
             if not isinstance(value, Mapping):
                 given = {name: getattr(value, name) for name in parts if hasattr(value, name)}
@@ -371,6 +395,19 @@ def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
     multiplier, added = int(factor * divisor), int(offset * divisor)
     exact = (1 << width) * abs(multiplier) + abs(added) < _EXACT and divisor < _EXACT
     return (multiplier, added, divisor) if exact else None
+
+
+def _index(value: Any) -> int:
+    """Return the integer that a value is, also one of numpy's; -1 for what is none."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        return -1
+
+
+def _text(value: Any) -> str:
+    """Return a value for an error: a number in the digits that count."""
+    return format_value(value) if isinstance(value, float) else shown(value)
 
 
 def _is_bool(value: Any) -> bool:

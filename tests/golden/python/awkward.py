@@ -48,7 +48,7 @@ _TABLE_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Arm(Node):
+class Arm(Node, closed=True):
     """The public interface `arm`: 5 words.
 
     `link_` and `self_` default to `link`.
@@ -90,7 +90,7 @@ class Arm(Node):
         self.all = self._group("all", "class.import", "other.import")
 
 
-class Table(Node):
+class Table(Node, closed=True):
     """The public interface `table`: 4 words.
 
     >>> table = Table(unitylink.connect("sim:awkward.ul"))
@@ -127,7 +127,7 @@ class Table(Node):
         self.none = Empty(self, "none")
 
 
-class Joint(Node):
+class Joint(Node, closed=True):
     """The constructor `joint`, expanded as `class`, `snapshot`."""
 
     import_: ReadValue[int]
@@ -147,7 +147,7 @@ class Joint(Node):
         self.def_ = self._write("def")
 
 
-class Joint2(Node):
+class Joint2(Node, closed=True):
     """The constructor `joint2`, expanded as `other`."""
 
     import_: ReadValue[int]
@@ -160,7 +160,7 @@ class Joint2(Node):
         self.import_ = self._read("import", publish=(1, 1))
 
 
-class Empty(Node):
+class Empty(Node, closed=True):
     """The constructor `empty`, expanded as `none`."""
 
     path_: ReadValue[int]

@@ -30,7 +30,7 @@ _HELLO_LED_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class HelloLed(Node):
+class HelloLed(Node, closed=True):
     """The public interface `hello_led`: 3 words.
 
     >>> hello_led = HelloLed(unitylink.connect("sim:hello_led.ul"))

@@ -88,7 +88,7 @@ _PA10_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Pa10(Node):
+class Pa10(Node, closed=True):
     """The public interface `pa10`: 28 words.
 
     `ctrl` and `comm` default to `link`.
@@ -172,7 +172,7 @@ class Pa10(Node):
         )
 
 
-class Joint(Node):
+class Joint(Node, closed=True):
     """The constructor `joint`, expanded as `s1`, `s2`, `s3`, `e1`, `e2`, `w1`, `w2`."""
 
     cpos: ReadValue[int]

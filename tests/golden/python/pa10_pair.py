@@ -167,7 +167,7 @@ _RIGHT_ARM_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class LeftArm(Node):
+class LeftArm(Node, closed=True):
     """The public interface `left_arm`: 28 words.
 
     >>> left_arm = LeftArm(unitylink.connect("sim:pa10_pair.ul?root=left_arm"))
@@ -190,7 +190,7 @@ class LeftArm(Node):
         self.arm = Arm(self, "arm")
 
 
-class RightArm(Node):
+class RightArm(Node, closed=True):
     """The public interface `right_arm`: 28 words.
 
     >>> right_arm = RightArm(unitylink.connect("sim:pa10_pair.ul?root=right_arm"))
@@ -213,7 +213,7 @@ class RightArm(Node):
         self.arm = Arm(self, "arm")
 
 
-class Arm(Node):
+class Arm(Node, closed=True):
     """The constructor `arm`, expanded as `arm`, `arm`."""
 
     j: tuple[Joint, ...]
@@ -257,7 +257,7 @@ class Arm(Node):
         )
 
 
-class Joint(Node):
+class Joint(Node, closed=True):
     """The constructor `joint`, expanded as `arm.j[0]`, `arm.j[1]`, `arm.j[2]`,
     `arm.j[3]`, `arm.j[4]`, `arm.j[5]`, ... (14 in all).
     """

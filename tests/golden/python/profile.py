@@ -70,7 +70,7 @@ _PROFILE_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Profile(Node):
+class Profile(Node, closed=True):
     """The public interface `profile`: 36 words.
 
     `ctrl` and `comm` default to `link`.
@@ -167,7 +167,7 @@ class Profile(Node):
         )
 
 
-class Table(Node):
+class Table(Node, closed=True):
     """The constructor `table`, expanded as `table`."""
 
     point: tuple[WriteValue[int], ...]
@@ -188,7 +188,7 @@ class Table(Node):
         )
 
 
-class Samples(Node):
+class Samples(Node, closed=True):
     """The constructor `samples`, expanded as `samples`."""
 
     position: ReadClearValue[int]

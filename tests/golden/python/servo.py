@@ -73,7 +73,7 @@ _CLASSES: dict[str, type] = {
 }
 
 
-class Servo(Node):
+class Servo(Node, closed=True):
     """The public interface `servo`: 11 words.
 
     >>> servo = Servo(unitylink.connect("sim:servo.ul"))
@@ -138,7 +138,7 @@ class Servo(Node):
         )
 
 
-class Pwm(Node):
+class Pwm(Node, closed=True):
     """The constructor `pwm`, expanded as `drive`."""
 
     control: ReadWriteValue[PwmControl]
@@ -182,7 +182,7 @@ class Pwm(Node):
         )
 
 
-class QuadratureEncoder(Node):
+class QuadratureEncoder(Node, closed=True):
     """The constructor `quadrature_encoder`, expanded as `wheel`."""
 
     position: ReadWriteValue[int]

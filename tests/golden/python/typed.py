@@ -145,7 +145,7 @@ _CLASSES: dict[str, type] = {
 }
 
 
-class Typed(Node):
+class Typed(Node, closed=True):
     """The public interface `typed`: 20 words.
 
     >>> typed = Typed(unitylink.connect("sim:typed.ul"))
@@ -224,7 +224,7 @@ class Typed(Node):
         self.all = self._group("all", "j[0].target", "j[1].target", "j[2].target")
 
 
-class Joint(Node):
+class Joint(Node, closed=True):
     """The constructor `joint`, expanded as `j[0]`, `j[1]`, `j[2]`."""
 
     pos: ReadValue[float]

@@ -103,7 +103,7 @@ _WALKER18_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Walker18(Node):
+class Walker18(Node, closed=True):
     """The public interface `walker18`: 36 words.
 
     `ctrl` and `comm` default to `link`.
@@ -193,7 +193,7 @@ class Walker18(Node):
         )
 
 
-class Pair(Node):
+class Pair(Node, closed=True):
     """The constructor `pair`, expanded as `front`, `middle`, `rear`."""
 
     l: Leg
@@ -208,7 +208,7 @@ class Pair(Node):
         self.r = Leg(self, "r")
 
 
-class Leg(Node):
+class Leg(Node, closed=True):
     """The constructor `leg`, expanded as `front.l`, `front.r`, `middle.l`, `middle.r`,
     `rear.l`, `rear.r`.
     """

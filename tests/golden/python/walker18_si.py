@@ -111,7 +111,7 @@ _WALKER18_GATEWARE: dict[str, tuple[int, ...]] = {
 }
 
 
-class Walker18(Node):
+class Walker18(Node, closed=True):
     """The public interface `walker18`: 36 words.
 
     `ctrl` and `comm` default to `link`.
@@ -195,7 +195,7 @@ class Walker18(Node):
         )
 
 
-class Leg(Node):
+class Leg(Node, closed=True):
     """The constructor `leg`, expanded as `leg[0]`, `leg[1]`, `leg[2]`, `leg[3]`,
     `leg[4]`, `leg[5]`.
     """

@@ -7,6 +7,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from unit.link.reconnect_rig import Rig
 
 from unitylink import Link, connect
 
@@ -28,3 +29,11 @@ def device(fake: ModuleType) -> Iterator[Any]:
 def link(device: Any) -> Iterator[Link]:
     with connect(device.url()) as link:
         yield link
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    """A board behind a line that can be cut."""
+    made = Rig()
+    yield made
+    made.close()

@@ -21,7 +21,7 @@ SAFE = ((0x10, 0), (0x11, 0xFFFF))
 ERRORS, SILENT = (0x38, 0x3B), (0x3C, 0x3F)
 
 
-def twin_of(settings: Settings) -> _native.Device:
+def twin_of(settings: Settings, fifo: int = 0) -> _native.Device:
     framed = FramedConfiguration(
         request_max=settings.request_max,
         reply_max=settings.reply_max,
@@ -44,6 +44,7 @@ def twin_of(settings: Settings) -> _native.Device:
             group_size=settings.group_size,
             bus_error_ranges=(ERRORS,),
             silent_ranges=(SILENT,),
+            fifo=fifo,
             framed=framed,
         )
     )
@@ -64,10 +65,10 @@ def ask(twin: _native.Device, data: bytes, clocks: int = 5_000) -> bytes:
     return answer
 
 
-def open_session(twin: _native.Device) -> None:
-    """Begin the first session of a device, with EPOCH."""
+def open_session(twin: _native.Device, nonce: int = 1) -> None:
+    """Begin a session of a device, the first one, with EPOCH."""
     hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
-    opening = Frame(p.REQUEST_KIND_OPEN, field((1, 2), (EPOCH, 2), (0, 1))).encode()
+    opening = Frame(p.REQUEST_KIND_OPEN, field((nonce, 2), (EPOCH, 2), (0, 1))).encode()
     assert len(list(Borders().feed(ask(twin, b"\0" + hello + opening)))) == 2
 
 
@@ -163,3 +164,90 @@ def test_an_id_that_was_another_requests() -> None:
         0,
         0,
     ]
+
+
+def stalled_twin(settings: Settings) -> _native.Device:
+    """A device in a session that publishes, and whose host takes nothing from now on."""
+    twin = twin_of(settings, fifo=64)
+    open_session(twin)
+    define = field((0, 2), (0, 1), (1, 4), (0, 1), (2, 1), (0x10, 2), (0x11, 2))
+    ask(twin, Frame(p.REQUEST_KIND_DEFINE_GROUP, define).encode(EPOCH))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE, field((1, 2), (0x10, 2), (9, 4))).encode(EPOCH))
+    deadman = field((2, 2), (p.CONTROL_DEADMAN_TICKS, 2), (5, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(EPOCH))
+    publish = field((3, 2), (p.CONTROL_PUBLISH, 2), (1, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, publish).encode(EPOCH), 0)
+    return twin
+
+
+def say(twin: _native.Device, data: bytes, clocks: int) -> None:
+    """Send without taking what is answered."""
+    while data:
+        data = data[twin.receive(data) :]
+        twin.run_until(twin.clock + 50)
+    twin.run_until(twin.clock + clocks)
+
+
+def taken(twin: _native.Device, clocks: int) -> bytes:
+    """What comes while the host takes all of it."""
+    answer = b""
+    for _ in range(20):
+        twin.run_until(twin.clock + clocks // 20)
+        answer += twin.take()
+    return answer
+
+
+def test_a_host_that_takes_nothing_trips_the_dead_man() -> None:
+    settings = Settings(features=0x3F, safe=SAFE)
+    twin = stalled_twin(settings)
+    tick = settings.clock_hz // settings.base_hz
+    twin.run_until((twin.clock // tick + 5) * tick)
+    assert (twin.get(0x10), twin.get(0x11)) == (0, 0xFFFF)
+
+
+def test_posts_go_on_while_the_host_takes_nothing_and_publishes_are_left_out() -> None:
+    settings = Settings(features=0x3F, safe=SAFE)
+    twin = stalled_twin(settings)
+    tick = settings.clock_hz // settings.base_hz
+    for number in range(20):
+        say(twin, Frame(p.REQUEST_KIND_POST, field((number, 2), (0x10, 2), (number, 4))).encode(EPOCH), tick)
+        assert twin.get(0x10) == number, "executed, and a sign of life"
+    read = field((4, 2), (p.CONTROL_PUBLISHES, 2), (2, 1))
+    say(twin, Frame(p.REQUEST_KIND_READ_CONTROL, read).encode(EPOCH), 0)
+    told = taken(twin, 2 * tick)
+    frames = [frame for piece in Borders().feed(told) if (frame := Frame.decode(piece, EPOCH))]
+    (answer,) = (
+        frame.payload
+        for frame in frames
+        if frame.kind == p.DEVICE_KIND_REPLY and frame.payload[:2] == b"\0\4"
+    )
+    published, left_out = (int.from_bytes(answer[at : at + 4], "big") for at in (4, 8))
+    assert published <= 6, "as many as the FIFO holds"
+    assert published + left_out == pytest.approx(20, abs=2), "every tick"
+
+
+def test_frames_that_wait_are_signs_of_life() -> None:
+    settings = Settings(features=0x3F, safe=SAFE)
+    twin = stalled_twin(settings)
+    tick = settings.clock_hz // settings.base_hz
+    for number in range(4, 12):  # none is answered
+        say(twin, Frame(p.REQUEST_KIND_READ, field((number, 2), (0x10, 2))).encode(EPOCH), 3 * tick)
+        assert twin.get(0x10) == 9, "a host that sends is alive"
+    twin.run_until(twin.clock + 6 * tick)
+    assert twin.get(0x10) == 0
+
+
+def test_nothing_but_arm_lets_the_classic_side_write_again() -> None:
+    settings = Settings(features=0x3F, safe=SAFE)
+    twin = stalled_twin(settings)
+    tick = settings.clock_hz // settings.base_hz
+    twin.run_until(twin.clock + 6 * tick)
+    say(twin, Frame(p.REQUEST_KIND_CLOSE, field((4, 2))).encode(EPOCH), 0)
+    taken(twin, tick)
+    assert ask(twin, b"\0#W:001000000008\n\0") == b"#?E_FBW\n"
+    assert ask(twin, b"#R:0010\n\0") == b"#S_R:00000000\n"
+    open_session(twin, 2)
+    arm = field((0, 2), (p.CONTROL_ARM, 2), (1, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, arm).encode(EPOCH))
+    ask(twin, Frame(p.REQUEST_KIND_CLOSE, field((1, 2))).encode(EPOCH))
+    assert ask(twin, b"\0#W:001000000008\n\0") == b"#S_W\n"

@@ -136,6 +136,33 @@ def test_floats_with_limits() -> None:
     assert saturating.decode(saturating.encode(1e39)) == pytest.approx(3.4028235e38)
 
 
+@pytest.mark.parametrize("bits", [16, 32, 64])
+@pytest.mark.parametrize("overflow", ["error", "saturate"])
+def test_a_set_point_is_finite(bits: int, overflow: str) -> None:
+    """What a sensor tells need not be: `test_single_floats_are_exact`."""
+    codec = Codec("f", Quantity(ValueType("float", bits), overflow=overflow), 32, commanded=True)
+    with pytest.raises(ValueRangeError, match="f: nan is not in"):
+        codec.encode(math.nan)
+    for value in (math.inf, -math.inf, 10**400):
+        if overflow == "error":
+            with pytest.raises(ValueRangeError, match="is not in"):
+                codec.encode(value)
+        else:
+            assert math.isfinite(codec.decode(codec.encode(value)))
+
+
+@pytest.mark.parametrize("value", ["3.5", b"3", None, [1.0], np.array([1.0]), 1j, object()])
+def test_what_is_no_number_is_refused(value: Any) -> None:
+    for kind in (
+        ValueType("float", 32),
+        ValueType("fixed", 16, 8),
+        ValueType("int", 16),
+        ValueType("bool", 1),
+    ):
+        with pytest.raises(ValueRangeError, match=r"^f: .*othing was sent"):
+            Codec("f", Quantity(kind), 32).encode(value)
+
+
 def test_enumerations() -> None:
     codec = Codec("m", Quantity(ValueType("enum", 2, enum=MODE)), 8)
     run = codec.decode(1)
@@ -167,6 +194,9 @@ def test_packed_values_are_records() -> None:
         ({"ready": 2, "mode": 0, "heat": 1}, "s.ready: 2 is neither"),
         ({"ready": 1, "mode": 0, "heat": 99}, "s.heat: 99 K is not in -1 to 6.5 K"),
         (256, "s: 256 is not in"),
+        (0b100, r"s\.mode: 4: the device holds 2, which is no mode; .*nothing was sent"),
+        (10**5000, "s: a number that is too long to be shown is not in"),
+        ("3", "s: ready, mode, heat missing"),
     ]
     for value, text in wrong:
         with pytest.raises(ValueRangeError, match=text):

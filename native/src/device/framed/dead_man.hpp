@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Silence for so many ticks of the base frequency, and the outputs become safe.
+// Silence for so many ticks of the base frequency, and the outputs become safe. It stands in front of the bus, as in the
+// gateware: from its trip on no write of an application gets there until it is armed.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
+#include "device/bus.hpp"
 #include "device/clock.hpp"
+#include "device/configuration.hpp"
 
 namespace unitylink::device {
 
-class DeadMan {
+class DeadMan final : public Bus {
  public:
-  explicit DeadMan(Clock period) noexcept : period_(period) {}
+  DeadMan(const DeviceConfiguration& configuration, Bus& bus) noexcept
+      : configuration_(configuration), bus_(bus), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {}
 
   [[nodiscard]] std::uint32_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] bool running() const noexcept { return ticks_ > 0; }
@@ -29,17 +33,33 @@ class DeadMan {
     feed(now);
   }
   void arm() noexcept { tripped_ = false; }
-  // An intact frame of the session came.
+  // An intact frame of the session has come in.
   void feed(Clock now) noexcept { fed_at_ = now; }
-  void trip() noexcept {
+
+  // Every output that has a safe value gets it, whatever the bus says to that.
+  void trip(Clock now) {
     tripped_ = tripped_in_session_ = true;
     ticks_ = 0;
+    for (const SafeValue& safe : configuration_.framed.safe_values) {
+      static_cast<void>(bus_.write(safe.address & configuration_.address_mask(), safe.value, now));
+    }
   }
 
   // The tick at which it trips if nothing comes.
   [[nodiscard]] Clock due() const noexcept { return running() ? (fed_at_ / period_ + ticks_) * period_ : never; }
 
+  // The bus, as the applications see it.
+  BusReply read(std::uint32_t address, Clock now) override { return bus_.read(address, now); }
+  BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override {
+    return tripped_ ? BusStatus::denied : bus_.write(address, value, now);
+  }
+  void block(bool held, Clock now) override { bus_.block(held, now); }
+  BusReply get(std::uint32_t address, Clock now) override { return bus_.get(address, now); }
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override { return bus_.set(address, value, now); }
+
  private:
+  const DeviceConfiguration& configuration_;
+  Bus& bus_;
   Clock period_;
   std::uint32_t ticks_ = 0;
   Clock fed_at_ = never;

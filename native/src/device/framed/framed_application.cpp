@@ -18,22 +18,31 @@ constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::f
 
 bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
 
+// How the next frame is read depends on it.
+bool changes_session(std::uint32_t kind) noexcept {
+  return kind == request_kind::open || (kind & ~request_bits & 0xFFu) == request_kind::close;
+}
+
+// No kind of a host: a device's, or a post with bits that only requests have.
+bool is_foreign(std::uint32_t kind) noexcept {
+  return (kind & protocol::frame::device_bit) != 0 || ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu));
+}
+
 }  // namespace
 
-FramedApplication::FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, Bus& bus,
+FramedApplication::FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, DeadMan& dead_man,
                                      PhysicalTransmitter& physical)
     : configuration_(configuration),
       subscriptions_(subscriptions),
-      bus_(bus),
+      bus_(dead_man),
       physical_(physical),
       registers_(configuration),
       cache_(configuration.framed.window, configuration.framed.cache_bytes),
-      dead_man_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)),
       exchanges_(configuration.framed.exchanges),
       groups_(configuration.publish_mode > 0 ? configuration.groups : 0),
+      waiting_(configuration.framed.request_max, configuration.request_credit()),
       nonce_(configuration.framed.nonce) {
   decoder_.set_payload_max(configuration.framed.request_max);
-  waiting_payload_.reserve(frame_payload_max);
   payload_.reserve(frame_payload_max);
   out_.reserve(frame_bytes_max + 1);
 }
@@ -42,7 +51,7 @@ FramedApplication::FramedApplication(const DeviceConfiguration& configuration, S
 
 void FramedApplication::take(std::uint8_t byte, Clock now) {
   at_ = std::max(at_, now);
-  waiting_at_ = now + frame_latency;  // counts only if this byte makes a frame wait
+  taken_at_ = now;
   decoder_.take(std::span(&byte, 1), *this);
 }
 
@@ -51,9 +60,11 @@ void FramedApplication::on_frame(const Frame& frame) {
     on_discard(Discard::check, frame.kind, 0);
     return;
   }
-  waiting_ = true;
-  waiting_kind_ = frame.kind;
-  waiting_payload_.assign(frame.payload.begin(), frame.payload.end());
+  waiting_.push(frame.kind, frame.payload, taken_at_ + frame_latency);
+  paused_ = changes_session(frame.kind);
+  if (!outside_session(frame.kind) && !is_foreign(frame.kind)) {
+    bus_.feed(taken_at_);
+  }
 }
 
 void FramedApplication::on_discard(Discard why, std::uint8_t kind, std::size_t) {
@@ -62,8 +73,8 @@ void FramedApplication::on_discard(Discard why, std::uint8_t kind, std::size_t) 
   } else if (!open() && kind != request_kind::hello && kind != request_kind::open) {
     count(control::discarded_session);
     if (!closed_told_) {
-      closed_told_ = waiting_ = true;
-      waiting_kind_ = device_kind::closed;
+      closed_told_ = true;
+      waiting_.push(device_kind::closed, {}, taken_at_ + frame_latency);
     }
   } else {
     count(control::discarded_check);
@@ -73,54 +84,65 @@ void FramedApplication::on_discard(Discard why, std::uint8_t kind, std::size_t) 
 // ---- when
 
 Clock FramedApplication::next_clock(bool port_free) const noexcept {
-  Clock next = dead_man_.due();
+  Clock next = bus_.due();
   if (sending()) {
-    return std::min(next, physical_.room() > 0 ? at_ : never);
+    const Clock goes_on = physical_.room() > 0 ? at_ : says_nothing() ? std::max(at_, waiting_.front().at) : never;
+    return std::min(next, goes_on);
   }
   if (!port_free) {
     return next;
   }
-  if (waiting_) {
-    next = std::min(next, std::max(at_, waiting_at_));
+  if (!waiting_.empty()) {
+    next = std::min(next, std::max(at_, waiting_.front().at));
   }
   return open() ? std::min(next, std::max(at_, subscriptions_.pending_at())) : next;
 }
 
 void FramedApplication::step(Clock now, bool port_free, Clock limit) {
-  if (dead_man_.due() <= now) {
+  if (bus_.due() <= now) {
     trip(now);
+  } else if (sending() && physical_.room() == 0) {
+    at_ = std::max(at_, now);
+    execute();  // it says nothing
   } else if (sending()) {
     do {
       physical_.put(static_cast<char>(out_[sent_++]), at_++);
-    } while (sending() && at_ < std::min(limit, dead_man_.due()) && physical_.room() > 0);
+    } while (sending() && at_ < std::min(limit, bus_.due()) && physical_.room() > 0);
   } else if (port_free) {
     at_ = std::max(at_, now);
     if (open() && subscriptions_.pending_at() <= now) {  // publishes go before replies
       if (const auto group = subscriptions_.serve(now)) {
         publish(*group);
       }
-    } else if (waiting_ && waiting_at_ <= now) {
-      waiting_ = false;
-      execute(now);
+    } else if (!waiting_.empty() && waiting_.front().at <= now) {
+      execute();
     }
   }
 }
 
-void FramedApplication::execute(Clock now) {
-  const std::uint8_t kind = waiting_kind_;
-  const std::span<const std::uint8_t> payload(waiting_payload_);
+bool FramedApplication::says_nothing() const noexcept {
+  if (waiting_.empty() || waiting_.front().kind == device_kind::closed) {
+    return false;
+  }
+  return is_post(waiting_.front().kind) || is_foreign(waiting_.front().kind);
+}
+
+void FramedApplication::execute() {
+  const std::uint8_t kind = waiting_.front().kind;
+  const std::span<const std::uint8_t> payload(waiting_.front().payload);
   if (kind == device_kind::closed) {
     send(kind, {});
   } else if (kind == request_kind::hello) {
     hello(payload);
   } else if (kind == request_kind::open) {
     open_session(payload);
-  } else if ((kind & protocol::frame::device_bit) != 0 || ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu))) {
+  } else if (is_foreign(kind)) {
     count(control::discarded_kind);
   } else {
-    dead_man_.feed(now);
     is_post(kind) ? post(kind, payload) : request(kind, payload);
   }
+  paused_ = paused_ && !changes_session(kind);
+  waiting_.pop();
 }
 
 // ---- sessions
@@ -171,7 +193,7 @@ void FramedApplication::open_session(std::span<const std::uint8_t> payload) {
   count(control::frames);
   if (!again) {
     offered_ = false;
-    if (dead_man_.running()) {
+    if (bus_.running()) {
       trip(at_);
     }
     begin_session({epoch, (flags & protocol::frame::checked_long_flag) != 0});
@@ -194,16 +216,13 @@ void FramedApplication::begin_session(const FrameKey& key) {
   for (Exchange& exchange : exchanges_) {
     exchange.defined = false;
   }
-  dead_man_.begin_session();
+  bus_.begin_session();
 }
 
 // Every output that has a safe value gets it; from then on nothing is written.
 void FramedApplication::trip(Clock now) {
-  dead_man_.trip();
+  bus_.trip(now);
   count(control::deadman_trips);
-  for (const SafeValue& safe : configuration_.framed.safe_values) {
-    static_cast<void>(bus_.write(safe.address & configuration_.address_mask(), safe.value, now));
-  }
 }
 
 // ---- posts
@@ -220,7 +239,7 @@ void FramedApplication::post(std::uint8_t kind, std::span<const std::uint8_t> pa
   }
   count(control::posts);
   Status outcome = status::ok;
-  if (dead_man_.tripped()) {
+  if (bus_.tripped()) {
     count(control::refused);
     outcome = status::denied;
   } else {

@@ -12,6 +12,7 @@
 #include "device/framed/dead_man.hpp"
 #include "device/framed/frame_request.hpp"
 #include "device/framed/reply_cache.hpp"
+#include "device/framed/waiting_frames.hpp"
 #include "device/physical.hpp"
 #include "device/subscription_manager.hpp"
 #include "layer1_stream/frame_decoder.hpp"
@@ -19,16 +20,19 @@
 
 namespace unitylink::device {
 
-// One frame is worked on while the next is received; then the port waits. A frame is executed as a whole at one time, and
-// the bytes of its answer leave one a clock. While it has none in hand the classic side may use the port.
+// Frames are worked on while others are received, as many as the gateware keeps; then the port waits. A frame is executed as
+// a whole at one time, and the bytes of its answer leave one a clock. While they cannot leave, posts are executed, and
+// publishes are left out. While it has none in hand the classic side may use the port.
 class FramedApplication {
  public:
-  FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, Bus& bus, PhysicalTransmitter& physical);
+  // `dead_man` is the bus, and may refuse it.
+  FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, DeadMan& dead_man,
+                    PhysicalTransmitter& physical);
 
   // The next byte between borders, or a border.
   void take(std::uint8_t byte, Clock now);
-  // No byte can be taken: the frame before waits.
-  [[nodiscard]] bool stalled() const noexcept { return waiting_; }
+  // No byte can be taken: the frames before wait, or one of them changes how the next is read.
+  [[nodiscard]] bool stalled() const noexcept { return paused_ || waiting_.full(); }
   // Bytes of a frame are leaving.
   [[nodiscard]] bool sending() const noexcept { return sent_ < out_.size(); }
 
@@ -57,7 +61,9 @@ class FramedApplication {
     std::uint16_t sequence = 0;
   };
 
-  void execute(Clock now);
+  // The frame in front has no answer, and needs no room for one.
+  [[nodiscard]] bool says_nothing() const noexcept;
+  void execute();
   void hello(std::span<const std::uint8_t> payload);
   void open_session(std::span<const std::uint8_t> payload);
   void begin_session(const FrameKey& key);
@@ -89,23 +95,21 @@ class FramedApplication {
 
   const DeviceConfiguration& configuration_;
   SubscriptionManager& subscriptions_;
-  Bus& bus_;
+  DeadMan& bus_;
   PhysicalTransmitter& physical_;
 
   FrameDecoder decoder_;
   FrameKey key_;
   ControlRegisters registers_;
   ReplyCache cache_;
-  DeadMan dead_man_;
   FrameRequest request_;
   std::vector<Exchange> exchanges_;
   std::vector<Group> groups_;
 
   Clock at_ = 0;                       // of what is done now; when the last byte left
-  bool waiting_ = false;               // a frame, or CLOSED, that has not been executed
-  Clock waiting_at_ = 0;
-  std::uint8_t waiting_kind_ = 0;
-  std::vector<std::uint8_t> waiting_payload_;
+  WaitingFrames waiting_;              // frames, or CLOSED, that have not been executed
+  Clock taken_at_ = 0;                 // of the byte that was taken last
+  bool paused_ = false;                // OPEN or CLOSE waits
 
   std::uint16_t nonce_;                // of the last HELLO answer
   bool offered_ = false;               // a HELLO answer that no OPEN has used

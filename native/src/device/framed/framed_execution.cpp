@@ -140,7 +140,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
     default:
       break;
   }
-  if (writes && dead_man_.tripped() && !repeated) {
+  if (writes && bus_.tripped() && !repeated) {
     return status::denied;
   }
   return lost_if_repeated || reply_bytes > framed.reply_max ? status::too_long : status::ok;
@@ -148,8 +148,8 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
 
 FramedApplication::Status FramedApplication::control_refusal() const noexcept {
   switch (request_.address) {
-    case control::deadman_ticks: return dead_man_.tripped() ? status::denied : status::ok;
-    case control::arm: return request_.value != 1 ? status::invalid : dead_man_.tripped_in_session() ? status::denied : status::ok;
+    case control::deadman_ticks: return bus_.tripped() ? status::denied : status::ok;
+    case control::arm: return request_.value != 1 ? status::invalid : bus_.tripped_in_session() ? status::denied : status::ok;
     case control::publish: return request_.value > 1 ? status::invalid : status::ok;
     default: return status::bad_address;
   }
@@ -263,8 +263,8 @@ void FramedApplication::define_group() {
 
 void FramedApplication::write_control() {
   switch (request_.address) {
-    case control::deadman_ticks: dead_man_.set(request_.value, at_); break;
-    case control::arm: dead_man_.arm(); break;
+    case control::deadman_ticks: bus_.set(request_.value, at_); break;
+    case control::arm: bus_.arm(); break;
     default:
       publishing_ = request_.value != 0;
       publishing_ ? subscriptions_.enable(at_) : subscriptions_.disable(at_);
@@ -274,8 +274,8 @@ void FramedApplication::write_control() {
 
 std::uint32_t FramedApplication::control(std::uint32_t address) noexcept {
   switch (address) {
-    case control::deadman_ticks: return dead_man_.ticks();
-    case control::arm: return (dead_man_.tripped() ? 1u : 0u) | (dead_man_.running() ? 2u : 0u) | (publishing_ ? 4u : 0u);
+    case control::deadman_ticks: return bus_.ticks();
+    case control::arm: return (bus_.tripped() ? 1u : 0u) | (bus_.running() ? 2u : 0u) | (publishing_ ? 4u : 0u);
     case control::publish: return publishing_ ? 1 : 0;
     case control::publish_overruns: return subscriptions_.overruns();
     default: return registers_.read(address, at_);
@@ -288,6 +288,7 @@ FramedApplication::Status FramedApplication::access(BusStatus answer) noexcept {
   at_ += answer == BusStatus::silent ? silent_cycle : timing::bus_cycle;
   switch (answer) {
     case BusStatus::error: count(control::bus_errors); return status::bus_error;
+    case BusStatus::denied: count(control::refused); return status::denied;
     case BusStatus::silent: count(control::bus_timeouts); return status::bus_timeout;
     default: return status::ok;
   }

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// NativeLink: the line that may be lost and come back.
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "link_arguments.hpp"
+
+namespace unitylink::python {
+namespace {
+
+// False while the line is gone; raises why the link has ended.
+bool wait_up(Link& link, double timeout_s) {
+  std::uint64_t left = timeout_s > 0 ? static_cast<std::uint64_t>(std::min(timeout_s, 1e9) * 1e9) : 0;
+  while (true) {
+    const std::uint64_t slice = std::min(left, patience_ns);
+    Outcome outcome;
+    {
+      GilRelease release;
+      outcome = link.wait_up(slice);
+    }
+    if (outcome.status != Status::down) {
+      raise_unless_ok(outcome);
+      return true;
+    }
+    left -= slice;
+    if (left == 0) {
+      return false;
+    }
+    check_signals();
+  }
+}
+
+// What keeps the line from coming back; empty while it is up, or has ended.
+std::string trouble(Link& link) {
+  GilRelease release;
+  const Outcome outcome = link.wait_up(0);
+  return outcome.status == Status::down ? outcome.text : std::string();
+}
+
+nb::tuple events(Link& link, std::uint64_t from) {
+  std::vector<LinkEvent> come;
+  {
+    GilRelease release;
+    come = link.events(from);
+  }
+  static constexpr const char* names[] = {"lost", "restarted", "back"};
+  nb::list all;
+  for (const LinkEvent& event : come) {
+    all.append(nb::make_tuple(names[static_cast<std::size_t>(event.kind)], static_cast<double>(event.time_ns) * 1e-9, event.text));
+  }
+  return nb::make_tuple(all, from);
+}
+
+}  // namespace
+
+void bind_line(nb::class_<Link>& link) {
+  using namespace nb::literals;
+  link.def("wait_up", &wait_up, "timeout_s"_a)
+      .def("events", &events, "since"_a)
+      .def_prop_ro("trouble", &trouble)
+      .def_prop_ro("generation", &Link::generation);
+}
+
+}  // namespace unitylink::python

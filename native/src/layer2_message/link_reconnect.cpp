@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The line that comes back (reconnect=1): how its loss is noticed and told, and how it is opened and set up again.
+//
+// The reader thread does it, which such a link keeps as long as it lives. While the line is gone nobody leads, and requests are declined. Nothing that was asked
+// before is sent again by itself: what was under way has been told as unknown, or as not sent. Set up again is what the program has
+// asked to go on: subscriptions, exchange groups, publishing, the dead-man.
+#include <algorithm>
+#include <chrono>
+
+#include "layer2_message/link_state.hpp"
+
+namespace unitylink {
+namespace {
+
+constexpr std::uint64_t pause_first_ns = 10'000'000;     // before the second attempt; twice as long before each that follows
+constexpr std::uint64_t pause_most_ns = 1'000'000'000;
+constexpr std::uint64_t silence_ns = 500'000'000;        // without a byte for so long the device is asked whether it is there
+constexpr std::size_t events_kept = 64;
+
+}  // namespace
+
+// From here on a loss is not the end.
+void Link::last() noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    lasts_ = reader_kept_ = true;
+    engine_->set_lasting();
+    classic_.set_lasting();
+    heard_ns_ = now_ns();
+  }
+  start_reader();
+}
+
+bool Link::takes_requests() const noexcept {
+  return engine_->ended() || line_ == Line::up || (line_ == Line::opening && std::this_thread::get_id() == restorer_);
+}
+
+// ---- reads that wait, where the URL says so
+
+bool Link::waits_for_line(std::span<const Exchange> exchanges) const noexcept {
+  return lasts_ && options_.wait_ns > 0 && std::this_thread::get_id() != restorer_ &&
+         std::all_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) {
+           const bool reads = exchange.operation == Operation::read || exchange.operation == Operation::read_many || exchange.operation == Operation::read_control;
+           return reads && exchange.repeat;
+         });
+}
+
+// All are asked anew where one did not come through.
+bool Link::was_cut(std::span<Exchange> exchanges) noexcept {
+  if (std::none_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) { return exchange.status == Status::down; })) {
+    return false;
+  }
+  for (Exchange& exchange : exchanges) {
+    if (exchange.batch != nullptr) {
+      exchange.batch->failed = false;
+    }
+  }
+  return true;
+}
+
+bool Link::wait_for_line(Lock& lock, std::uint64_t until_ns) {
+  while (line_ != Line::up && !engine_->ended()) {
+    const std::uint64_t now = now_ns();
+    if (now >= until_ns || interrupted(lock)) {
+      return false;
+    }
+    wait(lock, published_, std::min(until_ns, now + 100'000'000));
+  }
+  return !engine_->ended();
+}
+
+Outcome Link::wait_up(std::uint64_t timeout_ns) {
+  Lock lock(mutex_);
+  const std::uint64_t now = now_ns();
+  const std::uint64_t until_ns = timeout_ns < Engine::no_deadline - now ? now + timeout_ns : Engine::no_deadline;
+  if (wait_for_line(lock, until_ns)) {
+    return {};
+  }
+  if (engine_->ended()) {
+    return end();
+  }
+  const std::string tried = trouble_.empty() ? "" : "; attempt " + std::to_string(attempts_) + ": " + trouble_;
+  return {Status::down, "the line is gone (" + lost_because_ + ") and is being opened again" + tried};
+}
+
+// ---- events
+
+void Link::tell(LinkEvent::Kind kind, std::string text) {
+  generation_ += kind == LinkEvent::Kind::lost ? 0 : 1;
+  events_.push_back({kind, now_ns(), std::move(text)});
+  if (events_.size() > events_kept) {
+    events_.pop_front();
+  }
+  events_made_ += 1;
+  announce();
+}
+
+// Of a session that the engine has begun anew by itself, too.
+void Link::notice_restarts() {
+  if (engine_->statistics().restarts != restarts_seen_) {
+    restarts_seen_ = engine_->statistics().restarts;
+    tell(LinkEvent::Kind::restarted, "the device was reset, or another program has had it");
+  }
+}
+
+std::vector<LinkEvent> Link::events(std::uint64_t& from) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t first = events_made_ - events_.size();
+  const std::uint64_t skipped = std::min<std::uint64_t>(events_.size(), from > first ? from - first : 0);
+  from = events_made_;
+  return {events_.begin() + static_cast<std::ptrdiff_t>(skipped), events_.end()};
+}
+
+// ---- loss
+
+void Link::lose(Status status, const std::string& reason) noexcept {
+  if (!lasts_) {
+    fail(status, reason);
+    return;
+  }
+  if (engine_->ended() || line_ == Line::gone) {
+    return;
+  }
+  const bool was_up = line_ == Line::up;
+  line_ = Line::gone;
+  blocked_ = false;
+  lost_ns_ = now_ns();
+  if (was_up) {
+    lost_because_ = reason;
+    trouble_.clear();
+    attempts_ = 0;
+  } else {
+    trouble_ = reason;
+  }
+  engine_->cut(Status::down, lost_ns_);
+  turn_.notify_all();
+  idle_.notify_all();
+  if (was_up) {
+    tell(LinkEvent::Kind::lost, reason);
+  } else {
+    announce();
+  }
+}
+
+// When the reader asks whether the device is there, if nothing comes until then.
+std::uint64_t Link::look_ns() const noexcept { return lasts_ ? heard_ns_ + silence_ns : Engine::no_deadline; }
+
+void Link::look_after(Lock& lock) {
+  std::uint32_t word = 0;
+  Exchange question;
+  prepare(question, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
+  question.operation = framed_ ? Operation::read_control : Operation::resynchronise;
+  question.address = protocol::control::magic;
+  question.values = std::span(&word, 1);
+  lock.unlock();
+  run(std::span(&question, 1));
+  lock.lock();
+  heard_ns_ = std::max(heard_ns_, now_ns() - std::min(now_ns(), silence_ns / 2));  // asked again soon, not at once
+  if (question.status == Status::timeout) {
+    lose(Status::timeout, "the device does not answer");
+  }
+}
+
+// ---- and back
+
+// One attempt, by the reader.
+void Link::reopen(Lock& lock) {
+  while (leading_) {
+    wake();
+    ++followers_;
+    turn_.wait(lock);
+    --followers_;
+  }
+  driver_.reset();
+  const auto over = [this] { return engine_->ended() || !reader_wanted_; };
+  if (attempts_ > 0) {
+    const std::uint64_t pause_ns = std::min(pause_most_ns, pause_first_ns << std::min(attempts_ - 1, 10u));
+    idle_.wait_for(lock, std::chrono::nanoseconds(pause_ns), over);
+  }
+  if (over()) {
+    return;
+  }
+  attempts_ += 1;
+  lock.unlock();
+  std::unique_ptr<Driver> fresh;
+  Outcome outcome = source_->open(fresh, cancel_descriptor_);
+  lock.lock();
+  if (over()) {
+    return;
+  }
+  if (outcome.ok()) {
+    driver_ = std::move(fresh);
+    driver_->messages_end_with(static_cast<std::uint8_t>(framed_ ? protocol::frame::delimiter : static_cast<std::uint8_t>(protocol::bytes::line_feed)));
+    line_ = Line::opening;
+    restorer_ = std::this_thread::get_id();
+    lock.unlock();
+    outcome = restore();
+    lock.lock();
+    restorer_ = {};
+    if (engine_->ended()) {
+      return;
+    }
+    if (outcome.ok() && line_ == Line::opening) {
+      line_ = Line::up;
+      heard_ns_ = now_ns();
+      engine_->statistics().reconnections += 1;
+      tell(LinkEvent::Kind::back, attempts_ == 1 ? "at the first attempt" : "after " + std::to_string(attempts_) + " attempts");
+      return;
+    }
+    if (line_ == Line::opening) {
+      lose(outcome.status, outcome.text);
+    }
+  } else {
+    trouble_ = outcome.text;
+  }
+}
+
+// The device as it was set up. FramedEngine does it by itself in each new session.
+Outcome Link::restore() {
+  Exchange exchange;
+  prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
+  exchange.operation = Operation::resynchronise;
+  run(std::span(&exchange, 1));
+  Outcome outcome = outcome_of(exchange);
+  if (!outcome.ok()) {
+    return outcome;
+  }
+  const std::scoped_lock one_at_a_time(configuring_);  // not before: who closes a subscription must not wait for a silent device
+  if (framed_) {
+    return stop_closed_groups();
+  }
+  if (!quieted_) {
+    return {};
+  }
+  quieted_ = false;
+  outcome = quiet_device();
+  bool any = false;
+  for (std::uint32_t group = 0; group < configuration_.groups && outcome.ok(); ++group) {
+    std::shared_ptr<Subscription> subscription;
+    {
+      const std::scoped_lock lock(mutex_);
+      subscription = subscriptions_[group];
+    }
+    if (subscription && subscription->open) {
+      any = true;
+      outcome = configure_group(group, *subscription);
+    }
+  }
+  if (outcome.ok() && any) {
+    outcome = command(options_.publish_checked && checksums_ ? Operation::enable_checked_publishing : Operation::enable_publishing);
+  }
+  quieted_ = true;  // also when it failed: then all of it is done again
+  return outcome;
+}
+
+// Those whose subscriptions were closed while FramedEngine was setting them up.
+Outcome Link::stop_closed_groups() {
+  for (std::uint32_t group = 0; group < configuration_.groups; ++group) {
+    bool closed = false;
+    {
+      const std::scoped_lock lock(mutex_);
+      const std::shared_ptr<Subscription>& subscription = subscriptions_[group];
+      closed = subscription && std::exchange(subscription->closed_unheard, false);
+    }
+    if (closed) {
+      if (Outcome outcome = set_rate(group, 0); !outcome.ok()) {
+        return outcome;
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace unitylink

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What becomes of a line, and of the device behind it, while a program goes on."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Literal
+
+from .mailbox import arrivals
+
+if TYPE_CHECKING:
+    from .engine import Engine
+
+_log = logging.getLogger("unitylink.link")
+
+
+@dataclass(frozen=True)
+class LinkEvent:
+    """Something has become of a link. In this order: `lost`, `restarted` if the device was, `back`.
+
+    `restarted` comes alone where the device was reset and its line stayed.
+    """
+
+    kind: Literal["lost", "restarted", "back"]
+    """`lost`: the line is gone, or the device silent; it is being opened again. `restarted`: the device was
+    reset, or another program has had it: its outputs are its own. `back`: requests are taken again, and what
+    was subscribed goes on."""
+    time_s: float
+    """Of `Link.now_s()`."""
+    text: str
+    """Why, in words."""
+
+
+EventCallback = Callable[[LinkEvent], None]
+
+
+class EventListener:
+    """Calls `callback` for each event from now on, in the link's callback thread."""
+
+    ended = False
+
+    def __init__(self, native: Engine, callback: EventCallback) -> None:
+        self._native, self._callback = native, callback
+        self._next = native.events(0)[1]
+        self.gather_s = inf  # as long as the others may: events are rare
+
+    def deliver(self) -> None:
+        rows, self._next = self._native.events(self._next)
+        for row in rows:
+            if self.ended:
+                return
+            try:
+                self._callback(LinkEvent(*row))
+            except BaseException:  # sys.exit() too: it would silence the subscriptions
+                _log.exception("the callback %r of an event failed; the events go on", self._callback)
+
+    def hush(self) -> None:
+        """Call back no more."""
+        self.ended = True
+
+
+async def events_of(native: Engine) -> AsyncIterator[LinkEvent]:
+    """Yield each event from now on, until the link is closed."""
+    _, since = native.events(0)
+    with arrivals(native) as arrived:
+        while True:
+            over = native.closed
+            rows, since = native.events(since)
+            for row in rows:
+                yield LinkEvent(*row)
+            if over:
+                return
+            await arrived.wait()
+            arrived.clear()

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is said to who assigns to an object of a robot: it would be replaced, and nothing written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NoReturn
+
+from unitylink.errors import AssignmentError, shown
+
+from .value import Value
+
+_METHODS = {"WRITE": "write", "READWRITE": "write", "PULSE": "pulse", "W1C": "clear"}
+
+
+def refuse(path: str, held: object, value: object) -> NoReturn:
+    """Raise AssignmentError for `path = value`, with the method that does what was meant.
+
+    >>> refuse("j1.pos_sp", robot.j1.pos_sp, 3)  # doctest: +SKIP
+    Traceback (most recent call last):
+    unitylink.errors.AssignmentError: j1.pos_sp is not replaced by 3; write it: j1.pos_sp.write(3)
+    """
+    text = shown(value)
+    if isinstance(held, Value):
+        method = _METHODS.get(held.access)
+        remedy = f"write it: {path}.{method}({text})" if method else f"it is a {held.access}: {path}.read()"
+    elif isinstance(held, tuple):
+        remedy = f"it is an array: write its parts, such as {path}[0]"
+    elif callable(getattr(held, "write", None)):
+        remedy = f"write its values: {path}.write(...)"
+    else:
+        remedy = "write a value of it by the value's own methods"
+    raise AssignmentError(f"{path} is not replaced by {text}; {remedy}")
+
+
+class Array(tuple[Any, ...]):
+    """The members of an array of the spec: a tuple that says how a part is written."""
+
+    path: str
+
+    def __new__(cls, path: str, parts: Iterable[Any]) -> Array:
+        """`path` is what errors call it."""
+        array = super().__new__(cls, parts)
+        array.path = path
+        return array
+
+    def __setitem__(self, index: int, value: object) -> None:
+        """Refuse what is meant as a write."""
+        refuse(f"{self.path}[{index!r}]", self[index] if isinstance(index, int) else self, value)

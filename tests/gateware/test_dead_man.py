@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The host dies at any moment, behind every physical layer: the outputs become safe all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+from reference.framing import Borders, Frame, field
+from reference.rs485 import token
+
+from unitylink import protocol as p
+from unitylink.board_configuration import BoardConfiguration
+
+SAFE = [(0x10, 1), (0x11, 0xFFFFFFFF)]  # of replay_tb
+TICKS = 3
+OK, DENIED = 0, p.REPLY_STATUS_DENIED
+TRIP, DEAD, WRITTEN, VALUE = "p", "k", "u", "v"
+
+Step = tuple[str, Any]
+
+
+class Host:
+    """What a host says, as steps of the bench; ids count from session to session anew."""
+
+    def __init__(self, physical: str = "none") -> None:
+        self.physical = physical
+        self.steps: list[Step] = []
+        self.marks: dict[str, tuple[int, int]] = {}  # step and epoch
+        self.nonce = self.epoch = 0
+        self.next_id = self.posts = 0
+
+    def do(self, *steps: Step) -> None:
+        self.steps += steps
+
+    def say(self, data: bytes, pause: int = 0) -> None:
+        """Send; a PC that asks an SPI slave or a node for bytes does so behind it."""
+        if self.physical == "spi_slave":
+            data += bytes(80)
+        elif self.physical == "rs485":
+            data = b"\0" + token(1, poll=False) + data + token(1, poll=True)
+        self.do(("send", data.decode("latin-1")))
+        if self.physical == "rs485":  # the node has its turn
+            self.settle()
+        elif pause:
+            self.do(("wait", pause))
+
+    def settle(self) -> None:
+        """Wait until all is said, which takes a serial line its time."""
+        self.do(("quiet", 4000 if self.physical in ("uart", "rs485") else 500))
+
+    def mark(self, name: str) -> None:
+        """What is answered from here to the next mark can be asked for by this name."""
+        self.marks[name] = (len(self.steps), self.epoch)
+
+    def open(self) -> None:
+        self.nonce += 1
+        self.epoch = 0x1234 + self.nonce
+        self.next_id = self.posts = 0
+        hello = Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+        last = Frame(p.REQUEST_KIND_OPEN, field((self.nonce, 2), (self.epoch, 2), (0, 1))).encode()
+        self.say(b"\0\0" + hello + last)
+        self.settle()  # as a host does, which waits for the answer
+
+    def ask(self, kind: int, *fields: tuple[int, int]) -> bytes:
+        frame = Frame(kind, field((self.next_id, 2), *fields)).encode(self.epoch)
+        self.next_id += 1
+        return frame
+
+    def post(self, address: int, word: int) -> bytes:
+        frame = Frame(p.REQUEST_KIND_POST, field((self.posts, 2), (address, 2), (word, 4))).encode(self.epoch)
+        self.posts += 1
+        return frame
+
+    def control(self, register: int, value: int) -> bytes:
+        return self.ask(p.REQUEST_KIND_WRITE_CONTROL, (register, 2), (value, 4))
+
+    def write(self, address: int, word: int) -> bytes:
+        return self.ask(p.REQUEST_KIND_WRITE, (address, 2), (word, 4))
+
+    def group(self) -> bytes:
+        words = tuple((0x10 + n, 2) for n in range(8))
+        return self.ask(p.REQUEST_KIND_DEFINE_GROUP, (0, 1), (1, 4), (0, 1), (8, 1), *words)
+
+    def exchange_group(self) -> bytes:
+        members = tuple(f for n in range(4) for f in ((0x10 + n, 2), (4, 1)))
+        return self.ask(p.REQUEST_KIND_DEFINE_EXCHANGE, (0, 1), (2, 1), (2, 1), *members)
+
+    def traffic(self) -> list[bytes]:
+        """Everything that holds the bus or writes, one behind the other."""
+        reads = (
+            (1, 1),  # the bus is held
+            (p.LIST_OPERATION_READ, 1),
+            (12, 1),
+            *((0x20 + n, 2) for n in range(12)),
+        )
+        writes = tuple(f for n in range(4) for f in ((0x10 + n, 2), (7 + n, 4)))
+        return [
+            self.post(0x10, 5) + self.write(0x11, 6) + self.post(0x22, 7),
+            self.ask(p.REQUEST_KIND_LIST, *reads),
+            self.ask(p.REQUEST_KIND_LIST, (1, 1), (p.LIST_OPERATION_WRITE, 1), (4, 1), *writes),
+            self.ask(p.REQUEST_KIND_EXCHANGE, (0, 1), (0x1234, 4), (0x5678, 4)),
+            self.ask(p.REQUEST_KIND_LIST, (0, 1), (p.LIST_OPERATION_ADD, 1), (1, 1), (0x11, 2), (1, 4)),
+            self.write(0x10, 9) + self.ask(p.REQUEST_KIND_READ, (0x11, 2)) + self.post(0x11, 8),
+        ]
+
+
+def play(rtl: Any, host: Host, tick: int, **generics: Any) -> list[bytes]:
+    configuration = BoardConfiguration(
+        address_bits=16, data_bits=32, base_hz=50_000_000 // tick, groups=2, group_size=16
+    )
+    own = {"protocol": "both", "physical": host.physical, "recorded": 0}
+    answers: list[bytes] = rtl(configuration, [[step] for step in host.steps], **{**own, **generics})
+    return answers
+
+
+def replies(host: Host, answers: Sequence[bytes], mark: str) -> list[tuple[int, str]]:
+    """Status and data of what was answered between a mark and the next one."""
+    start, epoch = host.marks[mark]
+    end = min((at for at, _ in host.marks.values() if at > start), default=len(answers))
+    frames = [Frame.decode(piece, epoch) for piece in Borders().feed(b"".join(answers[start:end]))]
+    return [
+        (frame.kind - p.DEVICE_KIND_REPLY, frame.payload[4:].hex())
+        for frame in frames
+        if frame is not None and p.DEVICE_KIND_REPLY <= frame.kind < p.DEVICE_KIND_HELLO
+    ]
+
+
+def written(times: Sequence[tuple[str, int, int]]) -> list[tuple[int, int, int]]:
+    """What was written on the bus: clock, address, word."""
+    values = [number & 0xFFFFFFFF for kind, _, number in times if kind == VALUE]
+    places = [(clock, address) for kind, clock, address in times if kind == WRITTEN]
+    return [(*place, value) for place, value in zip(places, values, strict=True)]
+
+
+def edges(times: Sequence[tuple[str, int, int]], kind: str) -> list[tuple[int, int]]:
+    """Pairs of the clocks at which something begins and ends."""
+    clocks = [clock for found, clock, _ in times if found == kind]
+    return list(zip(clocks[::2], clocks[1::2], strict=True))
+
+
+def check_trips(times: Sequence[tuple[str, int, int]], tick: int, access: int, late: int) -> None:
+    """Each silence trips in time; behind it all safe values are written in time, and nothing else is."""
+    silences, trips, writes = edges(times, DEAD), edges(times, TRIP), written(times)
+    assert len(trips) == len(silences)
+    bound = (len(SAFE) + 1) * (access + 1)
+    for (dead, alive), (tripped, armed) in zip(silences, trips, strict=True):
+        assert tripped <= dead + late + TICKS * tick + 1, "it trips at its tick"
+        assert alive < armed, "until it is armed"
+        behind = [(clock, (at, word)) for clock, at, word in writes if tripped <= clock < armed]
+        begun = len(behind) - len(SAFE)  # a write that was on the bus at the trip
+        assert begun in (0, 1)
+        assert [what for _, what in behind[begun:]] == SAFE
+        assert behind[0][0] <= tripped + access or not begun
+        assert behind[-1][0] <= tripped + bound, "the bound of dead_man.vhd"
+
+
+def cut(host: Host, name: str, tick: int, moment: int) -> None:
+    """A session in which the host falls silent at a moment of its traffic, and the one behind it."""
+    host.open()
+    host.say(host.group(), 200)
+    host.say(host.exchange_group(), 200)
+    host.say(host.control(p.CONTROL_PUBLISH, 1))
+    host.say(host.control(p.CONTROL_DEADMAN_TICKS, TICKS), 300)
+    host.do(("dead", moment + 1))
+    for data in host.traffic():
+        host.say(data)
+    host.do(("wait", (TICKS + 2) * tick))
+    host.do(("dead", 0))
+    host.open()
+    host.mark(name)
+    host.say(
+        b"".join(host.ask(p.REQUEST_KIND_READ, (address, 2)) for address, _ in SAFE) + host.write(0x10, 3),
+        300,
+    )
+    host.settle()
+    host.say(host.control(p.CONTROL_ARM, 1) + host.write(0x20, 4))
+    host.settle()
+
+
+# Behind each layer: clocks of a tick, how late a byte may come in at most, and the moments of the traffic.
+LAYERS = {
+    "none": (600, 60, range(0, 330, 11)),
+    "ft245_async": (3000, 400, range(0, 3000, 499)),
+    "ft245_sync": (2000, 400, range(0, 1500, 251)),
+    "uart": (3000, 2000, range(0, 12_000, 4999)),
+    "spi_slave": (5000, 1000, range(0, 12_000, 4999)),
+    "rs485": (5000, 2000, range(5003, 5004)),
+}
+
+
+@pytest.mark.parametrize("physical", LAYERS)
+def test_a_host_that_dies_at_any_moment(rtl: Any, physical: str) -> None:
+    tick, late, moments = LAYERS[physical]
+    host = Host(physical)
+    for moment in moments:
+        cut(host, str(moment), tick, moment)
+    answers = play(rtl, host, tick)
+    check_trips(rtl.times, tick, access=2, late=late)
+    safe = [(OK, f"{word:08x}") for _, word in SAFE]
+    for moment in moments:
+        told = replies(host, answers, str(moment))
+        assert told[:5] == [*safe, (DENIED, ""), (OK, ""), (OK, "")], f"dead from clock {moment} on"
