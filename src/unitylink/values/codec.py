@@ -406,8 +406,8 @@ def _index(value: Any) -> int:
 
 
 def _text(value: Any) -> str:
-    """Return a value for an error: a number in the digits that count."""
-    return format_value(value) if isinstance(value, float) else shown(value)
+    """Return a value for an error, numpy's numbers as those of Python."""
+    return str(value) if isinstance(value, float) else shown(value)
 
 
 def _is_bool(value: Any) -> bool:

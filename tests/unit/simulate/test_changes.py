@@ -61,13 +61,14 @@ def test_events_and_changes_publish(spec: Spec) -> None:
             came.append(value)
             arrived.release()
 
-        hit.on_publish(lambda _, value: note(("hit", value)))
         force.on_publish(lambda _, value: note(("force", value)))
+        assert arrived.acquire(timeout=10) and came == [("force", 0.0)], "what it is before it changes"
+        hit.on_publish(lambda _, value: note(("hit", value)))
         board.registers[0x10] = 7
         board.event("limit")
-        assert arrived.acquire(timeout=10) and came == [("hit", 7)]
+        assert arrived.acquire(timeout=10) and came[1] == ("hit", 7)
         board.registers[0x12] = -3
-        assert arrived.acquire(timeout=10) and came[1] == ("force", -1.5)
+        assert arrived.acquire(timeout=10) and came[2] == ("force", -1.5)
         with pytest.raises(ValueRangeError, match="no group is published on 'alarm'; there are limit"):
             board.event("alarm")
 
