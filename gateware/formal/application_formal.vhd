@@ -30,7 +30,7 @@ end entity;
 
 architecture properties of application_formal is
 
-  constant steps_most : positive := 40;  -- of any request, not counting those in which datalink or bus make it wait
+  constant steps_most : positive := 21;  -- of any request, not counting those in which datalink or bus make it wait
 
   signal request  : request_t;
   signal stands   : std_ulogic := '0';

@@ -372,7 +372,7 @@ begin
                            (entry = request_kind_read_c mod 16 or entry = request_kind_write_c mod 16) -> accesses = 1;
 
   -- The epoch changes with an OPEN or CLOSE in hand, and while nothing is on its way, as receiver and transmitter assume.
-  epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch = epoch_before or epoch_may_change = '1');
+  epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch_may_change = '1' or epoch = epoch_before);
 
   -- The program never leaves its instructions, and its first ones are for a reset.
   in_program : assert always begun = '1' -> or instruction;

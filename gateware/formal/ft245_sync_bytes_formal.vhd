@@ -68,9 +68,9 @@ begin
     end if;
   end process;
 
-  -- The memory of four, its output register, and the byte on its way into the memory.
+  -- The memory of four, its output register, and the byte on its way into the memory: five, for a burst ends before all are full.
   to_fpga : entity work.order_view
-    generic map (most => 6)
+    generic map (most => 5)
     port map (
       clk => clk, reset => reset, comes => reads, came => data_to_fpga, mark => mark_in,
       offered => rx_valid, goes => takes, word => rx_data);
