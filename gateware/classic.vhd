@@ -19,23 +19,13 @@ use work.application_pkg.all;
 use work.bii_pkg.all;
 use work.datalink_pkg.all;
 use work.protocol_pkg.all;
+use work.settings_pkg.all;
 use work.subscription_pkg.all;
 use work.width_pkg.all;
 
 entity classic is
   generic (
-    address_width : positive range 1 to 32  := 8;
-    data_width    : positive range 8 to 32  := 32;
-    base_hz       : positive                := limits_base_hz_default_c;
-    groups        : positive range 1 to 256 := 2;
-    group_size    : positive range 1 to 255 := 16;
-    rate_bytes    : positive range 1 to 4   := 2;
-    read_many     : natural  range 0 to 255 := 32;
-    publish_mode  : natural  range 0 to 2   := 2;
-    configuration_command : boolean         := true;
-    datalink      : string                  := "full";
-    checksum      : string                  := "crc8";
-    polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c))
+    settings : settings_t := core_settings  -- docs/settings.md
   );
   port (
     clock        : in  std_ulogic;
@@ -63,10 +53,17 @@ architecture rtl of classic is
 
   constant words : positive := 16;  -- between application and transmitter, so that they work at the same time
 
-  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
+  constant address_bytes  : positive := bytes_for(settings.address_bits);
+  constant data_bytes     : positive := bytes_for(settings.data_bits);
+  constant has_read_many  : boolean  := settings.read_many > 0;
+  constant has_publishing : boolean  := settings.publish_mode > 0;
+  constant whole_requests : boolean  := settings.datalink = datalink_full;
+
+  constant mask_bytes : positive := maximum(limits_event_mask_bytes_min_c, (settings.groups + 7) / 8);
 
   constant entries : positive := entries_for(
-    bytes_for(address_width), bytes_for(data_width), read_many, publish_mode, group_size, rate_bytes, mask_bytes);
+    address_bytes, data_bytes, settings.read_many, settings.publish_mode, settings.group_size, settings.rate_bytes,
+    mask_bytes);
 
   signal receive                          : receive_t;
   signal room                             : std_ulogic;
@@ -101,7 +98,9 @@ architecture rtl of classic is
 begin
 
   datalink_layer : entity work.datalink
-    generic map (datalink => datalink, message_entries => entries, checksum => checksum, polynomial => polynomial)
+    generic map (
+      datalink => text_of(settings.datalink), message_entries => entries, checksum => text_of(settings.checksum),
+      polynomial => settings.polynomial)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
@@ -109,11 +108,11 @@ begin
       word_valid => word_valid, word_ready => word_ready, word_data => word_data,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
-  requests : if datalink = "full" generate
+  requests : if whole_requests generate
     request_buffer : entity work.request_buffer
       generic map (
-        message_entries => entries, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        has_checksum => checksum /= "none", configuration_command => configuration_command)
+        message_entries => entries, has_read_many => has_read_many, has_publishing => has_publishing,
+        has_checksum => settings.checksum /= checksum_none, configuration_command => settings.configuration_command)
       port map (
         clock => clock, reset => reset, receive => receive, room => room,
         request => request_came, take => request_take, rewind => request_rewind, request_done => request_done);
@@ -121,9 +120,9 @@ begin
   else generate
     request_stream : entity work.request_stream
       generic map (
-        address_bytes => bytes_for(address_width), data_bytes => bytes_for(data_width), rate_bytes => rate_bytes,
-        mask_bytes => mask_bytes, has_read_many => read_many > 0, has_publishing => publish_mode > 0,
-        configuration_command => configuration_command)
+        address_bytes => address_bytes, data_bytes => data_bytes, rate_bytes => settings.rate_bytes,
+        mask_bytes => mask_bytes, has_read_many => has_read_many, has_publishing => has_publishing,
+        configuration_command => settings.configuration_command)
       port map (
         clock => clock, reset => reset, receive => receive, room => room, message_end => message_end,
         request => request_came, take => request_take, request_done => request_done);
@@ -153,9 +152,9 @@ begin
 
   application : entity work.application
     generic map (
-      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-      group_size => group_size, most_words => read_many, rate_bytes => rate_bytes, publish_mode => publish_mode,
-      whole_requests => datalink = "full")
+      address_width => settings.address_bits, data_width => settings.data_bits, base_hz => settings.base_hz,
+      groups => settings.groups, group_size => settings.group_size, most_words => settings.read_many,
+      rate_bytes => settings.rate_bytes, publish_mode => settings.publish_mode, whole_requests => whole_requests)
     port map (
       clock => clock, reset => reset,
       request => request, take => request_take, rewind => request_rewind, request_done => request_done,
@@ -163,7 +162,7 @@ begin
       bii_request => bus_request, bii_response => bus_response,
       word_valid => said_valid, word_ready => said_ready, word_data => said_data);
 
-  between : if datalink = "full" generate
+  between : if whole_requests generate
     word_fifo : entity work.fifo
       generic map (width => word_t'length, depth => words)
       port map (

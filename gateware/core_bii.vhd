@@ -7,7 +7,7 @@
 --   tx <-- port_joiner   <------+                        |
 --                                              subscription_manager <-- events
 --
--- Protocol  "classic", "framed" or "both"; with one of them alone, nothing of the other is there.
+-- Settings  docs/settings.md; core_settings(NAME => VALUE, ...) makes them. Of a protocol that is not chosen nothing is there.
 -- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message, tx_publish: with all bytes of a
 --           publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
 --           events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
@@ -28,34 +28,13 @@ use work.bii_pkg.all;
 use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 use work.protocol_pkg.all;
+use work.settings_pkg.all;
 use work.subscription_pkg.all;
 
 entity core_bii is
   generic (
-    address_width : positive range 1 to 32  := 8;
-    data_width    : positive range 8 to 32  := 32;
-    clock_hz      : positive                := limits_clock_hz_default_c;
-    base_hz       : positive                := limits_base_hz_default_c;  -- of publishing
-    groups        : positive range 1 to 256 := 2;
-    group_size    : positive range 1 to 255 := 16;   -- addresses a group can have
-    rate_bytes    : positive range 1 to 4   := 2;
-    read_many     : natural  range 0 to 255 := 32;   -- most words of a read-many; 0: no such command
-    publish_mode  : natural  range 0 to 2   := 2;    -- 0 none, 1 prefers requests, 2 prefers publishes
-    configuration_command : boolean         := true; -- RLC exists
-    datalink      : string                  := "full";  -- "full", "lite" or "none"
-    checksum      : string                  := "crc8";  -- "crc8", "xor" or "none"; of the full datalink
-    polynomial    : natural range 0 to 255  := to_integer(unsigned(crc8_polynomial_c));
-    edge_events   : std_ulogic_vector(255 downto 0) := (others => '0');  -- bit g: event of group g by edge, else level
-    protocol      : string                  := "classic";  -- "classic", "framed" or "both"; from here on, of framed:
-    exchanges     : natural  range 0 to 4   := 2;    -- exchange groups; 0: there are none
-    exchange_size : natural  range 0 to 60  := 16;   -- words in one, outputs and inputs
-    lists         : boolean                 := true;
-    deadman       : boolean                 := true;
-    safe_values   : safe_values_t           := no_safe_values;  -- what the dead-man writes
-    window        : positive range 2 to 128 := frame_window_default_c;  -- requests in flight, a power of two
-    gateware_version : word32_t             := (others => '0');
-    build         : word32_t                := (others => '0');
-    spec_hash     : std_ulogic_vector(63 downto 0) := (others => '0')
+    settings    : settings_t    := core_settings;  -- docs/settings.md
+    safe_values : safe_values_t := no_safe_values  -- what the dead-man writes
   );
   port (
     clock        : in  std_ulogic;
@@ -69,7 +48,7 @@ entity core_bii is
     tx_data      : out std_ulogic_vector(7 downto 0);
     tx_last      : out std_ulogic;
     tx_publish   : out std_ulogic;
-    events       : in  std_ulogic_vector(groups - 1 downto 0) := (others => '0');
+    events       : in  std_ulogic_vector(settings.groups - 1 downto 0) := (others => '0');
     tripped      : out std_ulogic;
     bii_request  : out bii_request_t;
     bii_response : in  bii_response_t
@@ -78,8 +57,8 @@ end entity;
 
 architecture rtl of core_bii is
 
-  constant has_classic : boolean := protocol /= "framed";
-  constant has_framed  : boolean := protocol /= "classic";
+  constant has_classic : boolean := settings.protocol /= protocol_framed;
+  constant has_framed  : boolean := settings.protocol /= protocol_classic;
   constant both        : boolean := has_classic and has_framed;
 
   -- Of each side, where it is there.
@@ -100,28 +79,14 @@ architecture rtl of core_bii is
   signal dead_man_request     : dead_man_request_t;
   signal dead_man_response    : dead_man_response_t;
 
-  function groups_of(mode : natural) return natural is
-  begin
-    if mode = 0 then
-      return 0;
-    end if;
-    return groups;
-  end function;
-
 begin
 
-  assert protocol = "classic" or protocol = "framed" or protocol = "both"
-    report "core_bii: protocol must be classic, framed or both" severity failure;
-  assert not both or datalink = "full"
+  assert not both or settings.datalink = datalink_full
     report "core_bii: with both protocols the classic datalink must be full" severity failure;
 
   classic_side : if has_classic generate
     classic : entity work.classic
-      generic map (
-        address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-        group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-        configuration_command => configuration_command, datalink => datalink, checksum => checksum,
-        polynomial => polynomial)
+      generic map (settings => settings)
       port map (
         clock => clock, reset => reset,
         rx_valid => classic_valid, rx_ready => classic_ready, rx_data => rx_data, rx_error => classic_error,
@@ -134,11 +99,7 @@ begin
 
   framed_side : if has_framed generate
     framed : entity work.framed
-      generic map (
-        address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
-        groups => groups_of(publish_mode), group_size => group_size, rate_bytes => rate_bytes, exchanges => exchanges,
-        exchange_size => exchange_size, lists => lists, deadman => deadman, window => window,
-        classic => has_classic, gateware_version => gateware_version, build => build, spec_hash => spec_hash)
+      generic map (settings => settings)
       port map (
         clock => clock, reset => reset,
         frame_valid => frame_valid, frame_ready => frame_ready, frame_data => rx_data, receive_overrun => rx_error(2),
@@ -212,11 +173,11 @@ begin
   end generate;
 
   -- It stands behind the switch, so that the classic side has nothing to say about it either.
-  watched : if has_framed and deadman generate
+  watched : if has_framed and settings.deadman generate
     dead_man : entity work.dead_man
       generic map (
-        address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz,
-        safe_values => safe_values)
+        address_width => settings.address_bits, data_width => settings.data_bits, clock_hz => settings.clock_hz,
+        base_hz => settings.base_hz, safe_values => safe_values)
       port map (
         clock => clock, reset => reset, request => dead_man_request, response => dead_man_response, tripped => tripped,
         asked => asked, answered => answered, bii_request => bii_request, bii_response => bii_response);
@@ -227,17 +188,18 @@ begin
     answered          <= bii_response;
   end generate;
 
-  publishing : if publish_mode > 0 generate
+  publishing : if settings.publish_mode > 0 generate
     subscription_manager : entity work.subscription_manager
       generic map (
-        address_width => address_width, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
-        group_size => group_size, rate_bytes => rate_bytes, edge_events => edge_events)
+        address_width => settings.address_bits, clock_hz => settings.clock_hz, base_hz => settings.base_hz,
+        groups => settings.groups, group_size => settings.group_size, rate_bytes => settings.rate_bytes,
+        edge_events => settings.edge_events)
       port map (
         clock => clock, reset => reset, events => events,
         request => subscription_request, response => subscription_response);
   end generate;
 
-  silence : if publish_mode = 0 generate
+  silence : if settings.publish_mode = 0 generate
     subscription_response <= subscription_response_idle;
   end generate;
 

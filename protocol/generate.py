@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write the protocol constants of protocol.toml out for Python, C++, VHDL and the documentation.
+"""Write protocol.toml out for Python, C++, VHDL and the documentation: constants, and the table of settings.
 
     python protocol/generate.py            write what is stale
     python protocol/generate.py --check    write nothing, name what is stale, exit 1 if anything is
@@ -10,8 +10,11 @@ One function per artefact; the table goes in, text comes out, so that the same i
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import settings
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -179,11 +182,23 @@ def markdown_value(value: object, section: str) -> str:
     return str(value)
 
 
+def of_constants(text: Callable[[Table], str]) -> Callable[[Table], str]:
+    return lambda table: text({name: values for name, values in table.items() if name != "settings"})
+
+
+def of_settings(text: Callable[[settings.Settings], str]) -> Callable[[Table], str]:
+    return lambda table: text(table["settings"])
+
+
 ARTEFACTS = {
-    "src/unitylink/protocol.py": python_text,
-    "native/include/unitylink/protocol.hpp": cpp_text,
-    "gateware/common/protocol_pkg.vhd": vhdl_text,
-    "docs/protocol-constants.md": markdown_text,
+    "src/unitylink/protocol.py": of_constants(python_text),
+    "native/include/unitylink/protocol.hpp": of_constants(cpp_text),
+    "gateware/common/protocol_pkg.vhd": of_constants(vhdl_text),
+    "docs/protocol-constants.md": of_constants(markdown_text),
+    "src/unitylink/settings.py": of_settings(settings.python_text),
+    "native/include/unitylink/settings.hpp": of_settings(settings.cpp_text),
+    "gateware/common/settings_pkg.vhd": of_settings(settings.vhdl_text),
+    "docs/settings.md": of_settings(settings.markdown_text),
 }
 
 

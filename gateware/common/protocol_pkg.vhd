@@ -170,6 +170,7 @@ package protocol_pkg is
   constant frame_crc32_check_c : natural := 486108540;
   constant frame_crc32_bytes_c : natural := 5;
   constant frame_short_max_c : natural := 256;
+  constant frame_short_payload_max_c : natural := 250;
   constant frame_open_epoch_c : natural := 65535;
   constant frame_checked_long_flag_c : natural := 1;
   constant frame_atomic_flag_c : natural := 1;

@@ -123,10 +123,10 @@ architecture rtl of frame_application is
 
 begin
 
-  assert settings.exchange_size * data_bytes <= 255
-    report "frame_application: exchange_size words must be fewer than 256 bytes" severity failure;
-  assert content'length <= 512
-    report "frame_application: groups and exchange groups need more than 512 words" severity failure;
+  assert settings.exchanges = 0 or settings.exchange_size <= exchange_size_most(settings)
+    report "frame_application: exchange_size is beyond what a frame can define; lower it" severity failure;
+  assert content'length <= 1024
+    report "frame_application: groups and exchange groups need more than 1024 words" severity failure;
 
   sequencer : entity work.frame_sequencer
     generic map (program => program, sizes => exchanges > 0)
@@ -176,7 +176,7 @@ begin
     case to_integer(unsigned(instruction(condition_f))) is
       when if_missing      => holds <= request.missing;
       when if_left_not     => holds <= to_bit(request.left /= unsigned(number_now));
-      when if_left_other   => holds <= to_bit(request.left /= unsigned(data(7 downto 0))) and to_bit(exchanges > 0);
+      when if_left_other   => holds <= to_bit(resize(request.left, 9) /= unsigned(data(8 downto 0))) and to_bit(exchanges > 0);
       when if_not_plain    => holds <= to_bit(request.left /= unsigned(number_now)) or request.chained or request.barrier;
       when if_chained      => holds <= request.chained;
       when if_barrier      => holds <= request.barrier;
@@ -354,11 +354,11 @@ begin
 
   registers : process (clock)
     variable special : std_ulogic_vector(4 downto 0);
-    variable base    : pointer_t;
+    variable base    : unsigned(9 downto 0);
   begin
     if rising_edge(clock) then
       special := instruction(special_f);
-      base    := unsigned(instruction(target_f'right + pointer_t'length - 1 downto target_f'right));
+      base    := unsigned(std_ulogic_vector'(instruction(far_f) & instruction(target_f)));
 
       if instruction(do_begin) = '1' then
         count <= (others => '0');
@@ -391,11 +391,11 @@ begin
         end if;
 
         if instruction(do_point) = '1' then
-          pointer <= base;
+          pointer <= base(pointer'range);
           if instruction(do_point_group) = '1' and groups > 0 then
-            pointer <= base or resize(group_number, pointer'length);
+            pointer <= base(pointer'range) or resize(group_number, pointer'length);
           elsif instruction(do_point_other) = '1' and exchanges > 0 then
-            pointer <= base or shift_left(resize(group_number, pointer'length), bits_for(exchange_stride(settings)));
+            pointer <= base(pointer'range) or shift_left(resize(group_number, pointer'length), bits_for(exchange_stride(settings)));
           end if;
         elsif instruction(do_point_data) = '1' then
           pointer <= resize(unsigned(data(7 downto 0)), pointer'length);

@@ -169,7 +169,8 @@ package body frame_assembler_pkg is
   procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done) is
   begin
     put(p, i or act(do_point));
-    p.code(p.last)(target_f) := std_ulogic_vector(to_unsigned(place, 9));
+    p.code(p.last)(target_f) := std_ulogic_vector(to_unsigned(place mod 512, 9));
+    p.code(p.last)(far_f)    := std_ulogic_vector(to_unsigned(place / 512, 1));
   end procedure;
 
   procedure bump(p : inout assembler_t; counter : natural; i : frame_instruction_t := nothing_done) is

@@ -16,10 +16,11 @@ library ieee;
 
 package frame_instruction_pkg is
 
-  subtype frame_instruction_t is std_ulogic_vector(78 downto 0);
+  subtype frame_instruction_t is std_ulogic_vector(79 downto 0);
 
   subtype following_f is natural range 8 downto 0;
   subtype target_f    is natural range 17 downto 9;
+  subtype far_f       is natural range 79 downto 79;  -- of do_point: the highest bit of a place, above `target`
   subtype number_f    is natural range 25 downto 18;
   subtype condition_f is natural range 30 downto 26;
   subtype source_f    is natural range 33 downto 31;
@@ -40,7 +41,7 @@ package frame_instruction_pkg is
   constant never           : natural := 0;
   constant if_missing      : natural := 1;   -- fewer bytes of the frame are left than one, or take_many takes
   constant if_left_not     : natural := 2;   -- so many are not left: `number`
-  constant if_left_other   : natural := 3;   -- so many are not left: lowest byte of `data`
+  constant if_left_other   : natural := 3;   -- so many are not left: lowest nine bits of `data`
   constant if_not_plain    : natural := 4;   -- if_left_not, or the request is chained or has a barrier
   constant if_chained      : natural := 5;
   constant if_barrier      : natural := 6;
@@ -150,7 +151,7 @@ package frame_instruction_pkg is
   constant do_rewind       : natural := 60;  -- the next byte is the first one again
   constant do_done         : natural := 61;  -- with the frame
   constant do_pointer      : natural := 62;  -- the word is the one at `pointer`, not at `number`
-  constant do_point        : natural := 63;  -- `pointer` to `target`
+  constant do_point        : natural := 63;  -- `pointer` to `far` and `target`
   constant do_point_group  : natural := 64;  -- with do_point: plus the number of the group
   constant do_point_other  : natural := 65;  -- with do_point: plus the place of the exchange group
   constant do_point_data   : natural := 66;  -- `pointer` to the lowest byte of `data`

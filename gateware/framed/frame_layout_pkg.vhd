@@ -4,13 +4,14 @@
 --
 --   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md, section 6)
 --   0x45 what the program keeps to itself  0x60 constants  0x70 sequences of up to 16 groups
---   from 0x80: those of more groups, exchange groups
+--   from 0x80: those of more groups, exchange groups; 1024 words at most
 
 library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
 use work.protocol_pkg.all;
+use work.settings_pkg.all;
 use work.width_pkg.all;
 
 package frame_layout_pkg is
@@ -25,7 +26,7 @@ package frame_layout_pkg is
   type safe_values_t is array (natural range <>) of safe_value_t;
   constant no_safe_values : safe_values_t(1 to 0) := (others => (address => (others => '0'), value => (others => '0')));
 
-  -- What a description says, and which kinds there are; the generics of core_bii have the words.
+  -- What a description says, and which kinds there are: the settings of the core, and what follows from them.
   type frame_settings_t is record
     address_width    : positive;
     data_width       : positive;
@@ -50,6 +51,10 @@ package frame_layout_pkg is
     build            : word32_t;
     spec_hash        : std_ulogic_vector(63 downto 0);
   end record;
+
+  function frame_settings_of(settings : settings_t) return frame_settings_t;
+
+  constant ring_bytes : positive := 512;  -- of the receiver
 
   -- What the program keeps to itself; the first three, and the control registers before them, are zero in a new session.
   constant word_first    : natural := 16#45#;  -- the number of the first post that failed
@@ -120,6 +125,10 @@ package frame_layout_pkg is
   -- if it is not defined; then of each word the bytes, in the highest byte, and the address, which takes a word of its own
   -- where it has four bytes.
   function exchange_stride(s : frame_settings_t) return positive;
+
+  -- So many words one frame can define.
+  function exchange_size_most(s : frame_settings_t) return natural;
+
   function sequence_base(s : frame_settings_t) return natural;
   function exchange_base(s : frame_settings_t) return natural;
   function memory_words(s : frame_settings_t) return positive;
@@ -132,6 +141,26 @@ package frame_layout_pkg is
 end package;
 
 package body frame_layout_pkg is
+
+  function frame_settings_of(settings : settings_t) return frame_settings_t is
+    variable s : frame_settings_t;
+  begin
+    s := (
+      address_width => settings.address_bits, data_width => settings.data_bits,
+      address_bytes => bytes_for(settings.address_bits), data_bytes => bytes_for(settings.data_bits),
+      clock_hz => settings.clock_hz, base_hz => settings.base_hz, groups => settings.groups,
+      group_size => settings.group_size, rate_bytes => settings.rate_bytes, exchanges => settings.exchanges,
+      exchange_size => settings.exchange_size, window => settings.window,
+      cache_bytes => frame_cache_bytes_default_c, request_max => frame_short_payload_max_c,
+      reply_max => frame_short_payload_max_c, credit => ring_bytes, classic => settings.protocol = protocol_both,
+      lists => settings.lists, deadman => settings.deadman,
+      gateware_version => settings.gateware_version, build => settings.build, spec_hash => settings.spec_hash);
+    if settings.publish_mode = 0 then
+      s.groups     := 0;
+      s.group_size := 0;
+    end if;
+    return s;
+  end function;
 
   function shape_of(operation : byte_t) return byte_t is
     variable shape : natural;
@@ -179,6 +208,11 @@ package body frame_layout_pkg is
     return power_of_two(2 + s.exchange_size);
   end function;
 
+  function exchange_size_most(s : frame_settings_t) return natural is
+  begin
+    return (s.request_max - 5) / (s.address_bytes + 1);  -- id, group and two counts stand before them
+  end function;
+
   function sequence_base(s : frame_settings_t) return natural is
     constant size : positive := power_of_two(maximum(s.groups, 1));
   begin
@@ -203,17 +237,13 @@ package body frame_layout_pkg is
     return (start + size - 1) / size * size;
   end function;
 
-  function tables_last(s : frame_settings_t) return natural is
-  begin
-    if s.exchanges = 0 then
-      return tables_end(s);
-    end if;
-    return exchange_base(s) + s.exchanges * exchange_stride(s);
-  end function;
-
   function memory_words(s : frame_settings_t) return positive is
+    variable words : natural := tables_end(s);
   begin
-    return power_of_two(maximum(256, tables_last(s)));  -- a register has a byte of address
+    if s.exchanges > 0 then
+      words := exchange_base(s) + s.exchanges * exchange_stride(s);
+    end if;
+    return power_of_two(maximum(256, words));  -- a register has a byte of address
   end function;
 
   function features_of(s : frame_settings_t) return natural is

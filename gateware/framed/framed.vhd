@@ -18,27 +18,12 @@ use work.dead_man_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
 use work.protocol_pkg.all;
+use work.settings_pkg.all;
 use work.subscription_pkg.all;
-use work.width_pkg.all;
 
 entity framed is
   generic (
-    address_width : positive range 1 to 32  := 8;
-    data_width    : positive range 8 to 32  := 32;
-    clock_hz      : positive                := limits_clock_hz_default_c;
-    base_hz       : positive                := limits_base_hz_default_c;
-    groups        : natural  range 0 to 256 := 2;
-    group_size    : natural  range 0 to 255 := 16;
-    rate_bytes    : positive range 1 to 4   := 2;
-    exchanges     : natural  range 0 to 4   := 2;
-    exchange_size : natural  range 0 to 60  := 16;
-    lists         : boolean                 := true;
-    deadman       : boolean                 := true;
-    window        : positive range 2 to 128 := frame_window_default_c;
-    classic       : boolean                 := false;
-    gateware_version : word32_t             := (others => '0');
-    build         : word32_t                := (others => '0');
-    spec_hash     : std_ulogic_vector(63 downto 0) := (others => '0')
+    settings : settings_t := core_settings  -- docs/settings.md
   );
   port (
     clock                 : in  std_ulogic;
@@ -67,16 +52,7 @@ end entity;
 
 architecture rtl of framed is
 
-  constant payload_max : positive := 250;
-  constant ring_bytes  : positive := 512;
-
-  constant settings : frame_settings_t := (
-    address_width => address_width, data_width => data_width, address_bytes => bytes_for(address_width),
-    data_bytes => bytes_for(data_width), clock_hz => clock_hz, base_hz => base_hz, groups => groups,
-    group_size => group_size, rate_bytes => rate_bytes, exchanges => exchanges, exchange_size => exchange_size,
-    window => window, cache_bytes => frame_cache_bytes_default_c, request_max => payload_max, reply_max => payload_max,
-    credit => ring_bytes, classic => classic, lists => lists, deadman => deadman,
-    gateware_version => gateware_version, build => build, spec_hash => spec_hash);
+  constant frame_settings : frame_settings_t := frame_settings_of(settings);
 
   signal epoch                        : crc16_t;
   signal alive                        : std_ulogic;
@@ -92,14 +68,15 @@ begin
   session_open <= nand epoch(15 downto 8);
 
   receiver : entity work.frame_receiver
-    generic map (request_max => payload_max, ring_bytes => ring_bytes, many => lists)
+    generic map (
+      request_max => frame_settings.request_max, ring_bytes => frame_settings.credit, many => frame_settings.lists)
     port map (
       clock => clock, reset => reset, epoch => epoch,
       frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
       request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done, alive => alive);
 
   application : entity work.frame_application
-    generic map (settings => settings)
+    generic map (settings => frame_settings)
     port map (
       clock => clock, reset => reset,
       request => request, take => take, take_bytes => take_bytes, rewind => rewind, request_done => request_done,

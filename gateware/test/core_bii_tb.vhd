@@ -8,6 +8,7 @@ library ieee;
   use ieee.numeric_std.all;
   use work.bench_pkg.all;
   use work.bii_pkg.all;
+  use work.settings_pkg.all;
   use work.stream_bench_pkg.all;
 
 entity core_bii_tb is
@@ -35,6 +36,7 @@ begin
   clock <= not clock after clock_period / 2 when not done;
 
   dut : entity work.core_bii
+    generic map (settings => core_settings(protocol => protocol_classic))
     port map (
       clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
       tx_valid => tx_valid, tx_ready => '1', tx_data => tx_data,

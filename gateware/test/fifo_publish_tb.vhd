@@ -11,6 +11,7 @@ library ieee;
   use std.textio.all;
   use work.address_map_pkg.all;
   use work.bench_pkg.all;
+  use work.settings_pkg.all;
   use work.wishbone_pkg.all;
 
 entity fifo_publish_tb is
@@ -57,7 +58,9 @@ begin
 
   core : entity work.core
     generic map (
-      clock_hz => clock_hz, groups => 2, publish_mode => publish_mode, edge_events => (1 => '1', others => '0'))
+      settings => core_settings(
+        protocol => protocol_classic, clock_hz => clock_hz, groups => 2, group_size => 16, publish_mode => publish_mode,
+        edge_events => (1 => '1', others => '0')))
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,

@@ -13,12 +13,16 @@ use work.bench_pkg.all;
 use work.bii_pkg.all;
 use work.frame_layout_pkg.all;
 use work.frame_pkg.all;
+use work.settings_pkg.all;
 use work.subscription_pkg.all;
 
 entity framed_tb is
 end entity;
 
 architecture bench of framed_tb is
+
+  constant settings : settings_t := core_settings(
+    protocol => protocol_both, publish_mode => 0, exchanges => 0, lists => false, deadman => false);
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
@@ -51,7 +55,7 @@ begin
   clock <= not clock after 5 ns when not ended;
 
   classic : entity work.classic
-    generic map (address_width => 8, publish_mode => 0)
+    generic map (settings => settings)
     port map (
       clock => clock, reset => reset, rx_valid => classic_valid, rx_ready => classic_ready, rx_data => classic_data,
       tx_valid => text_valid, tx_ready => '1', tx_data => text_data, tx_last => open, tx_publish => open,
@@ -59,7 +63,7 @@ begin
       subscription_request => classic_subscription, bii_request => classic_bii, bii_response => classic_bii_response);
 
   framed : entity work.framed
-    generic map (address_width => 8, groups => 0, exchanges => 0, lists => false, deadman => false)
+    generic map (settings => settings)
     port map (
       clock => clock, reset => reset, frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
       tx_valid => wire_valid, tx_ready => '1', tx_data => wire_data, tx_last => wire_last, tx_publish => open,

@@ -14,6 +14,7 @@ library ieee;
 
 use work.address_map_pkg.all;
 use work.register_pkg.all;
+use work.settings_pkg.all;
 use work.wishbone_pkg.all;
 
 entity lockstep_design is
@@ -75,9 +76,10 @@ begin
 
   core : entity work.core
     generic map (
-      address_width => address_width, data_width => data_width, base_hz => base_hz, groups => groups,
-      group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-      datalink => datalink, checksum => checksum, protocol => protocol)
+      settings => core_settings(
+        protocol => protocol_of(protocol), address_bits => address_width, data_bits => data_width, base_hz => base_hz,
+        groups => groups, group_size => group_size, rate_bytes => rate_bytes, read_many => read_many,
+        publish_mode => publish_mode, datalink => datalink_of(datalink), checksum => checksum_of(checksum)))
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

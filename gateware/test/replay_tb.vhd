@@ -30,21 +30,22 @@ use std.textio.all;
 use work.bench_pkg.all;
 use work.frame_layout_pkg.all;
 use work.register_pkg.all;
+use work.settings_pkg.all;
 use work.wishbone_pkg.all;
 
 entity replay_tb is
   generic (
     steps_file    : string;
     answers_file  : string;
-    address_width : positive := 8;
-    data_width    : positive := 32;
+    address_bits  : positive := 8;
+    data_bits     : positive := 32;
     base_hz       : positive := 1000;
     groups        : positive := 2;
     group_size    : positive := 16;
     rate_bytes    : positive := 2;
     read_many     : natural  := 32;
     publish_mode  : natural  := 2;
-    with_rlc      : natural  := 1;       -- 0: no RLC
+    configuration_command : boolean := true;
     datalink      : string   := "full";
     checksum      : string   := "crc8";
     polynomial    : natural  := 7;
@@ -52,7 +53,8 @@ entity replay_tb is
     protocol      : string   := "classic";
     lists         : boolean  := true;
     deadman       : boolean  := true;
-    exchange_groups : natural := 2;
+    exchanges     : natural  := 2;
+    exchange_size : positive := 16;
     window        : positive := 32;
     clock_hz      : positive := 50_000_000;
     recorded      : natural  := 1;       -- memory as in the recordings
@@ -134,12 +136,15 @@ begin
 
   core : entity work.core
     generic map (
-      address_width => address_width, data_width => data_width, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
-      group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-      configuration_command => with_rlc = 1, datalink => datalink, checksum => checksum, polynomial => polynomial,
-      edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol, lists => lists,
-      deadman => deadman, exchanges => exchange_groups, window => window, safe_values => safe_values,
-      gateware_version => x"00010000", spec_hash => x"0123456789ABCDEF")
+      settings => core_settings(
+        address_bits => address_bits, data_bits => data_bits, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
+        group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
+        configuration_command => configuration_command, datalink => datalink_of(datalink),
+        checksum => checksum_of(checksum), polynomial => polynomial,
+        edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol_of(protocol), lists => lists,
+        deadman => deadman, exchanges => exchanges, exchange_size => exchange_size, window => window,
+        spec_hash => x"0123456789ABCDEF"),
+      safe_values => safe_values)
     port map (
       clock => clock, reset => reset,
       rx_valid => core_rx_valid, rx_ready => core_rx_ready, rx_data => core_rx_data, rx_error => core_rx_error,
@@ -159,7 +164,7 @@ begin
       tx_last => core_tx_last, tx_publish => core_tx_publish);
 
   memory : entity work.bench_memory
-    generic map (address_width => address_width, data_width => data_width, recorded => recorded = 1, bad_base => bad_base,
+    generic map (address_width => address_bits, data_width => data_bits, recorded => recorded = 1, bad_base => bad_base,
                  waits => bus_waits, stall_percent => bus_stall_percent, seed => seed + 2000)
     port map (clock => clock, wishbone_m2s => memory_m2s, wishbone_s2m => memory_s2m);
 
@@ -182,7 +187,7 @@ begin
     wishbone_s2m <= registers_s2m when here = '1' else memory_s2m;
 
     slave : entity work.register_slave
-      generic map (writable => (0 to registers - 1 => '1'), data_width => data_width, snapshot => true)
+      generic map (writable => (0 to registers - 1 => '1'), data_width => data_bits, snapshot => true)
       port map (
         clock => clock, reset => reset, wishbone_m2s => registers_m2s, wishbone_s2m => registers_s2m,
         read_words => words, write_words => words, written => open, was_read => open);

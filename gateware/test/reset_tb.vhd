@@ -8,6 +8,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 use work.bench_pkg.all;
+use work.settings_pkg.all;
 use work.wishbone_pkg.all;
 
 entity reset_tb is
@@ -55,7 +56,10 @@ begin
   clock <= not clock after 1 ns when not ended;
 
   dut : entity work.core
-    generic map (base_hz => 400_000, datalink => datalink)  -- publishes come before the last reset
+    generic map (
+      settings => core_settings(
+        protocol => protocol_classic, base_hz => 400_000, groups => 2, group_size => 16,  -- publishes come before the last reset
+        datalink => datalink_of(datalink)))
     port map (
       clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
       tx_valid => tx_valid, tx_ready => '1', tx_data => tx_data,

@@ -12,6 +12,7 @@ library ieee;
   use work.bench_pkg.all;
   use work.physical_pkg.all;
   use work.register_pkg.all;
+  use work.settings_pkg.all;
   use work.stream_bench_pkg.digits;
   use work.wishbone_pkg.all;
 
@@ -91,7 +92,9 @@ begin
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data);
 
   core : entity work.core
-    generic map (clock_hz => clock_hz, groups => 2, edge_events => (1 => '1', others => '0'))
+    generic map (
+      settings => core_settings(
+        protocol => protocol_classic, clock_hz => clock_hz, groups => 2, edge_events => (1 => '1', others => '0')))
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

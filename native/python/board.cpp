@@ -29,6 +29,34 @@ using namespace unitylink::device;
   throw nb::python_error();
 }
 
+// Takes each setting from the attribute of its name.
+struct SettingReader {
+  nb::handle from;
+
+  void operator()(const char* name, std::uint32_t& field) const { field = word_of(attribute(name), name); }
+  void operator()(const char* name, std::uint64_t& field) const { field = nb::cast<std::uint64_t>(attribute(name)); }
+  void operator()(const char* name, bool& field) const { field = nb::cast<bool>(attribute(name)); }
+  void operator()(const char* name, std::bitset<256>& field) const {
+    for (nb::handle group : attribute(name)) {
+      const std::uint32_t number = word_of(group, name);
+      if (number >= field.size()) {
+        raise_error("ValueRangeError", std::string(name) + " has " + std::to_string(number) + "; choose 0 to 255");
+      }
+      field.set(number);
+    }
+  }
+  template <class Choice>
+  void operator()(const char* name, Choice& field) const {
+    const auto text = nb::cast<std::string>(attribute(name));
+    if (!choose(text, field)) {
+      raise_error("ValueRangeError", std::string(name) + " is '" + text + "', which it cannot be");
+    }
+  }
+
+ private:
+  [[nodiscard]] nb::object attribute(const char* name) const { return from.attr(name); }
+};
+
 }  // namespace
 
 DeviceConfiguration configuration_of(nb::handle object) {
@@ -48,35 +76,7 @@ DeviceConfiguration configuration_of(nb::handle object) {
     return result;
   };
   DeviceConfiguration result;
-  result.address_bits = word(object, "address_bits");
-  result.data_bits = word(object, "data_bits");
-  result.clock_hz = word(object, "clock_hz");
-  result.base_hz = word(object, "base_hz");
-  result.groups = word(object, "groups");
-  result.group_size = word(object, "group_size");
-  result.read_many = word(object, "read_many");
-  result.rate_bytes = word(object, "rate_bytes");
-  result.publish_mode = word(object, "publish_mode");
-  result.configuration_command = nb::cast<bool>(object.attr("configuration_command"));
-  const auto checksum = nb::cast<std::string>(object.attr("checksum"));
-  result.checksum = checksum == "none" ? Checksum::none : checksum == "xor" ? Checksum::exclusive_or : Checksum::crc8;
-  const auto datalink = nb::cast<std::string>(object.attr("datalink"));
-  result.datalink = datalink == "none" ? Datalink::none : datalink == "lite" ? Datalink::lite : Datalink::full;
-  result.polynomial = byte(object, "polynomial");
-  for (nb::handle group : nb::object(object.attr("edge_event_groups"))) {
-    const std::uint32_t number = word_of(group, "edge_event_groups");
-    if (number >= protocol::limits::groups_max) {
-      raise_error("ValueRangeError", "edge_event_groups has " + std::to_string(number) + "; choose 0 to 255");
-    }
-    result.edge_events.resize(std::max<std::size_t>(result.edge_events.size(), number / 8 + 1));
-    result.edge_events[number / 8] |= static_cast<std::uint8_t>(1u << number % 8);
-  }
-  result.byte_clocks = word(object, "byte_clocks");
-  result.receive_fifo = word(object, "receive_fifo");
-  result.transmit_fifo = word(object, "transmit_fifo");
-  result.fifo_latency = word(object, "fifo_latency");
-  result.honour_flush = nb::cast<bool>(object.attr("honour_flush"));
-  result.bench_memory = nb::cast<bool>(object.attr("bench_memory"));
+  each_setting(result, SettingReader{object});
   result.bus_error_ranges = ranges(object.attr("bus_error_ranges"), "bus_error_ranges");
   result.silent_ranges = ranges(object.attr("silent_ranges"), "silent_ranges");
   if (const nb::object tosnet = object.attr("tosnet"); !tosnet.is_none()) {
@@ -100,21 +100,8 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle buffer : nb::object(object.attr("double_buffers"))) {
     result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});
   }
-  const auto protocol = nb::cast<std::string>(object.attr("protocol"));
-  result.classic = protocol != "framed";
-  result.framed.present = protocol != "classic";
-  const nb::object framed = object.attr("framed");
-  result.framed.request_max = word(framed, "request_max");
-  result.framed.reply_max = word(framed, "reply_max");
-  result.framed.window = word(framed, "window");
-  result.framed.cache_bytes = word(framed, "cache_bytes");
-  result.framed.exchanges = word(framed, "exchanges");
-  result.framed.exchange_size = word(framed, "exchange_size");
-  result.framed.gateware_version = word(framed, "gateware_version");
-  result.framed.build = word(framed, "build");
-  result.framed.spec_hash = nb::cast<std::uint64_t>(framed.attr("spec_hash"));
-  for (nb::handle safe : nb::object(framed.attr("safe_words"))) {
-    result.framed.safe_values.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
+  for (nb::handle safe : nb::object(object.attr("safe_words"))) {
+    result.safe_words.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
   }
   if (const std::string problem = result.problem(); !problem.empty()) {
     raise_error("ValueRangeError", "board configuration: " + problem);

@@ -56,7 +56,7 @@ struct Bench {
     first_out = never;
     std::string bytes;
     const Clock until = device.clock() + clocks;
-    const Clock piece = device.configuration().transmit_fifo > 0 ? 8 : 1000;  // so that no output FIFO stays full
+    const Clock piece = device.configuration().fifo > 0 ? 8 : 1000;  // so that no output FIFO stays full
     while (device.clock() < until) {
       device.run_until(std::min(until, device.clock() + piece));
       bytes += taken();

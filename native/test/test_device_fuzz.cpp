@@ -49,7 +49,7 @@ Sorted sorted(const std::string& output) {
 
 TEST_CASE("random bytes: one chunk and byte by byte agree, and the device lives on") {
   DeviceConfiguration configuration = bench();
-  configuration.framed.present = false;  // in a frame that has no end there is no answer
+  configuration.protocol = Protocol::classic;  // in a frame that has no end there is no answer
   configuration.publish_mode = 0;  // publishes depend on when, these answers must not
   std::mt19937 random(20120601);
   for (int round = 0; round < 300; ++round) {
@@ -75,11 +75,10 @@ TEST_CASE("random bytes while publishing, with events, errors and FIFOs of 4 byt
   for (int round = 0; round < 60; ++round) {
     CAPTURE(round);
     DeviceConfiguration configuration = bench();
-    configuration.framed.present = false;
+    configuration.protocol = Protocol::classic;
     configuration.base_hz = 10000;  // within what the line can carry: publishing goes before requests
-    configuration.byte_clocks = round % 2 == 0 ? 0 : 40;
-    configuration.receive_fifo = round % 3 == 0 ? 4 : 0;
-    configuration.transmit_fifo = round % 3 == 0 ? 4 : 0;
+    configuration.baud_hz = round % 2 == 0 ? 0 : 12'500'000;
+    configuration.fifo = round % 3 == 0 ? 4 : 0;
     configuration.honour_flush = round % 5 == 0;
     Bench device(configuration);
     const std::string bytes = "#WSA:00021112\n#WSR:000002\n#EPC\n" + noise(random, 600);

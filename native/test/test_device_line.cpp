@@ -19,9 +19,8 @@ std::string repeated(std::string_view text, int count) {
 // Replies longer than requests, so that they cannot keep up.
 DeviceConfiguration slow_line() {
   DeviceConfiguration configuration = bench();
-  configuration.byte_clocks = 160;  // about 3 Mbaud
-  configuration.receive_fifo = 16;
-  configuration.transmit_fifo = 16;
+  configuration.baud_hz = 3'125'000;  // about 3 Mbaud
+  configuration.fifo = 16;
   return configuration;
 }
 
@@ -56,8 +55,7 @@ TEST_CASE("a host that keeps to the credit loses nothing, one that does not lose
 
 TEST_CASE("without a line the FIFO takes only what it has room for, and nothing is lost") {
   DeviceConfiguration configuration = bench();
-  configuration.receive_fifo = 16;
-  configuration.transmit_fifo = 16;
+  configuration.fifo = 16;
   Bench device(configuration);
   const std::string requests = repeated("#R:12\n", 50);
   std::string all;
@@ -74,7 +72,7 @@ TEST_CASE("without a line the FIFO takes only what it has room for, and nothing 
 
 TEST_CASE("a host that does not read stops the device, and nothing is lost once it reads") {
   DeviceConfiguration configuration = bench();
-  configuration.transmit_fifo = 16;
+  configuration.fifo = 16;
   Bench device(configuration);
   device.put(repeated("#R:12\n", 10));
   device.device.run_until(10000);

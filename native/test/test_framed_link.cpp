@@ -51,7 +51,7 @@ TEST_CASE("a link finds out that the device speaks frames") {
   CHECK(!classic.link->framed());
   CHECK(classic.link->notice().empty());
   device::DeviceConfiguration old;
-  old.framed.present = false;
+  old.protocol = device::Protocol::classic;
   const Desk fallen("", old);
   CHECK(!fallen.link->framed());
   CHECK(!fallen.link->notice().empty());
@@ -147,7 +147,7 @@ TEST_CASE("publishes have the device's times, and none is missing") {
 
 TEST_CASE("the device's own registers, and a spec that is not the gateware's") {
   device::DeviceConfiguration configuration;
-  configuration.framed.spec_hash = 0x1234;
+  configuration.spec_hash = 0x1234;
   const Desk desk("spec_hash=1234", configuration);
   REQUIRE(desk.outcome.ok());
   std::vector<std::uint32_t> value(1);
@@ -162,7 +162,7 @@ TEST_CASE("the device's own registers, and a spec that is not the gateware's") {
 
 TEST_CASE("whose gateware answers is known, not known, or overridden") {
   device::DeviceConfiguration configuration;
-  configuration.framed.spec_hash = 0x1234;
+  configuration.spec_hash = 0x1234;
   const std::uint64_t whole_or_part[] = {0x1235, 0x1234}, others[] = {0x1235};
   std::string unverified = "?";
   const Desk desk("", configuration);

@@ -31,7 +31,7 @@ device::DeviceConfiguration plain_board() {
 
 // Of the classic protocol only, which the link finds out by asking; test_framed_link.cpp has the other.
 std::unique_ptr<device::Board> board_on(const std::string& kind, device::DeviceConfiguration configuration = plain_board()) {
-  configuration.framed.present = false;
+  configuration.protocol = device::Protocol::classic;
   auto board = std::make_unique<device::Board>(configuration, device::make_endpoint(kind, "127.0.0.1"));
   board->start();
   return board;
@@ -110,8 +110,8 @@ TEST_CASE("the C ABI, from C") {
 
 TEST_CASE("credit keeps a board with 16-byte FIFOs on a 3 MBd line from losing anything") {
   auto configuration = plain_board();
-  configuration.byte_clocks = 167;
-  configuration.receive_fifo = configuration.transmit_fifo = 16;
+  configuration.baud_hz = 3'000'000;
+  configuration.fifo = 16;
   configuration.honour_flush = true;
   const auto board = board_on("fd", configuration);
   const auto link = opened(with_options(board->url(), "timeout=2"));

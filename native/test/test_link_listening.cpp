@@ -33,7 +33,7 @@ struct Fixture {
   explicit Fixture(bool framed) {
     device::DeviceConfiguration configuration;
     configuration.groups = 4;
-    configuration.framed.present = framed;
+    configuration.protocol = framed ? device::Protocol::both : device::Protocol::classic;
     board = std::make_unique<device::Board>(configuration, device::make_endpoint("fd", "127.0.0.1"));
     board->start();
     const int descriptor = std::stoi(board->url().substr(3));

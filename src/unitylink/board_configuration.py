@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What gateware a spec asks for: its generics and what stands around it, on a virtual board and in VHDL."""
+"""What gateware a spec asks for: its settings and what stands around it, on a virtual board and in VHDL."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ from typing import Any
 
 from unitylink.errors import ValueRangeError
 from unitylink.protocol import (
-    BASE_HZ_DEFAULT,
     CLOCK_HZ_DEFAULT,
-    FRAME_CACHE_BYTES_DEFAULT,
-    FRAME_WINDOW_DEFAULT,
-    RS485_NODES_MAX,
+    GROUPS_MAX,
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,
     TOSNET_MEMORY_WORDS,
@@ -21,10 +18,10 @@ from unitylink.protocol import (
     TOSNET_REGISTER_SHIFT,
 )
 from unitylink.safe_words import safe_words
-from unitylink.spec.model import LINES, PHYSICAL_LAYERS, SEND_IMMEDIATE, Instance, Link, Spec
+from unitylink.settings import SETTINGS, Setting, Settings
+from unitylink.spec.model import LINES, Instance, Link, Spec
+from unitylink.spec.publishing import split
 from unitylink.wire_hash import wire_hash
-
-PROTOCOLS = ("both", "framed", "classic")  # what a core speaks
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ class TosnetConfiguration:
 class FifoConfiguration:
     """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's.
 
-    Its event line drives the event input of `event_group`, one of `edge_event_groups`: a group with the one
+    Its event line drives the event input of `event_group`, one of `edge_events`: a group with the one
     address `base` then publishes each word once, as soon as it can. The event rises again when nothing has
     been taken for `remind_clocks`.
     """
@@ -80,64 +77,17 @@ class DoubleBufferConfiguration:
 
 
 @dataclass(frozen=True)
-class FramedConfiguration:
-    """The framed side of the gateware (docs/protocol.md).
+class BoardConfiguration(Settings):
+    """Every setting of a device (docs/settings.md), what its spec's tables say, and the slaves on its bus.
 
-    `request_max` and `reply_max` are the longest payloads in bytes; the reply cache has `window` places (a
-    power of two) of `cache_bytes`; `exchanges` exchange groups hold `exchange_size` words each. `safe_words`
-    is what the dead-man writes: (address, word) in order.
-    """
-
-    request_max: int = 250
-    reply_max: int = 250
-    window: int = FRAME_WINDOW_DEFAULT
-    cache_bytes: int = FRAME_CACHE_BYTES_DEFAULT
-    exchanges: int = 4
-    exchange_size: int = 64
-    gateware_version: int = 0x0001_0000
-    build: int = 0
-    spec_hash: int = 0
-    safe_words: tuple[tuple[int, int], ...] = ()
-
-
-@dataclass(frozen=True)
-class BoardConfiguration:
-    """The generics of the gateware and the board around it; widths in bits, addresses in words.
-
-    `fifo` (bytes each way) and `baud_hz` are the physical layer. Without `baud_hz` it is flow-controlled, as
-    USB is, and `fifo` 0 means large. With it, bytes take the time a UART needs and one that arrives at a full
-    receive FIFO is lost.
+    Widths are in bits, addresses in words. `safe_words` is what the dead-man writes: (address, word) in
+    order. Raises ValueRangeError for what no device can have.
 
     >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
     166
     """
 
-    address_bits: int = 8
-    data_bits: int = 32
-    clock_hz: int = CLOCK_HZ_DEFAULT
-    base_hz: int = BASE_HZ_DEFAULT
-    groups: int = 16
-    group_size: int = 32
-    read_many: int = 255
-    rate_bytes: int = 2
-    publish_mode: int = 2  # 0 none, 1 requests first, 2 publishing first
-    configuration_command: bool = True
-    protocol: str = "both"  # "classic", "framed" or "both"
-    framed: FramedConfiguration = FramedConfiguration()
-    datalink: str = "full"  # "lite" checks nothing, "none" has data as bytes: docs/gateware/datalink.md
-    checksum: str = "crc8"  # "crc8", "xor" or "none"; of the full datalink
-    polynomial: int = 0x07
-    edge_event_groups: tuple[
-        int, ...
-    ] = ()  # groups whose event input is edge-triggered; the others' level counts
-    physical: str = "uart"  # "ft245_async", "ft245_sync", "spi": no baud_hz; "rs485": frames only
-    node: int = 1  # on an RS-485 pair
-    send_immediate: str = "both"  # of such a chip: "never", "publishes", "replies" or "both"
-    fifo: int = 0
-    baud_hz: int = 0
-    fifo_latency: int = 0  # clock cycles through each physical FIFO
-    honour_flush: bool = False  # a datalink error empties the receive FIFO, as the 2012 UART does
-    bench_memory: bool = False  # memory starts as in the recordings of the 2012 gateware, not as zero
+    safe_words: tuple[tuple[int, int], ...] = ()
     bus_error_ranges: tuple[tuple[int, int], ...] = ()  # first..last address answered with a bus error
     silent_ranges: tuple[tuple[int, int], ...] = ()  # first..last address not answered at all
     tosnet: TosnetConfiguration | None = None
@@ -145,42 +95,24 @@ class BoardConfiguration:
     double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.datalink not in ("full", "lite", "none"):
-            raise ValueRangeError(
-                f"board configuration: datalink is {self.datalink!r}; choose 'full', 'lite' or 'none'"
-            )
+        for setting in SETTINGS.values():
+            if wrong := _wrong(setting, getattr(self, setting.name)):
+                raise ValueRangeError(f"board configuration: {wrong}")
         if (
             self.protocol == "both" and self.datalink != "full"
         ):  # where data may be any byte, a 00 is no border
             object.__setattr__(self, "protocol", "classic")
-        if self.protocol not in PROTOCOLS:
-            raise ValueRangeError(
-                f"board configuration: protocol is {self.protocol!r}; choose {', '.join(PROTOCOLS)}"
-            )
-        if self.checksum not in ("crc8", "xor", "none"):
-            raise ValueRangeError(
-                f"board configuration: checksum is {self.checksum!r}; choose 'crc8', 'xor' or 'none'"
-            )
-        for name, choices in (("physical", PHYSICAL_LAYERS), ("send_immediate", SEND_IMMEDIATE)):
-            if getattr(self, name) not in choices:
-                raise ValueRangeError(
-                    f"board configuration: {name} is {getattr(self, name)!r}; choose {', '.join(choices)}"
-                )
         if self.physical == "rs485":  # its tokens are no classic text
             if self.protocol == "classic":
                 raise ValueRangeError(
                     "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
                 )
             object.__setattr__(self, "protocol", "framed")
-            if not 1 <= self.node <= RS485_NODES_MAX:
-                raise ValueRangeError(
-                    f"board configuration: node is {self.node}; choose 1 to {RS485_NODES_MAX}"
-                )
         if self.baud_hz and self.physical not in LINES:
             raise ValueRangeError(
                 f"board configuration: {self.physical} has no baud rate; leave out baud_hz={self.baud_hz}"
             )
-        if self.baud_hz < 0 or self.baud_hz > self.clock_hz:
+        if self.baud_hz > self.clock_hz:
             raise ValueRangeError(
                 f"board configuration: baud_hz is {self.baud_hz}; choose 0 to {self.clock_hz} (clock_hz)"
             )
@@ -196,21 +128,15 @@ class BoardConfiguration:
         """Clock cycles of one byte on the line: start, eight data and stop bit; 0 without a line."""
         return self.clock_hz * 10 // self.baud_hz if self.baud_hz else 0
 
-    @property
-    def receive_fifo(self) -> int:
-        return self.fifo
-
-    @property
-    def transmit_fifo(self) -> int:
-        return self.fifo
-
     @classmethod
     def for_spec(cls, spec: Spec, **overrides: Any) -> BoardConfiguration:
         """Return a board that has what `spec` asks for; `overrides` are fields of this class.
 
         With a TOSNET binding: its 11-bit map at BASE and one node for every node the spec talks to. Else
         plain memory, as wide as the highest address needs. What the spec says of its link counts; publish
-        groups are as many and as large as it needs, and 16 of 32 words at least. Raises ValueRangeError.
+        groups are as many and as large as it needs, and 16 of 32 words at least; an exchange group holds the
+        cycle of its largest device as far as a frame can define it, and 30 words at least. Raises
+        ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -240,7 +166,61 @@ class BoardConfiguration:
             ),
         }
         board = cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
-        return board if "framed" in overrides else replace(board, framed=_framed_of(spec, board))
+        found: dict[str, Any] = {
+            "groups": _groups_of(spec, board),
+            "exchange_size": _exchange_size_of(spec, board),
+            "spec_hash": wire_hash(spec),
+            "safe_words": safe_words(spec, board.data_bits),
+        }
+        board = replace(board, **{name: value for name, value in found.items() if name not in overrides})
+        if wrong := board.beyond_frames():
+            raise ValueRangeError(f"board configuration: {wrong}")
+        return board
+
+    @property
+    def address_bytes(self) -> int:
+        return -(-self.address_bits // 8)
+
+    @property
+    def data_bytes(self) -> int:
+        return -(-self.data_bits // 8)
+
+    @property
+    def publish_words(self) -> int:
+        """Words that one publish can carry, by whatever protocol the link chooses."""
+        if self.protocol == "classic":
+            return self.group_size
+        defined = (self.request_max - 9) // self.address_bytes  # behind the head of DEFINE_GROUP
+        carried = (self.reply_max - 7) // self.data_bytes  # behind the head of a publish
+        return min(self.group_size, defined, carried)
+
+    @property
+    def exchange_words_most(self) -> int:
+        """Words of the largest exchange group that one frame can define."""
+        return (self.request_max - 5) // (self.address_bytes + 1)
+
+    def beyond_frames(self) -> str:
+        """Say what the framed side of gateware cannot hold, and the remedy; "" where it holds all."""
+        if self.protocol == "classic":
+            return ""
+        if self.exchanges and self.exchange_size > self.exchange_words_most:
+            return (
+                f"exchange_size is {self.exchange_size}; at {self.address_bits} address bits one frame can "
+                f"define {self.exchange_words_most} words: choose at most that many, and make several groups"
+            )
+        return ""
+
+
+def _wrong(setting: Setting, value: Any) -> str:
+    """Say what is wrong with the value of a setting, and what it can be; "" where nothing is."""
+    name = setting.name
+    if setting.type == "count" and not setting.least <= value <= setting.most:
+        return f"{name} is {value}; choose {setting.least} to {setting.most}"
+    if setting.type == "choice" and value not in setting.choices:
+        return f"{name} is {value!r}; choose {', '.join(setting.choices)}"
+    if setting.type == "groups" and not all(0 <= group < GROUPS_MAX for group in value):
+        return f"{name} has {max(value)}; choose numbers from 0 to {GROUPS_MAX - 1}"
+    return ""
 
 
 def _link_of(spec: Spec) -> dict[str, Any]:
@@ -278,10 +258,9 @@ def _publishing_of(spec: Spec) -> dict[str, Any]:
     divisor = max((group.divisor for group in groups), default=0)
     edges = {group.number for group in groups if group.trigger in ("event", "change")}
     return {
-        "groups": max([plain.groups, *(len(device.groups) for device in spec.devices)]),
         "group_size": max([plain.group_size, *(len(group.addresses) for group in groups)]),
         "rate_bytes": max(plain.rate_bytes, -(-divisor.bit_length() // 8)),
-        "edge_event_groups": tuple(sorted(edges)),
+        "edge_events": tuple(sorted(edges)),
     }
 
 
@@ -310,17 +289,25 @@ def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
     return tuple(fifos[base] for base in sorted(fifos))
 
 
-def _framed_of(spec: Spec, board: BoardConfiguration) -> FramedConfiguration:
-    """Return frames that hold every publish group of the board, and the spec's safe values."""
-    plain = FramedConfiguration()
-    address_bytes, data_bytes = -(-board.address_bits // 8), -(-board.data_bits // 8)
-    return replace(
-        plain,
-        request_max=max(plain.request_max, 9 + address_bytes * board.group_size),
-        reply_max=max(plain.reply_max, 7 + data_bytes * board.group_size),
-        spec_hash=wire_hash(spec),
-        safe_words=safe_words(spec, board.data_bits),
-    )
+def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
+    """Return how many publish groups the spec takes: more than its own where one is beyond a publish."""
+    most = board.publish_words
+    needed = [
+        sum(len(split(group.elements, lambda element: element.words, most)) for group in device.groups)
+        for device in spec.devices
+    ]
+    return max([BoardConfiguration.groups, *needed])
+
+
+def _exchange_size_of(spec: Spec, board: BoardConfiguration) -> int:
+    """Return the words of an exchange group: the largest cycle of the spec, as far as a frame defines it."""
+    cycle = max((_cycle_words(root) for root in spec.roots), default=0)
+    return min(max(board.exchange_size, cycle), board.exchange_words_most)
+
+
+def _cycle_words(root: Instance) -> int:
+    """Return the words of a control cycle of `root`: all that it writes and all that may be read again."""
+    return sum(element.words * (element.pollable + element.writable) for element in root.walk())
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -51,8 +52,33 @@ def test_bench(ghdl: Any, bench: str, generics: dict[str, Any]) -> None:
     ghdl.run(bench, **generics)
 
 
-def test_words_narrower_than_a_rate_do_without_publishing() -> None:
-    assert "module core" in netlist("core", generics={"data_width": 8, "publish_mode": 0}, assertions=False)
+def test_words_narrower_than_a_rate_do_without_publishing(tmp_path: Path) -> None:
+    source = tmp_path / "narrow.vhd"
+    source.write_text(
+        """
+        library ieee;
+          use ieee.std_logic_1164.all;
+          use work.bii_pkg.all;
+          use work.settings_pkg.all;
+        entity narrow is
+          port (
+            clock, reset, rx_valid, tx_ready : in std_ulogic;
+            rx_data      : in  std_ulogic_vector(7 downto 0);
+            bii_request  : out bii_request_t;
+            bii_response : in  bii_response_t);
+        end entity;
+        architecture rtl of narrow is
+        begin
+          core_bii : entity work.core_bii
+            generic map (settings => core_settings(data_bits => 8, publish_mode => 0))
+            port map (
+              clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => open, rx_data => rx_data,
+              tx_valid => open, tx_ready => tx_ready, tx_data => open, tx_last => open, tx_publish => open,
+              bii_request => bii_request, bii_response => bii_response);
+        end architecture;
+        """
+    )
+    assert "module narrow" in netlist("narrow", sources=[source], assertions=False)
 
 
 def test_generics_that_may_not_be(ghdl: Any) -> None:

@@ -29,7 +29,7 @@ def configuration(publish_mode: int, remind_clocks: int) -> BoardConfiguration:
         group_size=16,
         read_many=32,
         publish_mode=publish_mode,
-        edge_event_groups=(1,),
+        edge_events=(1,),
         fifos=(FifoConfiguration(base=FIFO, depth=DEPTH, event_group=1, remind_clocks=remind_clocks),),
     )
 

@@ -41,7 +41,7 @@ def play(rtl: Any, settings: Settings, steps: Sequence[Any], **generics: Any) ->
     ]
     own = {
         "protocol": "both",
-        "exchange_groups": settings.exchanges,
+        "exchanges": settings.exchanges,
         "window": settings.window,
         "bad_base": BAD,
     }

@@ -75,7 +75,7 @@ DESIGNS = {
         {"physical": "ft245_sync", "send_immediate": "publishes"},
     ),
     "reads": ("public a() { @x = 0x7: READ(); }", {"groups": 2, "read_many": 0, "checksum": "xor"}),
-    "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_event_groups": (0, 15)}),
+    "writes": ("public a() { @x = 0x7: WRITE(); }", {"edge_events": (0, 15)}),
     "one_group": ("public a() { @x = 0x7: READ(PUBLISH(10 Hz)); }", {"groups": 1}),
     "nothing": ("public a() { }", {}),
     "profile": (ROOT / "examples" / "profile" / "profile.ul", {}),
@@ -266,7 +266,7 @@ def test_hello_led_board_from_its_uart_to_its_pins(designs: Any) -> None:
 def test_a_design_with_frames_is_synthesised(designs: Any, protocol: str) -> None:
     spec = load(ROOT / "examples" / "servo" / "servo.ul")
     configuration = BoardConfiguration.for_spec(spec, protocol=protocol)
-    assert (0x22, 0) in configuration.framed.safe_words
+    assert (0x22, 0) in configuration.safe_words
     design = designs.library(spec, configuration)
     (package,) = designs.folder.glob("vhdl/*_config_pkg.vhd")
     assert '(x"00000022", x"00000000")' in package.read_text(encoding="utf-8")

@@ -82,7 +82,7 @@ def test_types_arrays_and_access_modes(designs: Any, spec: Spec) -> None:
 
 def test_publishes_on_change_and_on_an_event(designs: Any, spec: Spec) -> None:
     configuration = BoardConfiguration.for_spec(spec)
-    assert configuration.edge_event_groups == (0, 1)
+    assert configuration.edge_events == (0, 1)
     steps = ["#WSA:0003060 70B\n".replace(" ", ""), "#WSA:010109\n", "#WIC:0003\n", "#EPS\n"]
     steps += ["#W:0400000007\n", "#W:0400000007\n", "#W:0100000003\n"]
     answers = designs.play(spec, "typed_tb", steps)

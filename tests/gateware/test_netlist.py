@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from unitylink.settings import Settings
 from unitylink.tools.conformance_bench import bench
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
@@ -24,7 +26,12 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
     others = [source for source in sorted(GATEWARE.rglob("*.vhd")) if source.name != "core.vhd"]
     synthesised = type(rtl)(type(ghdl)(folder, [*others, folder / "core.vhd"]), folder)
 
-    configuration = bench({})  # the netlist has the default generics
+    # The netlist has the default settings.
+    plain = Settings()
+    configuration = replace(
+        bench({}), groups=plain.groups, group_size=plain.group_size, read_many=plain.read_many
+    )
+    framed = {"protocol": plain.protocol, "exchange_size": plain.exchange_size, "window": plain.window}
     messages = [
         "#RLC\n$RLC*9B\n#R:12\n$R:12*58\n$R:12*59\n#W:20DEADBEEF\n#R:20\n#RM:03101112\n",
         "#R:E3\n#RM:0311E312\n#R:zz\n#R:1\n%\n#X\n#WSA:0103\n#R:F5\n#R:00\n",
@@ -32,8 +39,8 @@ def test_netlist_in_lockstep(ghdl: Any, rtl: Any, tmp_path: Path) -> None:
     ]
     exchanges: list[list[tuple[str, Any]]] = [[("send", text), ("quiet", 300)] for text in messages]
     exchanges.append([("events", 1), ("wait", 300), ("events", 0), ("rx_error", 5), ("quiet", 300)])
-    expected, times = rtl(configuration, exchanges, stall_percent=20), list(rtl.times)
+    expected, times = rtl(configuration, exchanges, stall_percent=20, **framed), list(rtl.times)
     assert b"&PUB:01" in expected[2]
     assert b"&PUB:00" in expected[3]
-    assert synthesised(configuration, exchanges, stall_percent=20) == expected
+    assert synthesised(configuration, exchanges, stall_percent=20, **framed) == expected
     assert synthesised.times == times

@@ -110,7 +110,9 @@ class ReferenceDevice:
             return self._drop(p.CONTROL_DISCARDED_KIND)
         nonce, epoch, flags = (int.from_bytes(part, "big") for part in (body[:2], body[2:4], body[4:]))
         again = self.open and (nonce, epoch) == (self._session_nonce, self.epoch)
-        fresh = self._offered and nonce == self.nonce and epoch >> 8 != 0xFF and flags & ~1 == 0
+        long = self.settings.features & p.CONTROL_VALUE_FEATURE_LONG_FRAMES
+        known = p.FRAME_CHECKED_LONG_FLAG if long else 0
+        fresh = self._offered and nonce == self.nonce and epoch >> 8 != 0xFF and flags & ~known == 0
         if not again and not fresh:
             return self._drop(p.CONTROL_DISCARDED_STALE)
         self._count(p.CONTROL_FRAMES)

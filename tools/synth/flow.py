@@ -11,15 +11,16 @@ import statistics
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from table import Row
+from table import SMALL, Row
 
 from unitylink.gateware import gateware_sources
 from unitylink.gateware.dependencies import needed_sources, plain_text
 from unitylink.gateware.netlist import netlist
+from unitylink.generate.vhdl.settings import core_settings
 
 ROOT = Path(__file__).resolve().parents[2]
 SEEDS = (1, 2, 3)
@@ -39,6 +40,54 @@ class Chip:
     lut: str  # what yosys calls these
     flip_flop: str
 
+
+SIZED = "sized_core"
+# A record cannot be given on a command line.
+SIZED_CORE = """
+library ieee;
+  use ieee.std_logic_1164.all;
+  use work.settings_pkg.all;
+  use work.wishbone_pkg.all;
+
+package sized_core_pkg is
+  constant settings : settings_t := {settings};
+end package;
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use work.sized_core_pkg.all;
+  use work.wishbone_pkg.all;
+
+entity sized_core is
+  port (
+    clock        : in  std_ulogic;
+    reset        : in  std_ulogic;
+    rx_valid     : in  std_ulogic;
+    rx_ready     : out std_ulogic;
+    rx_data      : in  std_ulogic_vector(7 downto 0);
+    rx_error     : in  std_ulogic_vector(2 downto 0);
+    tx_valid     : out std_ulogic;
+    tx_ready     : in  std_ulogic;
+    tx_data      : out std_ulogic_vector(7 downto 0);
+    tx_last      : out std_ulogic;
+    tx_publish   : out std_ulogic;
+    events       : in  std_ulogic_vector(settings.groups - 1 downto 0);
+    wishbone_m2s : out wishbone_m2s_t;
+    wishbone_s2m : in  wishbone_s2m_t
+  );
+end entity;
+
+architecture rtl of sized_core is
+begin
+  core : entity work.core
+    generic map (settings => settings)
+    port map (
+      clock => clock, reset => reset,
+      rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last,
+      tx_publish => tx_publish, events => events, wishbone_m2s => wishbone_m2s, wishbone_s2m => wishbone_s2m);
+end architecture;
+"""
 
 ICE40 = Chip(
     "iCE40 HX8K",
@@ -73,14 +122,24 @@ class Mapped:
 
 def verilog_of(row: Row) -> str:
     """Return the netlist of the row's entity, as Verilog."""
+    if row.top == "core":
+        return core_netlist({**SMALL, **row.settings})
     if not row.example:
-        return netlist(row.top, generics=row.generics, assertions=False)
+        return netlist(row.top, assertions=False)
     with tempfile.TemporaryDirectory() as folder:
         spec = ROOT / "examples" / row.example / f"{row.example}.ul"
         generate = ["generate", str(spec), "--only", "vhdl", "--protocol", "classic", "--out", folder]
         call(sys.executable, "-m", "unitylink", *generate)
         sources = sorted(Path(folder).rglob("*.vhd"))
-        return netlist(row.top, sources=sources, generics=row.generics, assertions=False)
+        return netlist(row.top, sources=sources, assertions=False)
+
+
+def core_netlist(settings: Mapping[str, int | str | bool]) -> str:
+    """Return the netlist of the core with these settings, in the top level SIZED."""
+    with tempfile.TemporaryDirectory() as folder:
+        top = Path(folder) / "sized_core.vhd"
+        top.write_text(SIZED_CORE.format(settings=core_settings(settings)), encoding="ascii")
+        return netlist(SIZED, sources=[top], assertions=False)
 
 
 def digest(row: Row) -> str:

@@ -181,6 +181,7 @@ inline constexpr std::uint32_t crc32_polynomial = 2197175160;
 inline constexpr std::uint32_t crc32_check = 486108540;
 inline constexpr std::uint32_t crc32_bytes = 5;
 inline constexpr std::uint32_t short_max = 256;
+inline constexpr std::uint32_t short_payload_max = 250;
 inline constexpr std::uint32_t open_epoch = 65535;
 inline constexpr std::uint32_t checked_long_flag = 1;
 inline constexpr std::uint32_t atomic_flag = 1;

@@ -41,7 +41,7 @@ Board::Board(const DeviceConfiguration& configuration, std::unique_ptr<Endpoint>
 Board::Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint)
     : device_(std::move(device)), endpoint_(std::move(endpoint)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   output_.reserve(chunk);
-  lead_ = configuration().byte_clocks > 0 ? 0 : clocks(lead_ns, configuration().clock_hz);
+  lead_ = configuration().byte_clocks() > 0 ? 0 : clocks(lead_ns, configuration().clock_hz);
 }
 
 Board::~Board() {

@@ -14,13 +14,6 @@ constexpr std::uint32_t ones(std::uint32_t bits) noexcept {
   return bits >= 32 ? 0xFFFFFFFFu : (1u << bits) - 1u;
 }
 
-struct Limit {
-  const char* name;
-  std::uint32_t value;
-  std::uint32_t least;
-  std::uint32_t most;
-};
-
 struct Slave {
   std::string name;
   std::uint64_t first;
@@ -39,12 +32,9 @@ std::uint32_t DeviceConfiguration::data_mask() const noexcept { return ones(data
 
 std::uint32_t DeviceConfiguration::features() const noexcept {
   namespace value = protocol::control_value;
-  return (classic ? value::feature_classic : 0) | (publish_mode > 0 ? value::feature_publishing : 0) | value::feature_lists |
-         (framed.exchanges > 0 ? value::feature_exchanges : 0) | value::feature_deadman | value::feature_long_frames;
-}
-
-std::uint32_t DeviceConfiguration::request_credit() const noexcept {
-  return receive_fifo > 0 ? std::min(receive_fifo, 0xFFFFu) : 0xFFFFu;
+  return (has_classic() ? value::feature_classic : 0) | (publish_mode > 0 ? value::feature_publishing : 0) |
+         (lists ? value::feature_lists : 0) | (exchanges > 0 ? value::feature_exchanges : 0) |
+         (deadman ? value::feature_deadman : 0) | (long_frames ? value::feature_long_frames : 0);
 }
 
 std::uint32_t DeviceConfiguration::message_entries() const noexcept {
@@ -60,39 +50,23 @@ std::uint32_t DeviceConfiguration::message_entries() const noexcept {
 }
 
 std::string DeviceConfiguration::problem() const {
-  namespace limits = protocol::limits;
-  const Limit all[] = {
-      {"address_bits", address_bits, 1, limits::address_bits_max},
-      {"data_bits", data_bits, limits::data_bits_min, limits::data_bits_max},
-      {"clock_hz", clock_hz, 1000, 1000000000},
-      {"base_hz", base_hz, 1, clock_hz},
-      {"groups", groups, 1, limits::groups_max},
-      {"group_size", group_size, 1, limits::group_size_max},
-      {"read_many", read_many, 0, limits::read_many_max},
-      {"rate_bytes", rate_bytes, 1, limits::rate_bytes_max},
-      {"publish_mode", publish_mode, 0, 2},
-      {"byte_clocks", byte_clocks, 0, 100000000},
-      {"receive_fifo", receive_fifo, 0, 1u << 20},
-      {"transmit_fifo", transmit_fifo, 0, 1u << 20},
-      {"fifo_latency", fifo_latency, 0, 1000},
-      {"request_max", framed.request_max, 16, frame_payload_max},
-      {"reply_max", framed.reply_max, 16, frame_payload_max},
-      {"window", framed.window, 1, 128},
-      {"cache_bytes", framed.cache_bytes, 8, 255},
-      {"exchanges", framed.exchanges, 0, 256},
-      {"exchange_size", framed.exchange_size, 1, 255},
-  };
-  for (const Limit& limit : all) {
-    if (limit.value < limit.least || limit.value > limit.most) {
-      return std::string(limit.name) + " is " + std::to_string(limit.value) + "; choose " + std::to_string(limit.least) +
-             " to " + std::to_string(limit.most);
+  std::string wrong;
+  each_limit(*this, [&wrong](const char* name, std::uint32_t value, SettingLimits limits) {
+    if (wrong.empty() && (value < limits.least || value > limits.most)) {
+      wrong = std::string(name) + " is " + std::to_string(value) + "; choose " + std::to_string(limits.least) + " to " +
+              std::to_string(limits.most);
     }
+  });
+  if (!wrong.empty()) {
+    return wrong;
   }
-  if (!std::has_single_bit(framed.window)) {
-    return "window is " + std::to_string(framed.window) + "; choose a power of two";
+  const std::uint32_t payload_max = long_frames ? std::uint32_t{frame_payload_max} : protocol::frame::short_payload_max;
+  if (std::max(request_max, reply_max) > payload_max) {
+    return "request_max and reply_max are " + std::to_string(request_max) + " and " + std::to_string(reply_max) + "; choose at most " +
+           std::to_string(payload_max);
   }
-  if (!classic && !framed.present) {
-    return "neither protocol is left; choose classic, framed or both";
+  if (!std::has_single_bit(window)) {
+    return "window is " + std::to_string(window) + "; choose a power of two";
   }
   std::vector<Slave> slaves;
   if (tosnet.present) {
@@ -114,18 +88,18 @@ std::string DeviceConfiguration::problem() const {
       seen |= 1u << node.id;
     }
   }
-  for (const FifoConfiguration& fifo : fifos) {
-    if (fifo.depth == 0) {
+  for (const FifoConfiguration& queue : fifos) {
+    if (queue.depth == 0) {
       return "a fifo of depth 0; choose at least 1 word";
     }
-    if (fifo.event_group && !(*fifo.event_group < groups && edge_event(*fifo.event_group))) {
-      return "a fifo's event_group is " + std::to_string(*fifo.event_group) +
-             "; choose one of the board's groups and list it in edge_event_groups: a level would ask once too often";
+    if (queue.event_group && !(*queue.event_group < groups && edge_event(*queue.event_group))) {
+      return "a fifo's event_group is " + std::to_string(*queue.event_group) +
+             "; choose one of the board's groups and list it in edge_events: a level would ask once too often";
     }
-    if (fifo.remind_clocks < 4) {
-      return "a fifo's remind_clocks is " + std::to_string(fifo.remind_clocks) + "; choose at least 4";
+    if (queue.remind_clocks < 4) {
+      return "a fifo's remind_clocks is " + std::to_string(queue.remind_clocks) + "; choose at least 4";
     }
-    slaves.push_back({"fifo", fifo.base, 3});
+    slaves.push_back({"fifo", queue.base, 3});
   }
   for (const DoubleBufferConfiguration& buffer : double_buffers) {
     if (buffer.size == 0) {

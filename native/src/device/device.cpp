@@ -71,13 +71,13 @@ Clock Device::application_clock() const noexcept {
 Clock Device::transmitter_clock() const noexcept { return framed_.sending() ? never : transmitter_.next_clock(); }
 
 Clock Device::framed_clock() const noexcept {
-  return configuration_.framed.present ? framed_.next_clock(classic_idle()) : never;
+  return configuration_.has_framed() ? framed_.next_clock(classic_idle()) : never;
 }
 
 // One byte; or, within frames, as many as come before `limit`: until a frame is whole they change nothing else.
 void Device::take_bytes(Clock limit) {
   Clock now = receiver_clock();
-  while (configuration_.framed.present && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
+  while (configuration_.has_framed() && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
     const bool border = input_.front() == protocol::frame::delimiter;  // a frame may be whole
     framed_.take(input_.front(), now);
     input_.pop();
@@ -90,7 +90,7 @@ void Device::take_bytes(Clock limit) {
     }
     clock_ = std::max(clock_, now);
   }
-  if (!configuration_.classic) {
+  if (!configuration_.has_classic()) {
     input_.pop();
     return;
   }
@@ -140,7 +140,7 @@ void Device::run_until(Clock clock) {
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
     } else if (framed <= next) {
-      const bool alone = configuration_.byte_clocks == 0;  // else each byte is a departure to come
+      const bool alone = configuration_.byte_clocks() == 0;  // else each byte is a departure to come
       framed_.step(clock_, classic_idle(), alone ? std::min({beside, receiver, clock}) : next);
       application_.yield(framed_.open());
     } else if (application_clock() <= next) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The physical layer: a byte FIFO each way and, if `byte_clocks` is set, a line in front of it that takes its time.
+// The physical layer: a byte FIFO each way and, if there is a baud rate, a line in front of it that takes its time.
 //
 // With a line, as with a UART: a byte that arrives at a full receive FIFO is lost (overrun), whatever the host meant.
 // Without one, as with USB or TCP: the FIFO takes only what it has room for and the rest waits at the host.
@@ -23,10 +23,10 @@ class PhysicalReceiver {
   static constexpr std::size_t large = 65536;
 
   explicit PhysicalReceiver(const DeviceConfiguration& configuration)
-      : byte_clocks_(configuration.byte_clocks),
+      : byte_clocks_(configuration.byte_clocks()),
         latency_(configuration.fifo_latency),
         line_(byte_clocks_ > 0 ? large : 0),
-        fifo_(configuration.receive_fifo > 0 ? configuration.receive_fifo : large) {}
+        fifo_(configuration.fifo > 0 ? configuration.fifo : large) {}
 
   [[nodiscard]] std::size_t room() const noexcept { return byte_clocks_ > 0 ? line_.free() : fifo_.free(); }
   [[nodiscard]] bool empty() const noexcept { return line_.empty() && fifo_.empty(); }
@@ -70,9 +70,9 @@ class PhysicalReceiver {
 class PhysicalTransmitter {
  public:
   explicit PhysicalTransmitter(const DeviceConfiguration& configuration)
-      : byte_clocks_(configuration.byte_clocks),
+      : byte_clocks_(configuration.byte_clocks()),
         latency_(configuration.fifo_latency),
-        fifo_(configuration.transmit_fifo > 0 ? configuration.transmit_fifo : PhysicalReceiver::large),
+        fifo_(configuration.fifo > 0 ? configuration.fifo : PhysicalReceiver::large),
         sent_(byte_clocks_ > 0 ? PhysicalReceiver::large : 0) {}
 
   [[nodiscard]] std::size_t room() const noexcept { return fifo_.free(); }

@@ -31,7 +31,7 @@ class Line {
     engine_ = std::make_unique<FramedEngine>(settings, false);
     device::DeviceConfiguration configuration;
     configuration.address_bits = 16;
-    configuration.framed.window = plan.window;
+    configuration.window = plan.window;
     device_ = std::make_unique<Device>(configuration);
     traffic_ = make_traffic(plan.kind, plan.message_words, plan.window, *engine_, *device_);
     device_->bus().observe([this](std::uint32_t address, std::uint32_t value) { traffic_->on_write(address, value); });

@@ -122,9 +122,9 @@ class Simulation {
   void make_device() {
     DeviceConfiguration configuration;
     configuration.address_bits = 16;
-    configuration.receive_fifo = configuration.transmit_fifo = device_fifo;
-    configuration.framed.window = plan_.window;
-    configuration.framed.nonce = device_ != nullptr ? device_->nonce() : std::uint16_t{0};
+    configuration.fifo = device_fifo;
+    configuration.window = plan_.window;
+    configuration.nonce = device_ != nullptr ? device_->nonce() : std::uint16_t{0};
     device_ = std::make_unique<Device>(configuration);
     device_->bus().observe([this](std::uint32_t address, std::uint32_t value) { on_write(address, value); });
     device_begun_ = now_;

@@ -7,6 +7,7 @@
 #include "layer0_driver/ftdi_driver.hpp"
 #include "layer0_driver/rs485_driver.hpp"
 #include "layer0_driver/spi_driver.hpp"
+#include "unitylink/settings.hpp"
 
 namespace unitylink {
 namespace {
@@ -16,19 +17,18 @@ using Overrides = std::optional<std::uint32_t> LinkOptions::*;
 struct Override {
   const char* name;
   Overrides field;
-  std::uint32_t minimum;
-  std::uint32_t maximum;
+  SettingLimits limits;
 };
 
 constexpr Override overrides[] = {
-    {"address_bytes", &LinkOptions::address_bytes, 1, protocol::limits::address_bits_max / 8},
-    {"data_bytes", &LinkOptions::data_bytes, 1, protocol::limits::data_bits_max / 8},
-    {"read_many", &LinkOptions::read_many, 0, protocol::limits::read_many_max},
-    {"publish_mode", &LinkOptions::publish_mode, 0, 2},
-    {"base_hz", &LinkOptions::base_hz, 1, 0xFFFFFFFF},
-    {"groups", &LinkOptions::groups, 1, protocol::limits::groups_max},
-    {"group_size", &LinkOptions::group_size, 1, protocol::limits::group_size_max},
-    {"rate_bytes", &LinkOptions::rate_bytes, 1, protocol::limits::rate_bytes_max},
+    {"address_bytes", &LinkOptions::address_bytes, {1, limits_of::address_bits.most / 8}},
+    {"data_bytes", &LinkOptions::data_bytes, {1, limits_of::data_bits.most / 8}},
+    {"read_many", &LinkOptions::read_many, limits_of::read_many},
+    {"publish_mode", &LinkOptions::publish_mode, limits_of::publish_mode},
+    {"base_hz", &LinkOptions::base_hz, limits_of::base_hz},
+    {"groups", &LinkOptions::groups, limits_of::groups},
+    {"group_size", &LinkOptions::group_size, limits_of::group_size},
+    {"rate_bytes", &LinkOptions::rate_bytes, limits_of::rate_bytes},
 };
 
 constexpr const char* known =
@@ -128,8 +128,8 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
   }
   for (const Override& entry : overrides) {
     if (name == entry.name) {
-      if (!number_in(value, entry.minimum, entry.maximum, number)) {
-        return wrong(url, name, value, "a number from " + std::to_string(entry.minimum) + " to " + std::to_string(entry.maximum));
+      if (!number_in(value, entry.limits.least, entry.limits.most, number)) {
+        return wrong(url, name, value, "a number from " + std::to_string(entry.limits.least) + " to " + std::to_string(entry.limits.most));
       }
       options.*entry.field = number;
       return {};

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from unitylink.board_configuration import PROTOCOLS, BoardConfiguration, told_physical
+from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import BoardError
 from unitylink.resources import resource_folder
+from unitylink.settings import SETTINGS
 from unitylink.spec.model import SEND_IMMEDIATE, Spec
 from unitylink.spec.suggest import nearest
 
@@ -182,7 +183,7 @@ def _board(name: str, reference: str, table: _Table, variant: _Table | None) -> 
         clock_hz=clock.number("hz"),
         design_hz=clock.number("design_hz"),
         pll=clock.text("pll", "core", among=("core", "pad")),
-        protocol=link.text("protocol", "both", among=PROTOCOLS),
+        protocol=link.text("protocol", "both", among=SETTINGS["protocol"].choices),
         physical=physical,
         rx=link.text("rx", among=pins) if uart else "",
         tx=link.text("tx", among=pins) if uart else "",

@@ -112,9 +112,16 @@ def _spec(words: int) -> Any:
 
 
 def _configuration(base_hz: int) -> Any:
-    from unitylink.board_configuration import BoardConfiguration, FramedConfiguration
+    from unitylink.board_configuration import BoardConfiguration
 
-    frames = FramedConfiguration(request_max=_FRAME_BYTES_MOST, reply_max=_FRAME_BYTES_MOST)
     return BoardConfiguration(
-        address_bits=16, clock_hz=_CLOCK_HZ, base_hz=base_hz, groups=1, group_size=255, framed=frames
+        address_bits=16,
+        clock_hz=_CLOCK_HZ,
+        base_hz=base_hz,
+        groups=1,
+        group_size=255,
+        request_max=_FRAME_BYTES_MOST,
+        reply_max=_FRAME_BYTES_MOST,
+        credit=0xFFFF,
+        long_frames=True,
     )

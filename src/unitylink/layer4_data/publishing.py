@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import DeviceMismatch, ValueRangeError
 from unitylink.layer3_hardware.arguments import positive
 from unitylink.spec.model import Publish
+from unitylink.spec.publishing import split
 
 from .polling import Poller
 from .publication import (
@@ -100,22 +101,13 @@ class _Allocation:
         return made
 
     def _parts(self, values: list[ReadValue[Any]]) -> list[tuple[ReadValue[Any], ...]]:
-        """Fill groups in order; a value of several words is never torn."""
-        parts: list[list[ReadValue[Any]]] = []
-        room = 0
         for value in values:
-            words = value.codec.words
-            if words > self.size:
+            if (words := value.codec.words) > self.size:
                 raise DeviceMismatch(
                     f"{value.path} takes {words} words, a group of {self.link.url} has {self.size}; "
                     "poll it with PUBLISH(2, ..)"
                 )
-            if words > room:
-                parts.append([])
-                room = self.size
-            parts[-1].append(value)
-            room -= words
-        return [tuple(part) for part in parts]
+        return split(values, lambda value: value.codec.words, self.size)
 
     def check(self, fallback: bool) -> None:
         if self.used > self.groups and not fallback:

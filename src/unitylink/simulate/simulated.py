@@ -7,6 +7,7 @@ from urllib.parse import parse_qsl, quote, urlencode
 
 from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import UnityLinkError, UrlError
+from unitylink.settings import SETTINGS
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 
@@ -14,18 +15,8 @@ from .board import Board
 from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
 _TIMEOUT_S = "1"  # a board in this process is silent only while the machine is too busy to run it
-_BOARD_ONLY = {"baud": "baud_hz", "clock_hz": "clock_hz", "data_bits": "data_bits"}
-_TEXTS = ("physical", "send_immediate")  # of the board too
+_OPTIONS = {setting.option: setting for setting in SETTINGS.values() if setting.option}
 _ASKED_FOR = ("spi", "rs485")  # physical layers that never speak by themselves
-_SHARED = (
-    "fifo",
-    "base_hz",
-    "groups",
-    "group_size",
-    "read_many",
-    "rate_bytes",
-    "publish_mode",
-)  # the link knows them too
 
 
 def simulated_board(url: str) -> tuple[Board, str]:
@@ -34,12 +25,11 @@ def simulated_board(url: str) -> tuple[Board, str]:
     `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
 
     Options of the board: `root=NAME` (the public constructor or link whose board it is, of several),
-    `plant=ramp|loopback|scara|FILE.py`, `baud=`, `fifo=` (bytes), `clock_hz= data_bits= base_hz= groups=
-    group_size= read_many= rate_bytes= publish_mode= physical= send_immediate=`; all others are the link's
-    (`timeout=` is 1 here). With `reconnect=1` it is reached over TCP on this computer:
+    `plant=ramp|loopback|scara|FILE.py` and every setting that a URL may change (docs/settings.md); all others
+    are the link's (`timeout=` is 1 here). With `reconnect=1` it is reached over TCP on this computer:
     `link.board.hang_up()` breaks that line, for tests. Close the board after the link.
 
-    Raises UrlError, SpecError, ToolError, UnityLinkError.
+    Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
     """
     kind, _, rest = url.partition(":")
     path, _, query = rest.partition("?")
@@ -49,17 +39,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
         options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     except ValueError as error:
         raise UrlError(f"{url!r}: {error}; options are option=value, with & between them") from error
-    generics: dict[str, int | str] = {}
-    for option in _TEXTS:
-        if option in options:
-            generics[option] = options.pop(option)
-    for option in (*_BOARD_ONLY, *_SHARED):
-        if option in options:
-            text = options.pop(option) if option in _BOARD_ONLY else options[option]
-            try:
-                generics[_BOARD_ONLY.get(option, option)] = int(text.split(",")[0], 0)
-            except ValueError as error:
-                raise UrlError(f"{url!r}: {option}={text} is not a whole number") from error
+    settings = _settings_in(url, options)
     try:
         spec = load(path)
     except OSError as error:
@@ -70,7 +50,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
             spec = spec.only(root)
         except KeyError as error:
             raise UrlError(f"{url!r}: {error.args[0]}") from None
-    physical = generics.get("physical", told_physical(spec))
+    physical = settings.get("physical", told_physical(spec))
     if kind == "rtl" and physical in _ASKED_FOR:
         raise UrlError(
             f"{url!r}: {physical} speaks only when a master asks for it, which an rtl: link is not; say "
@@ -82,7 +62,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
     # what can be opened again has a name; a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
-    board = _KINDS[kind](spec, plant, generics, endpoint)
+    board = _KINDS[kind](spec, plant, settings, endpoint)
     try:
         link_url = f"{board.url}?{urlencode(options, safe=',/', quote_via=quote)}"
     except UnityLinkError:
@@ -91,18 +71,31 @@ def simulated_board(url: str) -> tuple[Board, str]:
     return board, link_url
 
 
-def _twin(spec: Spec, plant: AnyPlant, generics: dict[str, int | str], endpoint: str) -> Board:
-    configuration = BoardConfiguration.for_spec(spec, **generics)
+def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
+    """Take the settings of the board out of `options`; what a device tells by itself the link is told too."""
+    settings: dict[str, int | str] = {}
+    for option in set(options) & set(_OPTIONS):
+        setting = _OPTIONS[option]
+        text = options[option] if setting.told else options.pop(option)
+        try:
+            settings[setting.name] = text if setting.type == "choice" else int(text.split(",")[0], 0)
+        except ValueError as error:
+            raise UrlError(f"{url!r}: {option}={text} is not a whole number") from error
+    return settings
+
+
+def _twin(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpoint: str) -> Board:
+    configuration = BoardConfiguration.for_spec(spec, **settings)
     return Board(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 
-def _gateware(spec: Spec, plant: AnyPlant, generics: dict[str, int | str], endpoint: str) -> Board:
+def _gateware(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpoint: str) -> Board:
     from .rtl import (
         RtlBoard,
         rtl_configuration,
     )  # the generator and the compilers: only for those who want them
 
-    configuration = rtl_configuration(spec, **generics)
+    configuration = rtl_configuration(spec, **settings)
     return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Union
 
 from ..protocol import BASE_HZ_DEFAULT, DATA_BITS_MAX, TOSNET_ADDRESS_BITS
+from ..settings import SETTINGS
 from .annotation import Annotation
 from .types import EnumType, Number, ValueType
 
@@ -219,9 +220,9 @@ class Instance:
 Member = Union[Instance, Element, Group]
 
 
-PHYSICAL_LAYERS = ("uart", "ft245_async", "ft245_sync", "spi", "rs485")  # gateware/physical
+PHYSICAL_LAYERS = SETTINGS["physical"].choices  # gateware/physical
 LINES = ("uart", "rs485")  # those that have a baud rate
-SEND_IMMEDIATE = ("never", "publishes", "replies", "both")  # as in physical_pkg, of an FT245
+SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # as in physical_pkg, of an FT245
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,13 @@ its event line, so that gateware, twin and PC agree without asking.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import TypeVar
 
 from .model import Device, Element, Instance, Link, Publish, SubscriptionGroup
 
 _Key = tuple[str, int, str, str]  # trigger, divisor, event, name
+_Value = TypeVar("_Value")
 
 
 def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Device, ...]:
@@ -30,6 +32,24 @@ def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Dev
         Device(root, comm, link, tuple(_group(number, key, table[key]) for number, key in enumerate(table)))
         for (root, comm), (link, table) in found.items()
     )
+
+
+def split(values: Iterable[_Value], words_of: Callable[[_Value], int], most: int) -> list[tuple[_Value, ...]]:
+    """Return values in groups of a gateware that carry `most` words: filled in order, no value torn.
+
+    >>> split(["a", "b", "c"], lambda value: 2, 5)
+    [('a', 'b'), ('c',)]
+    """
+    parts: list[list[_Value]] = []
+    room = 0
+    for value in values:
+        words = words_of(value)
+        if words > room:
+            parts.append([])
+            room = most
+        parts[-1].append(value)
+        room -= words
+    return [tuple(part) for part in parts]
 
 
 def key_of(publish: Publish) -> _Key:

@@ -42,7 +42,7 @@ class RtlPlayer:
         self,
         configuration: BoardConfiguration,
         exchanges: Sequence[Sequence[tuple[str, Any]]],
-        **generics: int | str,
+        **generics: int | str | bool,
     ) -> list[bytes]:
         """Do the exchanges in order from reset; return the bytes sent during each one. Raises ToolError."""
         self.runs += 1
@@ -89,21 +89,15 @@ class RtlPlayer:
         return sent
 
 
-def _generics(configuration: BoardConfiguration) -> dict[str, int | str]:
+_CLASSIC = ["address_bits", "data_bits", "base_hz", "groups", "group_size", "rate_bytes", "read_many"]
+_CLASSIC += ["publish_mode", "configuration_command", "datalink", "checksum", "polynomial"]
+
+
+def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
+    """Return those of the bench; what a configuration says of frames has no part in a replay of text."""
     return {
-        "address_width": configuration.address_bits,
-        "data_width": configuration.data_bits,
-        "base_hz": configuration.base_hz,
-        "groups": configuration.groups,
-        "group_size": configuration.group_size,
-        "rate_bytes": configuration.rate_bytes,
-        "read_many": configuration.read_many,
-        "publish_mode": configuration.publish_mode,
-        "with_rlc": int(configuration.configuration_command),
-        "datalink": configuration.datalink,
-        "checksum": configuration.checksum,
-        "polynomial": configuration.polynomial,
-        "edge_events": sum(1 << group for group in configuration.edge_event_groups),
+        **{name: getattr(configuration, name) for name in _CLASSIC},
+        "edge_events": sum(1 << group for group in configuration.edge_events),
         "recorded": int(configuration.bench_memory),
     }
 

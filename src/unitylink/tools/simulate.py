@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from unitylink.settings import SETTINGS
+
 from .output import json_option, print_json
 from .root import part_of, root_option
 from .serving import endpoint_of, serve, serving_options
@@ -17,9 +19,19 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Spec
 
 
-def _number(name: str, what: str, *, field: str | None = None, least: int = 1) -> Callable[[Any], Any]:
-    names = (name, field) if field is not None else (name,)
-    return click.option(*names, type=click.IntRange(least), metavar="N", help=what)
+def _setting_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command an option for every setting that a URL may change, too."""
+    for setting in reversed([one for one in SETTINGS.values() if one.option]):
+        name = f"--{setting.option.replace('_', '-')}"
+        what = f"{setting.what[0].upper()}{setting.what[1:]}"
+        if setting.type == "choice":
+            option = click.option(name, setting.name, type=click.Choice(setting.choices), help=f"{what}.")
+        else:
+            kind = click.IntRange(setting.least, setting.most)
+            unit = f" ({setting.unit})" if setting.unit else ""
+            option = click.option(name, setting.name, type=kind, metavar="N", help=f"{what}{unit}.")
+        command = option(command)
+    return command
 
 
 @click.command()
@@ -31,17 +43,8 @@ def _number(name: str, what: str, *, field: str | None = None, least: int = 1) -
     metavar="PLANT",
     help="What moves behind the registers: ramp, loopback, scara, FILE.py or a recording.",
 )
-@_number("--fifo", "Bytes in the board's receive and transmit buffers, as on real boards.")
-@_number("--baud", "Pace bytes as a UART of this baud rate does.", field="baud_hz")
 @click.option("--rtl", is_flag=True, help="Serve the VHDL of the spec, compiled, instead of the twin.")
-@_number("--clock-hz", "Clock of the board; with --rtl 1 MHz unless told.")
-@_number("--data-bits", "Width of a word (8 to 32).")
-@_number("--base-hz", "Base publish frequency.")
-@_number("--groups", "Publish groups (1 to 256).")
-@_number("--group-size", "Addresses of a publish group (1 to 255).")
-@_number("--rate-bytes", "Bytes of a publish rate (1 to 4).")
-@_number("--publish-mode", "0 no publishing, 1 requests first, 2 publishes first.", least=0)
-@_number("--read-many", "Most words of one read-many (0 to 255).", least=0)
+@_setting_options
 @json_option("the address")
 def command(
     spec_file: str,
@@ -54,9 +57,11 @@ def command(
     plant: str | None,
     rtl: bool,
     as_json: bool,
-    **generics: int | None,
+    **settings: int | str | None,
 ) -> None:
     """Serve a virtual board of a spec until Ctrl-C: the classic gateware, bit by bit, and a plant that moves.
+
+    What the board is built with, docs/settings.md explains.
 
     With --rtl it is the VHDL that `unitylink generate --only vhdl` makes, compiled by GHDL and Verilator:
     half a minute the first time, then from a cache.
@@ -76,21 +81,21 @@ def command(
     from unitylink.spec import load
 
     spec = part_of(load(spec_file), root)
-    given = {name: value for name, value in generics.items() if value is not None}
+    given = {name: value for name, value in settings.items() if value is not None}
     moving = load_plant(plant or DEFAULT_PLANT, spec)
     with _board(rtl, spec, given, plant=moving, endpoint=endpoint, bind=address) as board:
         serve(board, lambda: _announce(board, spec, spec_file, plant or DEFAULT_PLANT, as_json))
 
 
-def _board(rtl: bool, spec: Spec, generics: dict[str, int], **options: Any) -> Board:
+def _board(rtl: bool, spec: Spec, settings: dict[str, int | str], **options: Any) -> Board:
     """Make the twin of `spec`, or the board that is its VHDL."""
     from unitylink.simulate import Board, BoardConfiguration
 
     if not rtl:
-        return Board(spec, configuration=BoardConfiguration.for_spec(spec, **generics), **options)
+        return Board(spec, configuration=BoardConfiguration.for_spec(spec, **settings), **options)
     from unitylink.simulate.rtl import RtlBoard, rtl_configuration
 
-    return RtlBoard(spec, configuration=rtl_configuration(spec, **generics), **options)
+    return RtlBoard(spec, configuration=rtl_configuration(spec, **settings), **options)
 
 
 def _announce(board: Board, spec: Spec, spec_file: str, plant: str, as_json: bool) -> None:

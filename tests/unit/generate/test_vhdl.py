@@ -14,13 +14,14 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.board_configuration import PHYSICAL_LAYERS, BoardConfiguration
+from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError, ValueRangeError
 from unitylink.generate import generate, generate_vhdl
 from unitylink.generate.vhdl import blocks as plan_blocks
 from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
 from unitylink.generate.vhdl.blocks import WINDOW, blocks
 from unitylink.generate.vhdl.names import KEYWORDS, Names, remark
+from unitylink.settings import SETTINGS
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
 from unitylink.tools.generate import command
@@ -266,7 +267,7 @@ def test_the_examples_of_the_docstrings() -> None:
         assert doctest.testmod(module).failed == 0
 
 
-@pytest.mark.parametrize("physical", PHYSICAL_LAYERS)
+@pytest.mark.parametrize("physical", SETTINGS["physical"].choices)
 def test_the_command_makes_a_top_level_on_each_physical_layer(physical: str, tmp_path: Path) -> None:
     made = [str(SPECS[1]), "--out", str(tmp_path), "--only", "vhdl", "--physical", physical]
     assert CliRunner().invoke(command, made).exit_code == 0

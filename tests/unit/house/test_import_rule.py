@@ -12,10 +12,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "src" / "unitylink"
 
-SHARED = {"errors", "protocol"}
+SHARED = {"errors", "protocol", "settings"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "protocol": set(),
+    "settings": set(),
     "_native": set(),
     "program": {"errors"},
     "optional": {"errors"},

@@ -193,7 +193,7 @@ def test_a_word_of_a_burst_that_failed_does_not_come_with_the_next() -> None:
 def test_a_fifo_publishes_its_words_by_itself() -> None:
     """No rate and no poll: each word comes once, also those that were there before anybody asked."""
     fifo = FifoConfiguration(base=0x40, depth=64, event_group=3, remind_clocks=50_000)
-    configuration = BoardConfiguration(groups=4, edge_event_groups=(3,), fifos=(fifo,))
+    configuration = BoardConfiguration(groups=4, edge_events=(3,), fifos=(fifo,))
     with Board(configuration=configuration) as board, Link(f"{board.url}?timeout=10") as link:
         board.registers[0x40] = 1
         board.registers[0x40] = 2

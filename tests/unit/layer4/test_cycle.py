@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import pytest
 
 from unitylink import Link
-from unitylink.board_configuration import FramedConfiguration
 from unitylink.errors import ValueRangeError
 from unitylink.layer4_data import ValueGroup, load_spec_objects
 from unitylink.simulate import Board, BoardConfiguration
@@ -80,7 +79,7 @@ def test_too_large_for_a_group_it_names_its_words_each_time() -> None:
     )
     spec = compile_text(f"public wide() {{ {rows} }}", "wide.ul").spec
     assert spec is not None
-    configuration = BoardConfiguration.for_spec(spec, framed=FramedConfiguration(exchange_size=32))
+    configuration = BoardConfiguration.for_spec(spec, exchange_size=32)
     with (
         Board(configuration=configuration) as board,
         Link(f"{board.url}?timeout=2") as link,

@@ -188,7 +188,7 @@ def test_values_of_several_words_stay_in_one_group(fake: ModuleType) -> None:
 
 def test_an_event_publishes_through_its_own_line() -> None:
     """On the twin: a rate in any group, an event in the one with its line, which must be this one."""
-    board = Board(configuration=BoardConfiguration(groups=4, edge_event_groups=(2,)))
+    board = Board(configuration=BoardConfiguration(groups=4, edge_events=(2,)))
     with board, Link(f"{board.url}?timeout=10") as link:
         memory, publisher = MemoryProxy(link), Publisher()
         on_event = Publish(1, 0, trigger="event", event="limit")

@@ -10,7 +10,6 @@ from reference.device import ReferenceDevice
 from reference.line import Line
 from reference.settings import Settings
 
-from unitylink.board_configuration import FramedConfiguration
 from unitylink.errors import BusError, DeviceMismatch, ValueRangeError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration
@@ -35,9 +34,8 @@ def test_only_data_travels_and_each_word_in_its_bytes() -> None:
 
 
 def test_as_many_and_as_large_as_the_device_has() -> None:
-    few = FramedConfiguration(exchanges=2, exchange_size=3)
     with (
-        Board(configuration=BoardConfiguration(framed=few)) as board,
+        Board(configuration=BoardConfiguration(exchanges=2, exchange_size=3)) as board,
         Link(f"{board.url}?timeout=2") as link,
     ):
         first, second = link.exchange_group(reads=[1]), link.exchange_group(writes=[2])
@@ -54,9 +52,8 @@ def test_as_many_and_as_large_as_the_device_has() -> None:
             link.exchange_group()
         with pytest.raises(ValueRangeError, match=r"0x20.*1 to 4 bytes"):
             link.exchange_group(reads=[(0x20, 5)])
-    none = FramedConfiguration(exchanges=0)
     with (
-        Board(configuration=BoardConfiguration(framed=none)) as board,
+        Board(configuration=BoardConfiguration(exchanges=0)) as board,
         Link(f"{board.url}?timeout=2") as link,
         pytest.raises(DeviceMismatch, match="built without exchange groups"),
     ):

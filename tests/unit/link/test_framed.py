@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from reference.line import Line
 
-from unitylink.board_configuration import FramedConfiguration
 from unitylink.errors import BusError, DeviceMismatch, OutcomeUnknown, ProtocolError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration
@@ -147,6 +146,6 @@ def test_a_group_is_no_larger_than_the_frames_of_the_device() -> None:
         with link.subscribe(range(60), divisor=1) as subscription:
             assert subscription.wait(10)
             assert subscription.drain()[1].shape[1] == 60
-    large = FramedConfiguration(request_max=1200, reply_max=1200)
-    with Board(configuration=replace(configuration, framed=large)) as board, Link(board.url) as link:
+    large = replace(configuration, long_frames=True, request_max=1200, reply_max=1200, credit=4096)
+    with Board(configuration=large) as board, Link(board.url) as link:
         assert link.configuration.usable_group_size == 255

@@ -44,9 +44,18 @@ def test_what_a_host_left_in_the_middle_of_a_frame_is_ended(protocol: str) -> No
             assert link.read(0x10) == 5
 
 
-@pytest.mark.parametrize(("endpoint", "check_bytes"), [("fd", 3), ("udp", 5)])
-def test_frames_over_datagrams_carry_the_long_check(endpoint: str, check_bytes: int) -> None:
-    with Board(endpoint=endpoint) as board, Link(f"{board.url}?timeout=2") as link:
+@pytest.mark.parametrize(
+    ("endpoint", "long_frames", "check_bytes"), [("fd", True, 3), ("udp", True, 5), ("udp", False, 3)]
+)
+def test_frames_over_datagrams_carry_the_long_check(
+    endpoint: str, long_frames: bool, check_bytes: int
+) -> None:
+    """Where the device knows it, which our gateware does not."""
+    configuration = BoardConfiguration(long_frames=long_frames)
+    with (
+        Board(configuration=configuration, endpoint=endpoint) as board,
+        Link(f"{board.url}?timeout=2") as link,
+    ):
         before = link.statistics()
         link.read(0x10)
         after = link.statistics()

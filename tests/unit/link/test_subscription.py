@@ -217,7 +217,7 @@ def test_closing_is_not_an_error_to_who_iterates(link: Link, device: Any) -> Non
 def test_events(data_bits: int) -> None:
     from unitylink import connect
 
-    edges = BoardConfiguration(data_bits=data_bits, edge_event_groups=(0, 1))
+    edges = BoardConfiguration(data_bits=data_bits, edge_events=(0, 1))
     with Board(configuration=edges) as board, connect(board.url) as link:
         timed = link.subscribe([1], divisor=65535)
         subscription = link.subscribe([2], on_event=True)

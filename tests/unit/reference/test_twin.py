@@ -14,7 +14,7 @@ from reference.settings import Settings
 
 from unitylink import _native
 from unitylink import protocol as p
-from unitylink.board_configuration import BoardConfiguration, FramedConfiguration
+from unitylink.board_configuration import BoardConfiguration
 
 EPOCH = 5
 SAFE = ((0x10, 0), (0x11, 0xFFFF))
@@ -22,18 +22,6 @@ ERRORS, SILENT = (0x38, 0x3B), (0x3C, 0x3F)
 
 
 def twin_of(settings: Settings, fifo: int = 0) -> _native.Device:
-    framed = FramedConfiguration(
-        request_max=settings.request_max,
-        reply_max=settings.reply_max,
-        window=settings.window,
-        cache_bytes=settings.cache,
-        exchanges=settings.exchanges,
-        exchange_size=settings.exchange_size,
-        gateware_version=settings.gateware_version,
-        build=settings.build,
-        spec_hash=settings.spec_hash,
-        safe_words=settings.safe,
-    )
     return _native.Device(
         BoardConfiguration(
             address_bits=8 * settings.a,
@@ -45,7 +33,18 @@ def twin_of(settings: Settings, fifo: int = 0) -> _native.Device:
             bus_error_ranges=(ERRORS,),
             silent_ranges=(SILENT,),
             fifo=fifo,
-            framed=framed,
+            request_max=settings.request_max,
+            reply_max=settings.reply_max,
+            credit=settings.credit,
+            window=settings.window,
+            cache_bytes=settings.cache,
+            exchanges=settings.exchanges,
+            exchange_size=settings.exchange_size,
+            gateware_version=settings.gateware_version,
+            build=settings.build,
+            spec_hash=settings.spec_hash,
+            safe_words=settings.safe,
+            long_frames=bool(settings.features & p.CONTROL_VALUE_FEATURE_LONG_FRAMES),
         )
     )
 
@@ -85,8 +84,9 @@ def without_clock(answer: bytes) -> list[bytes | Frame]:
 @pytest.mark.parametrize(("seed", "addresses"), [(seed, (64, 64, 16)[seed % 3]) for seed in range(60)])
 def test_a_scenario(seed: int, addresses: int) -> None:
     a, d = [(2, 4), (1, 4), (4, 4), (2, 2), (1, 1), (3, 4)][seed % 6]
-    # The large credit, and every feature: what a twin without a line has.
-    settings = Settings(a, d, credit=0xFFFF, features=0x3F, window=(8, 1, 32)[seed % 3], safe=SAFE)
+    # What the gateware has, and all that the protocol has.
+    credit, features = [(512, 0x1F), (0xFFFF, 0x3F)][seed % 2]
+    settings = Settings(a, d, credit=credit, features=features, window=(8, 2, 32)[seed % 3], safe=SAFE)
     twin, reference = twin_of(settings), reference_of(settings)
     for number, step in enumerate(Scenario(seed, settings, addresses=addresses)):
         told = ask(twin, step)
@@ -99,7 +99,7 @@ def test_a_scenario(seed: int, addresses: int) -> None:
 
 
 def test_the_dead_man_at_its_tick() -> None:
-    settings = Settings(credit=0xFFFF, features=0x3F, safe=SAFE)
+    settings = Settings(safe=SAFE)
     twin = twin_of(settings)
     tick = settings.clock_hz // settings.base_hz
     open_session(twin)
@@ -116,7 +116,7 @@ def test_the_dead_man_at_its_tick() -> None:
 
 
 def test_publishes_carry_sequence_and_clock() -> None:
-    settings = Settings(credit=0xFFFF, features=0x3F)
+    settings = Settings()
     twin = twin_of(settings)
     tick = settings.clock_hz // settings.base_hz
     open_session(twin)
@@ -135,7 +135,7 @@ def test_publishes_carry_sequence_and_clock() -> None:
 
 
 def test_a_session_locks_the_classic_side() -> None:
-    settings = Settings(credit=0xFFFF, features=0x3F)
+    settings = Settings()
     twin = twin_of(settings)
     assert ask(twin, b"#W:001000000007\n") == b"#S_W\n"
     open_session(twin)

@@ -90,7 +90,7 @@ def test_queues_and_tables_are_those_of_the_spec() -> None:
         FifoConfiguration(0x80, 8, event_group=0, remind_clocks=20_000),
         FifoConfiguration(0x90, 4, event_group=None, remind_clocks=20_000),
     )
-    assert configuration.edge_event_groups == (0,)
+    assert configuration.edge_events == (0,)
     assert configuration.address_bits == 16  # the commit lies at 0x200
 
 
@@ -115,7 +115,7 @@ def test_overrides() -> None:
         ({"fifo": 2}, "fifo is 2"),
         ({"baud_hz": 10**9}, "baud_hz"),
         ({"polynomial": 256}, "polynomial is 256"),
-        ({"edge_event_groups": (300,)}, "edge_event_groups"),
+        ({"edge_events": (300,)}, "edge_events"),
         ({"physical": "usb"}, "physical is 'usb'"),
         ({"physical": "ft245_sync", "baud_hz": 9600}, "ft245_sync has no baud rate"),
         ({"send_immediate": "always"}, "send_immediate is 'always'"),

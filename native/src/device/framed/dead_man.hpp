@@ -40,7 +40,7 @@ class DeadMan final : public Bus {
   void trip(Clock now) {
     tripped_ = tripped_in_session_ = true;
     ticks_ = 0;
-    for (const SafeValue& safe : configuration_.framed.safe_values) {
+    for (const SafeValue& safe : configuration_.safe_words) {
       static_cast<void>(bus_.write(safe.address & configuration_.address_mask(), safe.value, now));
     }
   }

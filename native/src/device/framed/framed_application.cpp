@@ -13,7 +13,7 @@ namespace status = protocol::reply_status;
 
 namespace {
 
-constexpr Clock frame_latency = 2;  // a border taken -> the frame may be executed
+constexpr Clock frame_latency = 2;         // a border taken -> the frame may be executed
 constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::frame::barrier_bit;
 
 bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
@@ -37,12 +37,12 @@ FramedApplication::FramedApplication(const DeviceConfiguration& configuration, S
       bus_(dead_man),
       physical_(physical),
       registers_(configuration),
-      cache_(configuration.framed.window, configuration.framed.cache_bytes),
-      exchanges_(configuration.framed.exchanges),
+      cache_(configuration.window, configuration.cache_bytes),
+      exchanges_(configuration.exchanges),
       groups_(configuration.publish_mode > 0 ? configuration.groups : 0),
-      waiting_(configuration.framed.request_max, configuration.request_credit()),
-      nonce_(configuration.framed.nonce) {
-  decoder_.set_payload_max(configuration.framed.request_max);
+      waiting_(configuration.request_max, configuration.credit),
+      nonce_(configuration.nonce) {
+  decoder_.set_payload_max(configuration.request_max);
   payload_.reserve(frame_payload_max);
   out_.reserve(frame_bytes_max + 1);
 }
@@ -156,7 +156,6 @@ void FramedApplication::hello(std::span<const std::uint8_t> payload) {
   closed_told_ = false;
   offered_ = true;
   ++nonce_;
-  const FramedConfiguration& framed = configuration_.framed;
   const bool common = payload[0] <= protocol::frame::version && protocol::frame::version <= payload[1];
   data_.clear();
   put(common ? protocol::frame::version : 0, 1);
@@ -164,14 +163,14 @@ void FramedApplication::hello(std::span<const std::uint8_t> payload) {
   put(key_.epoch, 2);
   put(configuration_.address_bytes(), 1);
   put(configuration_.data_bytes(), 1);
-  put(configuration_.request_credit(), 2);
-  put(framed.request_max, 2);
-  put(framed.reply_max, 2);
-  put(framed.window, 1);
-  put(framed.cache_bytes, 1);
+  put(configuration_.credit, 2);
+  put(configuration_.request_max, 2);
+  put(configuration_.reply_max, 2);
+  put(configuration_.window, 1);
+  put(configuration_.cache_bytes, 1);
   put(configuration_.features(), 2);
-  put(static_cast<std::uint32_t>(framed.spec_hash >> 32), 4);
-  put(static_cast<std::uint32_t>(framed.spec_hash), 4);
+  put(static_cast<std::uint32_t>(configuration_.spec_hash >> 32), 4);
+  put(static_cast<std::uint32_t>(configuration_.spec_hash), 4);
   send(device_kind::hello, data_);
 }
 
@@ -184,8 +183,9 @@ void FramedApplication::open_session(std::span<const std::uint8_t> payload) {
   const auto nonce = static_cast<std::uint16_t>(fields.take(2));
   const auto epoch = static_cast<std::uint16_t>(fields.take(2));
   const std::uint32_t flags = fields.take(1);
+  const std::uint32_t known_flags = configuration_.long_frames ? protocol::frame::checked_long_flag : 0;
   const bool again = open() && nonce == session_nonce_ && epoch == key_.epoch;
-  const bool fresh = offered_ && nonce == nonce_ && epoch >> 8 != 0xFF && (flags & ~protocol::frame::checked_long_flag) == 0;
+  const bool fresh = offered_ && nonce == nonce_ && epoch >> 8 != 0xFF && (flags & ~known_flags) == 0;
   if (!again && !fresh) {
     count(control::discarded_stale);
     return;
@@ -228,7 +228,7 @@ void FramedApplication::trip(Clock now) {
 // ---- posts
 
 void FramedApplication::post(std::uint8_t kind, std::span<const std::uint8_t> payload) {
-  if (!request_.parse_post(kind, payload, widths())) {
+  if ((kind == request_kind::post_list && !configuration_.lists) || !request_.parse_post(kind, payload, widths())) {
     count(control::discarded_kind);
     return;
   }

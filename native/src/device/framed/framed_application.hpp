@@ -69,6 +69,7 @@ class FramedApplication {
   void begin_session(const FrameKey& key);
   void post(std::uint8_t kind, std::span<const std::uint8_t> payload);
   void request(std::uint8_t kind, std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool built(std::uint32_t operation) const noexcept;
   [[nodiscard]] Status untimely() const noexcept;
   [[nodiscard]] Status refusal(bool repeated) const noexcept;
   [[nodiscard]] Status control_refusal() const noexcept;

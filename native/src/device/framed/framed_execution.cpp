@@ -35,7 +35,7 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
     count(control::discarded_kind);
     return;
   }
-  if (!request_.parse(kind, payload, widths())) {
+  if (!built(kind & ~protocol::frame::chained_bit & ~protocol::frame::barrier_bit) || !request_.parse(kind, payload, widths())) {
     count(control::frames);
     request_.id = static_cast<std::uint16_t>(payload[0] << 8 | payload[1]);
     reply(status::invalid, {});
@@ -75,6 +75,17 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
   }
 }
 
+// What the gateware was built without is no request.
+bool FramedApplication::built(std::uint32_t operation) const noexcept {
+  switch (operation) {
+    case request_kind::list: return configuration_.lists;
+    case request_kind::exchange:
+    case request_kind::define_exchange: return !exchanges_.empty();
+    case request_kind::define_group: return !groups_.empty();
+    default: return true;
+  }
+}
+
 // Why a request may not be executed yet.
 FramedApplication::Status FramedApplication::untimely() const noexcept {
   if (request_.chained && !cache_.executed(static_cast<std::uint16_t>(request_.id - 1))) {
@@ -88,7 +99,6 @@ FramedApplication::Status FramedApplication::untimely() const noexcept {
 
 // Why it never is, in the order of docs/protocol.md, section 3.
 FramedApplication::Status FramedApplication::refusal(bool repeated) const noexcept {
-  const FramedConfiguration& framed = configuration_.framed;
   const std::size_t word_bytes = configuration_.data_bytes();
   bool writes = request_.operation == request_kind::write;
   std::size_t reply_bytes = reply_head_bytes;
@@ -102,7 +112,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
       writes = static_cast<std::size_t>(reads) < request_.words.size();
       const std::size_t kept = 2 + word_bytes * static_cast<std::size_t>(reads);
       reply_bytes += kept;
-      lost_if_repeated = kept > framed.cache_bytes && std::any_of(request_.words.begin(), request_.words.end(),
+      lost_if_repeated = kept > configuration_.cache_bytes && std::any_of(request_.words.begin(), request_.words.end(),
                                                                   [](const ListWord& w) { return w.operation == list::read_fifo; });
       break;
     }
@@ -132,7 +142,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
       reply_bytes = publish_head_bytes + word_bytes * request_.addresses.size();
       break;
     case request_kind::define_exchange:
-      if (request_.address >= exchanges_.size() || request_.members.size() > framed.exchange_size) {
+      if (request_.address >= exchanges_.size() || request_.members.size() > configuration_.exchange_size) {
         return status::no_group;
       }
       reply_bytes += bytes_of(std::span(request_.members).subspan(request_.outputs));
@@ -143,10 +153,14 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
   if (writes && bus_.tripped() && !repeated) {
     return status::denied;
   }
-  return lost_if_repeated || reply_bytes > framed.reply_max ? status::too_long : status::ok;
+  return lost_if_repeated || reply_bytes > configuration_.reply_max ? status::too_long : status::ok;
 }
 
 FramedApplication::Status FramedApplication::control_refusal() const noexcept {
+  if ((request_.address == control::publish && groups_.empty()) ||
+      ((request_.address == control::deadman_ticks || request_.address == control::arm) && !configuration_.deadman)) {
+    return status::bad_address;
+  }
   switch (request_.address) {
     case control::deadman_ticks: return bus_.tripped() ? status::denied : status::ok;
     case control::arm: return request_.value != 1 ? status::invalid : bus_.tripped_in_session() ? status::denied : status::ok;

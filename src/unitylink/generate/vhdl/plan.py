@@ -21,7 +21,15 @@ class Constant:
     type: str
     value: str
     remark: str
-    generic: str = ""  # that it is for, if that has another name
+
+
+@dataclass(frozen=True)
+class Given:
+    """A setting of the core."""
+
+    name: str
+    value: str
+    remark: str
 
 
 @dataclass(frozen=True)
@@ -125,7 +133,8 @@ class Plan:
     configuration: BoardConfiguration
     baud_hz: int
     layer: PhysicalLayer
-    generics: tuple[Constant, ...]
+    settings: tuple[Given, ...]
+    safe_values: Constant
     addresses: tuple[Constant, ...]
     words: WordMap
     ranges: tuple[Range, ...]
@@ -144,9 +153,9 @@ class Plan:
     functions: tuple[Function, ...]
 
     @cached_property
-    def generic_width(self) -> int:
-        """Characters of the longest generic's name."""
-        return max(len(generic.name) for generic in self.generics)
+    def setting_width(self) -> int:
+        """Characters of the longest setting's name."""
+        return max(len(setting.name) for setting in self.settings)
 
     @cached_property
     def address_width(self) -> int:

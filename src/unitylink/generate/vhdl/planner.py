@@ -6,26 +6,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Union
 
-from unitylink import protocol
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
+from unitylink.settings import SETTINGS
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number
 from unitylink.values import Codec, Quantity
 
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
-from .generics import generics_of
 from .link_slaves import LinkSlave, link_slaves
 from .names import Names, identifier, remark
 from .physical import physical_layer
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
+from .settings import safe_values_of, settings_of
 from .value_types import IEEE_NAMES, FieldType, Part, ValueTypes, width_of
 from .words import PlacedComponent, components_of, tosnet_range, word_map
 
 # What a virtual board can have and a generated design has not: means of testing, slaves that no spec names.
-_ONLY_ON_THE_TWIN = ("bench_memory", "bus_error_ranges", "silent_ranges")
+_ONLY_ON_THE_TWIN = ("bus_error_ranges", "silent_ranges")
 # Of a UART, where neither configuration nor spec say.
 _BAUD_HZ = 3_000_000
 # Ports that every design or top level may have.
@@ -101,7 +101,8 @@ class _Planner:
             configuration=self.configuration,
             baud_hz=baud_hz,
             layer=physical_layer(self.configuration, baud_hz),
-            generics=generics_of(self.configuration),
+            settings=settings_of(self.configuration),
+            safe_values=safe_values_of(self.configuration),
             addresses=self._address_constants(),
             words=self.words,
             ranges=(
@@ -173,7 +174,7 @@ class _Planner:
 
     def _component(self, number: int, part: PlacedComponent, ports: Names) -> Placed:
         component = part.component
-        own = {"clock_hz": "clock_hz", "data_width": f"{identifier(self.spec.name)}_config_pkg.data_width"}
+        own = {"clock_hz": "clock_hz", "data_width": self._data_width()}
         given = {name: own.get(name, str(value)) for name, value in component.generics}
         pins = []
         for port, direction, bits in component.pins:
@@ -191,6 +192,9 @@ class _Planner:
             events=self._lines_of(part.root, {port: f"{part.local}.{port}" for port in component.events}),
         )
 
+    def _data_width(self) -> str:
+        return f"{identifier(self.spec.name)}_config_pkg.settings.data_bits"
+
     def _link_slave(self, number: int, slave: LinkSlave, ports: Names) -> Placed:
         pins = []
         for pin in slave.pins(self.configuration.data_bits):
@@ -199,13 +203,12 @@ class _Planner:
             if pin.used:
                 default = f" := {pin.default}" if pin.default else ""
                 self.ports.append(Port(name, pin.direction, pin.type + default, pin=False))
-        width = f"{identifier(self.spec.name)}_config_pkg.data_width"
         return Placed(
             number=number,
             path=remark(slave.path),
             span=_span(slave.base, slave.words),
             entity=slave.entity,
-            generics=tuple({**slave.generics(), "data_width": width}.items()),
+            generics=tuple({**slave.generics(), "data_width": self._data_width()}.items()),
             pins=tuple(pins),
             events=self._lines_of(slave.root, slave.events()),
         )
@@ -332,24 +335,17 @@ class _Planner:
 
 
 def _check(configuration: BoardConfiguration) -> None:
-    plain = BoardConfiguration()
     for field in _ONLY_ON_THE_TWIN:
-        if getattr(configuration, field) != getattr(plain, field):
+        if getattr(configuration, field):
             raise BindingError(f"vhdl: {field} of a board configuration is for virtual boards; leave it out")
-    limits = {
-        "address_bits": (1, protocol.ADDRESS_BITS_MAX),
-        "data_bits": (protocol.DATA_BITS_MIN, protocol.DATA_BITS_MAX),
-        "groups": (1, protocol.GROUPS_MAX),
-        "group_size": (1, protocol.GROUP_SIZE_MAX),
-        "read_many": (0, protocol.READ_MANY_MAX),
-        "rate_bytes": (1, protocol.RATE_BYTES_MAX),
-        "publish_mode": (0, 2),
-        "polynomial": (0, 255),
-    }
-    for field, (least, most) in limits.items():
-        value = getattr(configuration, field)
-        if not least <= value <= most:
-            raise BindingError(f"vhdl: {field} is {value}; the gateware takes {least} to {most}")
+    for setting in SETTINGS.values():
+        value = getattr(configuration, setting.name)
+        if setting.needed_by == ("twin",) and value != setting.default:
+            raise BindingError(
+                f"vhdl: {setting.name} is {value}; gateware has {setting.default}: leave it out"
+            )
+    if wrong := configuration.beyond_frames():
+        raise BindingError(f"vhdl: {wrong}")
 
 
 def _check_slaves(slaves: Sequence[LinkSlave], configuration: BoardConfiguration) -> None:

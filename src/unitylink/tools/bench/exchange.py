@@ -59,8 +59,9 @@ def _measured(run: Run, name: str, how: str, call: Callable[[Link], Callable[[],
             raise BenchError("an exchange is not one message")
         return exchange
 
-    same = against_same_bytes(run, {"clock_hz": CLOCK_HZ}, side)
-    with twin("pty", clock_hz=CLOCK_HZ) as board:
+    board_settings = {"clock_hz": CLOCK_HZ, "exchange_size": 2 * WORDS}
+    same = against_same_bytes(run, board_settings, side)
+    with twin("pty", **board_settings) as board:
         echo = against_bare(run, board.line(), "framed", lambda link: (side(link), ["--frame", HELLO]))
     return Figure(
         name,

@@ -1,0 +1,209 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+-- What a core is built with (docs/settings.md). Generated from protocol/protocol.toml by protocol/generate.py; edit there.
+--
+--   core : entity work.core
+--     generic map (settings => core_settings(clock_hz => 12_000_000, groups => 4))
+library ieee;
+  use ieee.std_logic_1164.all;
+
+package settings_pkg is
+
+  type protocol_t is (protocol_both, protocol_framed, protocol_classic);
+  type datalink_t is (datalink_full, datalink_lite, datalink_none);
+  type checksum_t is (checksum_crc8, checksum_xor, checksum_none);
+
+  type settings_t is record
+    address_bits          : natural range 1 to 32;  -- bits: of a word's address
+    data_bits             : natural range 8 to 32;  -- bits: of a data word
+    clock_hz              : natural range 1000 to 1000000000;  -- Hz: of the clock
+    base_hz               : natural range 1 to 1000000000;  -- Hz: of publishing; at least groups + 5 clocks lie between two strobes
+    groups                : natural range 1 to 256;  -- groups: publish groups
+    group_size            : natural range 1 to 255;  -- words: addresses a publish group can have
+    rate_bytes            : natural range 1 to 4;  -- bytes: of a group's divisor
+    read_many             : natural range 0 to 255;  -- words: most words of a classic read-many; 0: no such command
+    publish_mode          : natural range 0 to 2;  -- 0 no publishing, 1 prefers requests, 2 prefers publishes
+    configuration_command : boolean;  -- the classic command RLC exists
+    protocol              : protocol_t;  -- what it speaks; nothing of the other one is there
+    datalink              : datalink_t;  -- of the classic protocol: lite checks nothing, none has data as bytes
+    checksum              : checksum_t;  -- of the full datalink
+    polynomial            : natural range 0 to 255;  -- of crc8
+    edge_events           : std_ulogic_vector(255 downto 0);  -- the groups whose event input is an edge; the others' level counts
+    exchanges             : natural range 0 to 4;  -- groups: exchange groups of the framed protocol; 0: there are none
+    exchange_size         : natural range 1 to 122;  -- words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    lists                 : boolean;  -- the requests LIST and POST_LIST exist
+    deadman               : boolean;  -- the dead-man exists
+    window                : natural range 2 to 128;  -- requests: in flight, a power of two: places of the reply cache
+    gateware_version      : std_ulogic_vector(31 downto 0);  -- what the device tells of itself
+    build                 : std_ulogic_vector(31 downto 0);  -- likewise
+    spec_hash             : std_ulogic_vector(63 downto 0);  -- of all of the spec that reaches the wire; 0: not told
+    timeout_clocks        : natural range 1 to 1000000;  -- clocks: after which a bus access without an answer ends
+  end record;
+
+  -- The defaults, but for what is named.
+  function core_settings(
+    address_bits          : natural range 1 to 32 := 8;
+    data_bits             : natural range 8 to 32 := 32;
+    clock_hz              : natural range 1000 to 1000000000 := 50000000;
+    base_hz               : natural range 1 to 1000000000 := 1000;
+    groups                : natural range 1 to 256 := 16;
+    group_size            : natural range 1 to 255 := 32;
+    rate_bytes            : natural range 1 to 4 := 2;
+    read_many             : natural range 0 to 255 := 255;
+    publish_mode          : natural range 0 to 2 := 2;
+    configuration_command : boolean := true;
+    protocol              : protocol_t := protocol_both;
+    datalink              : datalink_t := datalink_full;
+    checksum              : checksum_t := checksum_crc8;
+    polynomial            : natural range 0 to 255 := 7;
+    edge_events           : std_ulogic_vector(255 downto 0) := (others => '0');
+    exchanges             : natural range 0 to 4 := 2;
+    exchange_size         : natural range 1 to 122 := 30;
+    lists                 : boolean := true;
+    deadman               : boolean := true;
+    window                : natural range 2 to 128 := 64;
+    gateware_version      : std_ulogic_vector(31 downto 0) := x"00010000";
+    build                 : std_ulogic_vector(31 downto 0) := x"00000000";
+    spec_hash             : std_ulogic_vector(63 downto 0) := x"0000000000000000";
+    timeout_clocks        : natural range 1 to 1000000 := 100
+  ) return settings_t;
+
+  -- The same at another clock: of a design whose clock is a generic.
+  function at_clock(settings : settings_t; clock_hz : positive) return settings_t;
+
+  -- What a choice is called.
+  function text_of(choice : protocol_t) return string;
+  function protocol_of(text : string) return protocol_t;
+  function text_of(choice : datalink_t) return string;
+  function datalink_of(text : string) return datalink_t;
+  function text_of(choice : checksum_t) return string;
+  function checksum_of(text : string) return checksum_t;
+
+end package;
+
+package body settings_pkg is
+
+  function core_settings(
+    address_bits          : natural range 1 to 32 := 8;
+    data_bits             : natural range 8 to 32 := 32;
+    clock_hz              : natural range 1000 to 1000000000 := 50000000;
+    base_hz               : natural range 1 to 1000000000 := 1000;
+    groups                : natural range 1 to 256 := 16;
+    group_size            : natural range 1 to 255 := 32;
+    rate_bytes            : natural range 1 to 4 := 2;
+    read_many             : natural range 0 to 255 := 255;
+    publish_mode          : natural range 0 to 2 := 2;
+    configuration_command : boolean := true;
+    protocol              : protocol_t := protocol_both;
+    datalink              : datalink_t := datalink_full;
+    checksum              : checksum_t := checksum_crc8;
+    polynomial            : natural range 0 to 255 := 7;
+    edge_events           : std_ulogic_vector(255 downto 0) := (others => '0');
+    exchanges             : natural range 0 to 4 := 2;
+    exchange_size         : natural range 1 to 122 := 30;
+    lists                 : boolean := true;
+    deadman               : boolean := true;
+    window                : natural range 2 to 128 := 64;
+    gateware_version      : std_ulogic_vector(31 downto 0) := x"00010000";
+    build                 : std_ulogic_vector(31 downto 0) := x"00000000";
+    spec_hash             : std_ulogic_vector(63 downto 0) := x"0000000000000000";
+    timeout_clocks        : natural range 1 to 1000000 := 100
+  ) return settings_t is
+  begin
+    return (
+      address_bits          => address_bits,
+      data_bits             => data_bits,
+      clock_hz              => clock_hz,
+      base_hz               => base_hz,
+      groups                => groups,
+      group_size            => group_size,
+      rate_bytes            => rate_bytes,
+      read_many             => read_many,
+      publish_mode          => publish_mode,
+      configuration_command => configuration_command,
+      protocol              => protocol,
+      datalink              => datalink,
+      checksum              => checksum,
+      polynomial            => polynomial,
+      edge_events           => edge_events,
+      exchanges             => exchanges,
+      exchange_size         => exchange_size,
+      lists                 => lists,
+      deadman               => deadman,
+      window                => window,
+      gateware_version      => gateware_version,
+      build                 => build,
+      spec_hash             => spec_hash,
+      timeout_clocks        => timeout_clocks);
+  end function;
+
+  function at_clock(settings : settings_t; clock_hz : positive) return settings_t is
+    variable changed : settings_t := settings;
+  begin
+    changed.clock_hz := clock_hz;
+    return changed;
+  end function;
+
+  function text_of(choice : protocol_t) return string is
+  begin
+    case choice is
+      when protocol_both => return "both";
+      when protocol_framed => return "framed";
+      when protocol_classic => return "classic";
+    end case;
+  end function;
+
+  function protocol_of(text : string) return protocol_t is
+  begin
+    if text = "framed" then
+      return protocol_framed;
+    end if;
+    if text = "classic" then
+      return protocol_classic;
+    end if;
+    assert text = "both" report "settings_pkg: no protocol is called " & text severity failure;
+    return protocol_both;
+  end function;
+
+  function text_of(choice : datalink_t) return string is
+  begin
+    case choice is
+      when datalink_full => return "full";
+      when datalink_lite => return "lite";
+      when datalink_none => return "none";
+    end case;
+  end function;
+
+  function datalink_of(text : string) return datalink_t is
+  begin
+    if text = "lite" then
+      return datalink_lite;
+    end if;
+    if text = "none" then
+      return datalink_none;
+    end if;
+    assert text = "full" report "settings_pkg: no datalink is called " & text severity failure;
+    return datalink_full;
+  end function;
+
+  function text_of(choice : checksum_t) return string is
+  begin
+    case choice is
+      when checksum_crc8 => return "crc8";
+      when checksum_xor => return "xor";
+      when checksum_none => return "none";
+    end case;
+  end function;
+
+  function checksum_of(text : string) return checksum_t is
+  begin
+    if text = "xor" then
+      return checksum_xor;
+    end if;
+    if text = "none" then
+      return checksum_none;
+    end if;
+    assert text = "crc8" report "settings_pkg: no checksum is called " & text severity failure;
+    return checksum_crc8;
+  end function;
+
+end package body;
