@@ -24,7 +24,7 @@ class Ghdl:
     """One library of VHDL-2008 sources, analysed in the folder `work`.
 
         ghdl = Ghdl(work, gateware_sources())
-        verilog = ghdl.synthesise("core", "verilog", {"address_width": 16})
+        verilog = ghdl.synthesise("fifo_slave", "verilog", {"depth": 64})
 
     Raises ToolError: GHDL is missing, or refuses a source; its own message is passed on.
     """

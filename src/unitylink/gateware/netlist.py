@@ -22,10 +22,11 @@ def netlist(
     """Return the netlist of the entity `top`, as Verilog for Verilator and yosys.
 
     `top` is of the gateware, or of `sources`, which are analysed with it; `generics` override its own. A top
-    level has ports of named types only: no unconstrained arrays, none of width 0. `assertions` of the VHDL
+    level has ports of named types only: no unconstrained arrays, none of width 0. A generic that is a record,
+    as that of the core, cannot be overridden: instantiate it in a source of your own. `assertions` of the VHDL
     become calls of $fatal, which simulators know and yosys does not. Raises ToolError.
 
-        netlist("core", generics={"address_width": 16, "publish_mode": 0}, assertions=False)
+        netlist("fifo_slave", generics={"depth": 64}, assertions=False)
     """
     with tempfile.TemporaryDirectory(prefix="unitylink-netlist-") as folder:
         ghdl = Ghdl(Path(folder), [*gateware_sources(), *(path.resolve() for path in sources)])

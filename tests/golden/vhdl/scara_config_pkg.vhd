@@ -8,34 +8,41 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
   use work.frame_layout_pkg.all;
+  use work.settings_pkg.all;
 
 package scara_config_pkg is
 
   constant spec_name : string                        := "scara";
   constant spec_hash : std_ulogic_vector(63 downto 0) := x"bba6528006aa96af";
 
-  -- The generics of the core. The command RLC tells them to the PC.
-  constant address_width         : positive := 11; -- bits
-  constant data_width            : positive := 32; -- bits
-  constant base_hz               : positive := 1000; -- of publishing
-  constant groups                : positive := 16; -- of publishing
-  constant group_size            : positive := 32; -- addresses a group can have
-  constant rate_bytes            : positive := 2; -- of a group's divisor
-  constant read_many             : natural := 255; -- most words of a read-many
-  constant publish_mode          : natural := 2; -- 0 none, 1 requests first, 2 publishes first
-  constant configuration_command : boolean := true; -- RLC exists
-  constant datalink              : string := "full"; -- full, lite or none
-  constant checksum              : string := "crc8";
-  constant polynomial            : natural := 16#07#; -- of crc8
-  constant edge_events           : std_ulogic_vector(255 downto 0) := (others => '0'); -- bit g: group g by edge, not level
-  constant protocol              : string := "both"; -- classic, framed or both
-  constant exchanges             : natural := 2; -- exchange groups
-  constant exchange_size         : natural := 30; -- words in one
-  constant window                : positive := 64; -- requests in flight
-  constant safe_values           : safe_values_t(1 to 0) := no_safe_values; -- of the dead-man
-  constant gateware_version      : word32_t := x"00010000";
-  constant build                 : word32_t := x"00000000";
-  constant wire_hash             : std_ulogic_vector(63 downto 0) := x"758D3F5C65DEA3BA"; -- of what reaches the wire
+  -- What the core is built with (docs/settings.md); the device tells it to the PC.
+  constant settings : settings_t := core_settings(
+    address_bits          => 11, -- of a word's address
+    data_bits             => 32, -- of a data word
+    clock_hz              => 50000000, -- of the clock
+    base_hz               => 1000, -- of publishing; at least groups + 5 clocks lie between two strobes
+    groups                => 16, -- publish groups
+    group_size            => 32, -- addresses a publish group can have
+    rate_bytes            => 2, -- of a group's divisor
+    read_many             => 255, -- most words of a classic read-many; 0: no such command
+    publish_mode          => 2, -- 0 no publishing, 1 prefers requests, 2 prefers publishes
+    configuration_command => true, -- the classic command RLC exists
+    protocol              => protocol_both, -- what it speaks; nothing of the other one is there
+    datalink              => datalink_full, -- of the classic protocol: lite checks nothing, none has data as bytes
+    checksum              => checksum_crc8, -- of the full datalink
+    polynomial            => 7, -- of crc8
+    edge_events           => (others => '0'), -- the groups whose event input is an edge; the others' level counts
+    exchanges             => 2, -- exchange groups of the framed protocol; 0: there are none
+    exchange_size         => 30, -- of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    lists                 => true, -- the requests LIST and POST_LIST exist
+    deadman               => true, -- the dead-man exists
+    window                => 64, -- in flight, a power of two: places of the reply cache
+    gateware_version      => x"00010000", -- what the device tells of itself
+    build                 => x"00000000", -- likewise
+    spec_hash             => x"758D3F5C65DEA3BA"); -- of all of the spec that reaches the wire; 0: not told
+
+  -- What the dead-man writes.
+  constant safe_values : safe_values_t(1 to 0) := no_safe_values;
 
   -- Word addresses, by the path of the word in the spec.
   constant j1_cpos_address   : unsigned(31 downto 0) := x"00000088"; -- READ, signed, published at the base rate / 10: joint 1:cpos

@@ -67,29 +67,8 @@ begin
 
   core : entity work.core
     generic map (
-      clock_hz              => clock_hz,
-      address_width         => scara_config_pkg.address_width,
-      data_width            => scara_config_pkg.data_width,
-      base_hz               => scara_config_pkg.base_hz,
-      groups                => scara_config_pkg.groups,
-      group_size            => scara_config_pkg.group_size,
-      rate_bytes            => scara_config_pkg.rate_bytes,
-      read_many             => scara_config_pkg.read_many,
-      publish_mode          => scara_config_pkg.publish_mode,
-      configuration_command => scara_config_pkg.configuration_command,
-      datalink              => scara_config_pkg.datalink,
-      checksum              => scara_config_pkg.checksum,
-      polynomial            => scara_config_pkg.polynomial,
-      edge_events           => scara_config_pkg.edge_events,
-      protocol              => scara_config_pkg.protocol,
-      exchanges             => scara_config_pkg.exchanges,
-      exchange_size         => scara_config_pkg.exchange_size,
-      window                => scara_config_pkg.window,
-      safe_values           => scara_config_pkg.safe_values,
-      gateware_version      => scara_config_pkg.gateware_version,
-      build                 => scara_config_pkg.build,
-      spec_hash             => scara_config_pkg.wire_hash
-    )
+      settings    => work.settings_pkg.at_clock(scara_config_pkg.settings, clock_hz),
+      safe_values => scara_config_pkg.safe_values)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

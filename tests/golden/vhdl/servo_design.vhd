@@ -72,29 +72,8 @@ begin
 
   core : entity work.core
     generic map (
-      clock_hz              => clock_hz,
-      address_width         => servo_config_pkg.address_width,
-      data_width            => servo_config_pkg.data_width,
-      base_hz               => servo_config_pkg.base_hz,
-      groups                => servo_config_pkg.groups,
-      group_size            => servo_config_pkg.group_size,
-      rate_bytes            => servo_config_pkg.rate_bytes,
-      read_many             => servo_config_pkg.read_many,
-      publish_mode          => servo_config_pkg.publish_mode,
-      configuration_command => servo_config_pkg.configuration_command,
-      datalink              => servo_config_pkg.datalink,
-      checksum              => servo_config_pkg.checksum,
-      polynomial            => servo_config_pkg.polynomial,
-      edge_events           => servo_config_pkg.edge_events,
-      protocol              => servo_config_pkg.protocol,
-      exchanges             => servo_config_pkg.exchanges,
-      exchange_size         => servo_config_pkg.exchange_size,
-      window                => servo_config_pkg.window,
-      safe_values           => servo_config_pkg.safe_values,
-      gateware_version      => servo_config_pkg.gateware_version,
-      build                 => servo_config_pkg.build,
-      spec_hash             => servo_config_pkg.wire_hash
-    )
+      settings    => work.settings_pkg.at_clock(servo_config_pkg.settings, clock_hz),
+      safe_values => servo_config_pkg.safe_values)
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
@@ -124,7 +103,7 @@ begin
     slave : entity work.register_slave
       generic map (
         writable   => "001-",
-        data_width => servo_config_pkg.data_width,
+        data_width => servo_config_pkg.settings.data_bits,
         initial    => first,
         snapshot   => true)
       port map (
@@ -152,7 +131,7 @@ begin
         counter_bits => 24,
         servo_minimum_us => 500,
         servo_maximum_us => 2500,
-        data_width => servo_config_pkg.data_width)
+        data_width => servo_config_pkg.settings.data_bits)
       port map (
         clock => clock, reset => reset,
         pins => drive_pins,
@@ -167,7 +146,7 @@ begin
     slave : entity work.quadrature_encoder
       generic map (
         stable_clocks => 2,
-        data_width => servo_config_pkg.data_width)
+        data_width => servo_config_pkg.settings.data_bits)
       port map (
         clock => clock, reset => reset,
         a => wheel_a,
