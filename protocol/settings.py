@@ -9,6 +9,7 @@ Row = dict[str, Any]
 Settings = dict[str, Row]
 
 NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit there."
+VHDL_LINE = 130
 GROUPS_MOST = 256  # bits of a row of the type `groups`
 MANUAL = (
     "What a device is built with. A setting has the same name, range and default everywhere: in Python (a",
@@ -219,7 +220,9 @@ def vhdl_text(settings: Settings) -> str:
         lines.append(f"  type {name}_t is ({', '.join(f'{name}_{value}' for value in values)});")
     lines += ["", "  type settings_t is record"]
     for name, row in needed.items():
-        lines.append(f"    {name.ljust(width)} : {vhdl_type(name, row)};  -- {meaning(row)}")
+        declared = f"    {name.ljust(width)} : {vhdl_type(name, row)};"
+        told = f"  -- {meaning(row)}"
+        lines += [declared + told] if len(declared + told) <= VHDL_LINE else [f"  {told}", declared]
     lines += ["  end record;", ""]
     lines += ["  -- The defaults, but for what is named.", *vhdl_function(needed), ""]
     lines += ["  -- The same at another clock: of a design whose clock is a generic."]

@@ -16,7 +16,8 @@ package settings_pkg is
     address_bits          : natural range 1 to 32;  -- bits: of a word's address
     data_bits             : natural range 8 to 32;  -- bits: of a data word
     clock_hz              : natural range 1000 to 1000000000;  -- Hz: of the clock
-    base_hz               : natural range 1 to 1000000000;  -- Hz: of publishing; at least groups + 5 clocks lie between two strobes
+    -- Hz: of publishing; at least groups + 5 clocks lie between two strobes
+    base_hz               : natural range 1 to 1000000000;
     groups                : natural range 1 to 256;  -- groups: publish groups
     group_size            : natural range 1 to 255;  -- words: addresses a publish group can have
     rate_bytes            : natural range 1 to 4;  -- bytes: of a group's divisor
@@ -29,7 +30,8 @@ package settings_pkg is
     polynomial            : natural range 0 to 255;  -- of crc8
     edge_events           : std_ulogic_vector(255 downto 0);  -- the groups whose event input is an edge; the others' level counts
     exchanges             : natural range 0 to 4;  -- groups: exchange groups of the framed protocol; 0: there are none
-    exchange_size         : natural range 1 to 122;  -- words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    -- words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    exchange_size         : natural range 1 to 122;
     lists                 : boolean;  -- the requests LIST and POST_LIST exist
     deadman               : boolean;  -- the dead-man exists
     window                : natural range 2 to 128;  -- requests: in flight, a power of two: places of the reply cache

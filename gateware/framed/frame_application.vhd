@@ -354,11 +354,11 @@ begin
 
   registers : process (clock)
     variable special : std_ulogic_vector(4 downto 0);
-    variable base    : unsigned(9 downto 0);
+    variable base    : pointer_t;
   begin
     if rising_edge(clock) then
       special := instruction(special_f);
-      base    := unsigned(std_ulogic_vector'(instruction(far_f) & instruction(target_f)));
+      base    := resize(unsigned(std_ulogic_vector'(instruction(far_f) & instruction(target_f))), pointer'length);
 
       if instruction(do_begin) = '1' then
         count <= (others => '0');
@@ -391,11 +391,11 @@ begin
         end if;
 
         if instruction(do_point) = '1' then
-          pointer <= base(pointer'range);
+          pointer <= base;
           if instruction(do_point_group) = '1' and groups > 0 then
-            pointer <= base(pointer'range) or resize(group_number, pointer'length);
+            pointer <= base or resize(group_number, pointer'length);
           elsif instruction(do_point_other) = '1' and exchanges > 0 then
-            pointer <= base(pointer'range) or shift_left(resize(group_number, pointer'length), bits_for(exchange_stride(settings)));
+            pointer <= base or shift_left(resize(group_number, pointer'length), bits_for(exchange_stride(settings)));
           end if;
         elsif instruction(do_point_data) = '1' then
           pointer <= resize(unsigned(data(7 downto 0)), pointer'length);

@@ -8,6 +8,7 @@ import os
 import re
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -117,7 +118,9 @@ def test_a_design_for_each_board_has_all_of_its_inputs() -> None:
         assert {text for text in inputs if f"std_ulogic_vector({text})" in user} == inputs
     assert generate_vhdl(spec.only("right_arm")).items() <= files.items(), "alone it is the same design"
     spoken = generate_vhdl(spec, {"protocol": "framed"})
-    assert all('"framed"' in spoken[f"vhdl/{arm}_config_pkg.vhd"] for arm in ("left_arm", "right_arm"))
+    assert all(
+        "=> protocol_framed," in spoken[f"vhdl/{arm}_config_pkg.vhd"] for arm in ("left_arm", "right_arm")
+    )
 
 
 def test_one_configuration_is_of_one_board() -> None:
@@ -174,13 +177,13 @@ def test_comments_cannot_command_a_tool() -> None:
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
-        ({"bench_memory": True}, "bench_memory of a board configuration is for virtual boards"),
-        ({"groups": 0}, "groups is 0; the gateware takes 1 to 256"),
-        ({"data_bits": 33}, "data_bits is 33; the gateware takes 8 to 32"),
+        ({"bench_memory": True}, "bench_memory is True; gateware has False"),
+        ({"silent_ranges": ((1, 2),)}, "silent_ranges of a board configuration is for virtual boards"),
+        ({"reply_max": 1000, "long_frames": True}, "reply_max is 1000; gateware has 250"),
         ({"address_bits": 4}, "x lies at 0x17; address_bits is 4"),
     ],
 )
-def test_what_the_gateware_has_not_is_refused(overrides: dict[str, int], message: str) -> None:
+def test_what_the_gateware_has_not_is_refused(overrides: dict[str, Any], message: str) -> None:
     spec = spec_of("public a() { @x = 0x17: READ(); }")
     with pytest.raises(BindingError, match=message):
         generate_vhdl(spec, BoardConfiguration.for_spec(spec, **overrides))
@@ -290,7 +293,7 @@ def test_the_spec_tells_the_physical_layer(tmp_path: Path) -> None:
     top = (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
     assert "rs485_node : positive range 1 to 63 := 7;" in top and "baud_hz    : positive := 1000000;" in top
     numbers = (tmp_path / "vhdl" / "elbow_config_pkg.vhd").read_text(encoding="utf-8")
-    assert '"framed"' in numbers  # no classic text goes over a pair
+    assert "=> protocol_framed," in numbers  # no classic text goes over a pair
     assert CliRunner().invoke(command, [*made, "--physical", "uart"]).exit_code == 0
     assert "entity work.uart" in (tmp_path / "vhdl" / "elbow_top.vhd").read_text(encoding="utf-8")
 
