@@ -36,7 +36,7 @@ architecture rtl of servo_board is
   signal user_reset     : std_ulogic;
   signal to_pc          : servo_to_pc_t;
   signal from_pc        : servo_from_pc_t;
-  signal events         : std_ulogic_vector(servo_config_pkg.groups - 1 downto 0);
+  signal events         : std_ulogic_vector(servo_config_pkg.settings.groups - 1 downto 0);
   signal pressed        : std_ulogic; -- the switch as it is now, and as it has been for a while
   signal closed, before : std_ulogic;
   signal clocks         : natural range 0 to clocks_a_ms - 1;

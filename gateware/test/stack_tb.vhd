@@ -94,7 +94,8 @@ begin
   core : entity work.core
     generic map (
       settings => core_settings(
-        protocol => protocol_classic, clock_hz => clock_hz, groups => 2, edge_events => (1 => '1', others => '0')))
+        protocol => protocol_classic, clock_hz => clock_hz, groups => 2, group_size => 16, read_many => 32,
+        edge_events => (1 => '1', others => '0')))
     port map (
       clock => clock, reset => reset,
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,

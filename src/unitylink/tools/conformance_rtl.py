@@ -42,6 +42,7 @@ class RtlPlayer:
         self,
         configuration: BoardConfiguration,
         exchanges: Sequence[Sequence[tuple[str, Any]]],
+        /,  # the bench has a generic of that name, too
         **generics: int | str | bool,
     ) -> list[bytes]:
         """Do the exchanges in order from reset; return the bytes sent during each one. Raises ToolError."""
