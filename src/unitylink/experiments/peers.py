@@ -143,7 +143,13 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
     with ExitStack() as stack:
         if name in OURS or THEIRS[name] == "script":
             end = "udp" if datagrams else "pty"
-            board = twin(end, read_many=BLOCK, clock_hz=litex.CLOCK_HZ, fifo=litex.FIFO_BYTES)
+            board = twin(
+                end,
+                read_many=BLOCK,
+                clock_hz=litex.CLOCK_HZ,
+                fifo=litex.FIFO_BYTES,
+                exchange_size=len(WRITES) + len(READS),
+            )
             url = stack.enter_context(board).line()
             path = url.partition(":")[2].partition("?")[0].removeprefix("//")
         elif datagrams:
