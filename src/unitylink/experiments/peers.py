@@ -149,6 +149,7 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
                 clock_hz=litex.CLOCK_HZ,
                 fifo=litex.FIFO_BYTES,
                 exchange_size=len(WRITES) + len(READS),
+                long_frames=datagrams,  # no gateware of ours is behind UDP: a device that is checks long
             )
             url = stack.enter_context(board).line()
             path = url.partition(":")[2].partition("?")[0].removeprefix("//")
