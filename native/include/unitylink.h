@@ -45,7 +45,7 @@ enum {
   UL_MISMATCH = 9,       /* the device cannot do what is asked */
   UL_RANGE = 10,         /* a value, address or count that cannot be sent; nothing was */
   UL_BAD_URL = 11,       /* a link URL that cannot be understood */
-  UL_CANCELLED = 12,     /* not sent, because an earlier request of the same call failed */
+  UL_CANCELLED = 12,     /* not sent, or a read given up, because another request of the same call failed */
   UL_ARGUMENT = 13,      /* a NULL pointer or a struct of unknown size */
   UL_NO_MEMORY = 14,
   UL_DENIED = 15,        /* the dead-man has tripped: nothing is written before ul_arm */

@@ -354,7 +354,8 @@ TEST_CASE("URLs that mean nothing say what was expected") {
   std::unique_ptr<Link> link;
   for (const char* url : {"", "tcp", "tcp:", "tcp://host", "tcp://:1", "tcp://h:0", "tcp://h:70000", "fd:x", "fd:", "serial:", "http://x:1",
                           "fd:0?x", "fd:0?crc", "fd:0?crc=2", "fd:0?crc=1&crc=1", "fd:0?timeout=0", "fd:0?timeout=nan", "fd:0?fifo=0",
-                          "fd:0?fifo=1,", "fd:0?polynomial=256", "fd:0?colour=red", "fd:0?window=0", "fd:0?gateware=new", "fd:0?baud=9600",
+                          "fd:0?fifo=1,", "fd:0?polynomial=256", "fd:0?polynomial=none&crc=1",
+                          "fd:0?polynomial=none&protocol=framed", "fd:0?colour=red", "fd:0?window=0", "fd:0?gateware=new", "fd:0?baud=9600",
                           "fd:0?attempts=0", "fd:0?data_bytes=5"}) {
     CAPTURE(url);
     const Outcome outcome = Link::open(url, link);
@@ -366,4 +367,50 @@ TEST_CASE("URLs that mean nothing say what was expected") {
   CHECK(Link::open("fd:1000000", link).status == Status::not_found);
   CHECK(Link::open("tcp://127.0.0.1:1?timeout=0.2", link).status == Status::not_found);
   CHECK(Link::open("udp://127.0.0.1:1?timeout=0.05", link).status == Status::not_found);
+}
+
+TEST_CASE("an overrun is told as one, and not as the silence of another request of the call") {
+  auto configuration = plain_board();
+  configuration.byte_clocks = 167;
+  configuration.receive_fifo = configuration.transmit_fifo = 4;
+  for (const bool old : {false, true}) {
+    for (const bool flush : {false, true}) {
+      CAPTURE(old);
+      CAPTURE(flush);
+      configuration.published_2012 = old;
+      configuration.honour_flush = flush;
+      const auto board = board_on("fd", configuration);
+      const auto link = opened(with_options(board->url(), "fifo=256&timeout=2&protocol=classic"));
+      std::vector<std::uint32_t> addresses(60), values(60);
+      for (std::uint32_t index = 0; index < addresses.size(); ++index) {
+        addresses[index] = index;
+      }
+      const Outcome outcome = link->read_each(addresses, values, {.checked = {}, .repeat = true});
+      CAPTURE(outcome.text);
+      CHECK(outcome.status == Status::protocol_error);
+      CHECK(outcome.text.find("it said ?f9 (more requests came than its receive FIFO holds") != std::string::npos);
+      CHECK(outcome.text.find("fifo=") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("gateware without checksums: the URL keeps every '$' from it, and from the question about narrow words") {
+  auto configuration = plain_board();
+  configuration.checksum = device::Checksum::none;
+  configuration.published_2012 = true;
+  configuration.data_bits = 16;
+  const auto board = board_on("fd", configuration);
+  std::unique_ptr<Link> refused;
+  Outcome outcome = Link::open(with_options(board->url(), "timeout=0.05"), refused);
+  CHECK(outcome.status == Status::protocol_error);
+  CHECK(outcome.text.find("polynomial=none") != std::string::npos);
+  const auto link = opened_again(*board, "polynomial=none");
+  std::uint32_t value = 7;
+  CHECK(link->read(1, value, {}).ok());
+  CHECK(value == 0);
+  CHECK(link->read(1, value, {.checked = true}).status == Status::mismatch);
+  outcome = link->write(1, 2, {});
+  CHECK(outcome.status == Status::mismatch);
+  CHECK(outcome.text.find("gateware=2012 or gateware=corrected") != std::string::npos);
+  CHECK(link->statistics().datalink_errors == 0);  // each '$' would have been one
 }

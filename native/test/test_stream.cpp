@@ -153,3 +153,61 @@ TEST_CASE("configuration, with the defects of the 2012 gateware") {
     CHECK_FALSE(parse_configuration(wrong, sum, {}));
   }
 }
+
+namespace {
+
+// What the gateware of 2012 sends for its CNF: 2C bytes as ',', and not in the checksum; 256**n with a byte too few.
+struct Configured {
+  std::string fields;
+  std::uint8_t checksum = 0;
+};
+
+Configured configured_2012(std::uint32_t read_many, std::uint32_t base_hz) {
+  const Crc8 sum;
+  Configured told{"01,04,", sum.of(bytes_of("CNF\x01\x04"))};
+  const auto put = [&](std::uint8_t byte) {
+    const std::uint8_t one[] = {byte};
+    told.fields += byte == 0x2C ? "," : test::hex_of(one);
+    told.checksum = byte == 0x2C ? told.checksum : sum.update(told.checksum, byte);
+  };
+  put(static_cast<std::uint8_t>(read_many));
+  told.fields += ",";
+  put(2);
+  told.fields += ",";
+  std::uint32_t bytes = 1;
+  while (bytes < 4 && (base_hz - 1) >> (8 * bytes) != 0) {
+    ++bytes;
+  }
+  for (std::uint32_t byte = bytes; byte-- > 0;) {
+    put(static_cast<std::uint8_t>(base_hz >> (8 * byte)));
+  }
+  for (const std::uint8_t byte : std::array<std::uint8_t, 3>{2, 16, 2}) {
+    told.fields += ",";
+    put(byte);
+  }
+  return told;
+}
+
+}  // namespace
+
+TEST_CASE("the 2012 gateware leaves a byte that it sends as a comma out of its checksum") {
+  const Crc8 sum;
+  CHECK(configured_2012(32, 300).fields == "01,04,20,02,01,,02,10,02");
+  CHECK(configured_2012(32, 300).checksum == 0x87);  // seen in simulation: $CNF:01,04,20,02,01,,02,10,02*87
+  CHECK(parse_configuration("01,04,20,02,01,,02,10,02", sum, 0x91)->base_hz == 300);  // and as it should have been
+  for (std::uint8_t checksum = 0x88; checksum < 0x91; ++checksum) {
+    CHECK_FALSE(parse_configuration("01,04,20,02,01,,02,10,02", sum, checksum));
+  }
+  CHECK_FALSE(parse_configuration("01,04,20,02,012c,02,10,02", sum, 0x87));  // digits always count
+  CHECK_FALSE(parse_configuration("01,04,20,02,01,,02,10,02", sum, 0x87, false));
+  CHECK(parse_configuration("01,04,20,02,012c,02,10,02", sum, 0x91, false)->base_hz == 300);
+  std::uint32_t wrong = 0;
+  for (const std::uint32_t read_many : {0u, 32u, 44u}) {
+    for (std::uint32_t base_hz = 1; base_hz <= 100'000; ++base_hz) {
+      const Configured told = configured_2012(read_many, base_hz);
+      const auto read = parse_configuration(told.fields, sum, told.checksum);
+      wrong += read && read->read_many == read_many && read->base_hz == base_hz ? 0u : 1u;
+    }
+  }
+  CHECK(wrong == 0);
+}

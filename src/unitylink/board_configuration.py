@@ -98,9 +98,8 @@ class BoardConfiguration(Settings):
         for setting in SETTINGS.values():
             if wrong := _wrong(setting, getattr(self, setting.name)):
                 raise ValueRangeError(f"board configuration: {wrong}")
-        if (
-            self.protocol == "both" and self.datalink != "full"
-        ):  # where data may be any byte, a 00 is no border
+        if self.protocol == "both" and (self.datalink != "full" or self.published_2012):
+            # where data may be any byte, a 00 is no border; frames are younger than 2012
             object.__setattr__(self, "protocol", "classic")
         if self.physical == "rs485":  # its tokens are no classic text
             if self.protocol == "classic":

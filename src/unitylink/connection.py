@@ -36,7 +36,8 @@ def connect(url: str, *, reconnect: bool | None = None) -> Link:
 
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
     options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
-    buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07`, `window=64`, `gateware=auto|2012|corrected`,
+    buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`; `none`: the
+    gateware has no checksums, and is never sent a `$`), `window=64`, `gateware=auto|2012|corrected`,
     `trace=FILE` (a capture of all bytes, for `unitylink decode` and Wireshark).
     Where gateware has no RLC also `address_bytes= data_bytes= read_many= publish_mode= base_hz= groups=
     group_size= rate_bytes=`.

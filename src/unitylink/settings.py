@@ -91,6 +91,8 @@ class Settings:
     """bytes: reply bytes kept for a repeat; likewise"""
     long_frames: bool = False
     """payloads of more than 250 bytes; likewise"""
+    published_2012: bool = False
+    """the published gateware of 2012 with its defects, not the corrected one; it speaks the classic protocol only"""
     bench_memory: bool = False
     """memory begins as in the recordings of the 2012 gateware, not as zero"""
     fifo: int = 0
@@ -220,6 +222,9 @@ SETTINGS: Final = MappingProxyType(
         "long_frames": Setting(
             "long_frames", "switch", False, "", ("twin",), ("python",),
             "payloads of more than 250 bytes; likewise"),
+        "published_2012": Setting(
+            "published_2012", "switch", False, "", ("twin",), ("python",),
+            "the published gateware of 2012 with its defects, not the corrected one; it speaks the classic protocol only"),
         "bench_memory": Setting(
             "bench_memory", "switch", False, "", ("twin",), ("python",),
             "memory begins as in the recordings of the 2012 gateware, not as zero"),

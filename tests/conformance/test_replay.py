@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from unitylink.layer1_stream import ClassicDecoder, Reply
+from unitylink.simulate import BoardConfiguration
 from unitylink.tools.conformance import RecordingError, Report, difference, render, replay
-from unitylink.tools.conformance_bench import same
+from unitylink.tools.conformance_bench import play_on_twin, same
 
 FILE = Path(__file__).with_name("classic-transcripts.json")
 
@@ -37,6 +40,31 @@ def test_all_defects_are_answered_rightly(report: Report) -> None:
 def test_all_optional_exchanges_are_equal(report: Report) -> None:
     assert report.count("optional", True) == 16
     assert report.count("optional", False) == 0
+
+
+def test_the_twin_of_the_2012_gateware_has_its_defects() -> None:
+    """It answers what was recorded, right or wrong; two recordings end within what never ends."""
+
+    def published(configuration: BoardConfiguration, exchanges: Any) -> list[bytes]:
+        return play_on_twin(replace(configuration, published_2012=True, protocol="classic"), exchanges)
+
+    played = replay(FILE, published).exchanges
+    different = [e for e in played if not same(e.compare, e.recorded, e.got)]
+    assert [(e.run, e.name) for e in different] == [(9, "fullgrp_pub"), (12, "pub_to_dps")]
+    for exchange in different:
+        size = min(len(exchange.recorded), len(exchange.got))
+        assert size >= 600
+        assert exchange.recorded[:size] == exchange.got[:size]
+    assert len(played) == 439
+
+
+def test_only_a_configuration_has_bytes_that_are_no_digits() -> None:
+    """A 2C in the data of every other reply is digits, and counts in its checksum."""
+    replies = {line for e in replay(FILE).exchanges for line in e.recorded.splitlines()}
+    assert all("CNF" in line for line in replies if "," in line)
+    with_2c = [line for line in replies if line.startswith("$") and "2c2c" in line]
+    events = [event for line in with_2c for event in ClassicDecoder().feed(line.encode() + b"\n")]
+    assert {type(event) for event in events} == {Reply} and len(events) >= 2
 
 
 def test_the_last_line_is_the_verdict(report: Report, capsys: pytest.CaptureFixture[str]) -> None:

@@ -150,9 +150,10 @@ void Application::begin_publish(std::uint32_t group) {
   head(checked_publish_ ? bytes::checked_publish : bytes::plain_publish);
   letters(reply::publish);
   mark(bytes::data_mark);
-  const std::span<const std::uint32_t> addresses = subscriptions_.addresses(group);
+  const std::span<const std::uint32_t> addresses = subscriptions_.published(group);
   addresses_.assign(addresses.begin(), addresses.end());
-  block_words_ = static_cast<std::uint32_t>(addresses.size());
+  block_words_ = static_cast<std::uint32_t>(subscriptions_.addresses(group).size());
+  group_ = group;
   next_address_ = 0;
   value(group, 1);
   value(block_words_, 1);
@@ -207,6 +208,9 @@ void Application::schedule_access(std::uint32_t address, State state) {
 }
 
 void Application::next_block_word() {
+  if (configuration_.published_2012 && !request_ && next_address_ == addresses_.size() && block_words_ == configuration_.group_size) {
+    next_address_ = 0;  // its counter of addresses is a bit too short to see the end of a full group
+  }
   if (next_address_ < addresses_.size()) {
     if (request_) {
       ++at_;  // the address is read from the message
@@ -249,6 +253,9 @@ void Application::access_block() {
   const BusReply answer = bus_.read(address_, at_);
   if (refuse_access(answer.status, error::bus_error_read)) {
     bus_.block(false, at_);
+    if (configuration_.published_2012 && !request_ && answer.status == BusStatus::silent) {
+      subscriptions_.ask_again(group_, at_);  // it forgets to take the group's request back
+    }
     after_emit_ = State::idle;
   } else {
     if (next_address_ == 1) {

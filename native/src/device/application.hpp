@@ -93,6 +93,7 @@ class Application {
   std::size_t held_from_ = never_held;  // words from here on wait for the end of the request
   std::vector<std::uint32_t> addresses_;  // of the block being read
   std::size_t next_address_ = 0;
+  std::uint32_t group_ = 0;        // that is published
   std::uint32_t block_words_ = 0;  // words asked for; more than there are addresses if the request was cut short
 };
 

@@ -61,12 +61,13 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
   } else if (letters == command::read_event_mask) {
     this->letters(reply::read_event_mask);
     mark(bytes::data_mark);
+    const bool lost = configuration_.published_2012 && configuration_.data_bits <= 16;
     for (std::uint32_t byte = configuration_.mask_bytes(); byte-- > 0;) {
       std::uint32_t bits = 0;
       for (std::uint32_t bit = 0; bit < 8 && byte * 8 + bit < configuration_.groups; ++bit) {
         bits |= (subscriptions_.event_enabled(byte * 8 + bit) ? 1u : 0u) << bit;
       }
-      value(bits, 1);
+      value(lost ? 0 : bits, 1);
     }
     tail();
   } else if (letters == command::write_event_mask) {
@@ -95,8 +96,10 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
 }
 
 void Application::read_configuration() {
+  const bool old = configuration_.published_2012;
+  const std::uint32_t highest = configuration_.base_hz - (old ? 1 : 0);  // 2012: a byte too few for powers of 256
   std::uint32_t frequency_bytes = 1;
-  while (frequency_bytes < 4 && configuration_.base_hz >> (8 * frequency_bytes) != 0) {
+  while (frequency_bytes < 4 && highest >> (8 * frequency_bytes) != 0) {
     ++frequency_bytes;
   }
   letters(reply::read_configuration);
@@ -111,7 +114,10 @@ void Application::read_configuration() {
   char separator = bytes::data_mark;
   for (const auto& [content, width] : fields) {
     mark(separator);
-    value(content, width);
+    for (std::uint32_t byte = width; byte-- > 0;) {
+      const auto part = static_cast<std::uint8_t>(content >> (8 * byte));
+      old && part == bytes::field_separator ? mark(bytes::field_separator) : value(part, 1);
+    }
     separator = bytes::field_separator;
   }
   tail();
@@ -131,7 +137,9 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   for (std::uint32_t address = 0; addresses_.size() < count;) {
     if (!cursor.take(configuration_.address_bytes(), address)) {
       refuse_missing(error::missing_address);  // and the group stays as it was
-      if (configuration_.datalink != Datalink::full) {  // but without a buffer it has none any more
+      if (configuration_.published_2012) {     // or it has the new count, and of the addresses those that came
+        subscriptions_.set_part(group, count, addresses_, decision_ + cursor.clocks);
+      } else if (configuration_.datalink != Datalink::full) {  // but without a buffer it has none any more
         addresses_.clear();
         subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
       }

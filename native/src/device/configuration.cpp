@@ -68,6 +68,9 @@ std::string DeviceConfiguration::problem() const {
   if (!std::has_single_bit(window)) {
     return "window is " + std::to_string(window) + "; choose a power of two";
   }
+  if (published_2012 && has_framed()) {
+    return "gateware of 2012 speaks the classic protocol only; choose protocol classic";
+  }
   std::vector<Slave> slaves;
   if (tosnet.present) {
     slaves.push_back({"tosnet", tosnet.base, std::uint64_t{1} << protocol::tosnet::address_bits});

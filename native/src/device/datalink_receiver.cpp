@@ -54,7 +54,12 @@ DatalinkReceiver::Taken DatalinkReceiver::begin(bool checked, Clock now) noexcep
 DatalinkReceiver::Taken DatalinkReceiver::finish(Clock now) noexcept {
   Message& message = messages_[first_ ^ complete_];
   Clock delay = timing::message_ready;
-  if (message.checked) {
+  if (message.checked && configuration_.published_2012) {  // it looks at the remainder and nothing else
+    if (sum_ != 0 || configuration_.checksum == Checksum::none) {
+      return fail(error::checksum, now, timing::receive_first_digit);
+    }
+    delay += timing::checksum_verdict;
+  } else if (message.checked) {
     // Exactly one checksum byte behind a star. The one exception is the empty message with an empty checksum, `$*`.
     const bool empty = checksum_bytes_ == 0 && message.letters.empty() && message.data.empty();
     if (!star_ || sum_ != 0 || (checksum_bytes_ != 1 && !empty)) {
@@ -96,7 +101,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take(std::uint8_t byte, Clock now) {
 DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock now) {
   const char c = static_cast<char>(byte);
   if (!receiving_) {
-    if (c == bytes::checked_head && configuration_.checksum == Checksum::none) {
+    if (c == bytes::checked_head && configuration_.checksum == Checksum::none && !configuration_.published_2012) {
       return fail(error::format, now);
     }
     if (c == bytes::plain_head || c == bytes::checked_head) {

@@ -2,6 +2,7 @@
 #include "device/device.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace unitylink::device {
 
@@ -16,17 +17,23 @@ Device::Device(const DeviceConfiguration& configuration)
       bus_(configuration_,
            [this](std::uint32_t group, bool high, Clock now) { subscriptions_.set_input(group, high, now); }),
       dead_man_(configuration_, bus_),
+      master_2012_(bus_, configuration_.data_bits),
       input_(configuration_),
       output_(configuration_),
       receiver_(configuration_),
       transmitter_(configuration_, output_),
       subscriptions_(configuration_),
-      application_(configuration_, receiver_, subscriptions_, transmitter_, dead_man_),
+      application_(configuration_, receiver_, subscriptions_, transmitter_,
+                   configuration_.published_2012 ? static_cast<Bus&>(master_2012_) : dead_man_),
       framed_(configuration_, subscriptions_, dead_man_, output_) {}
 
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
 void Device::receive_error(std::uint8_t bits) {
+  if (configuration_.published_2012 && receiver_.has_message()) {  // it answers what it has received before it tells
+    unheard_errors_ |= bits;
+    return;
+  }
   if ((bits & 7u) != 0 && configuration_.datalink == Datalink::full) {
     report(static_cast<std::uint8_t>(protocol::datalink_error::physical + (bits & 7u)), clock_ + timing::physical_error);
   }
@@ -101,6 +108,17 @@ void Device::take_bytes(Clock limit) {
   receiver_ready_ = taken.next;
   if (taken.error != 0) {
     report(taken.error, taken.error_at);
+    swallow(taken);
+  }
+}
+
+// After an error of form or checksum the decoder of 2012 has already taken the byte behind it, if there was one.
+void Device::swallow(const DatalinkReceiver::Taken& failed) {
+  namespace error = protocol::datalink_error;
+  const bool takes_one_more = failed.error == error::format || failed.error == error::odd_digits || failed.error == error::checksum;
+  if (configuration_.published_2012 && takes_one_more && input_.readable() <= failed.next) {
+    input_.pop();
+    ++statistics_.bytes_received;
   }
 }
 
@@ -145,6 +163,9 @@ void Device::run_until(Clock clock) {
       application_.yield(framed_.open());
     } else if (application_clock() <= next) {
       application_.step(clock_);
+      if (unheard_errors_ != 0 && !receiver_.has_message()) {
+        receive_error(std::exchange(unheard_errors_, std::uint8_t{0}));
+      }
     } else {
       take_bytes(std::min({beside, framed, clock}));
     }

@@ -6,6 +6,7 @@
 
 #include "device/address_map.hpp"
 #include "device/application.hpp"
+#include "device/bus_master_2012.hpp"
 #include "device/clock.hpp"
 #include "device/configuration.hpp"
 #include "device/datalink_receiver.hpp"
@@ -65,10 +66,12 @@ class Device final : public ServedDevice {
   [[nodiscard]] Clock next_beside_frames() const noexcept;
   void take_bytes(Clock limit);
   void report(std::uint8_t code, Clock at);
+  void swallow(const DatalinkReceiver::Taken& failed);
 
   DeviceConfiguration configuration_;
   AddressMap bus_;
   DeadMan dead_man_;  // in front of it
+  BusMaster2012 master_2012_;
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   DatalinkReceiver receiver_;
@@ -80,6 +83,7 @@ class Device final : public ServedDevice {
   Clock clock_ = 0;
   Clock receiver_ready_ = 0;
   Clock last_activity_ = 0;
+  std::uint8_t unheard_errors_ = 0;  // bits of physical errors that the gateware of 2012 has not looked at yet
   DeviceStatistics statistics_;
 };
 

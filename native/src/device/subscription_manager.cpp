@@ -6,20 +6,30 @@
 namespace unitylink::device {
 
 SubscriptionManager::SubscriptionManager(const DeviceConfiguration& configuration)
-    : groups_(configuration.groups), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
+    : groups_(configuration.groups), published_2012_(configuration.published_2012), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    groups_[g].addresses.reserve(configuration.group_size);
+    groups_[g].addresses.resize(configuration.group_size);
     groups_[g].edge = configuration.edge_event(static_cast<std::uint32_t>(g));
   }
 }
 
 std::span<const std::uint32_t> SubscriptionManager::addresses(std::uint32_t group) const noexcept {
-  return groups_[group].addresses;
+  return std::span(groups_[group].addresses).first(groups_[group].count);
+}
+
+std::span<const std::uint32_t> SubscriptionManager::published(std::uint32_t group) const noexcept {
+  const bool rubbish = published_2012_ && groups_[group].count == 0;
+  return rubbish ? std::span<const std::uint32_t>(groups_[group].addresses) : addresses(group);
 }
 
 void SubscriptionManager::set_addresses(std::uint32_t group, std::span<const std::uint32_t> addresses, Clock now) {
+  set_part(group, static_cast<std::uint32_t>(addresses.size()), addresses, now);
+}
+
+void SubscriptionManager::set_part(std::uint32_t group, std::uint32_t count, std::span<const std::uint32_t> addresses, Clock now) {
   count_strobes(now);
-  groups_[group].addresses.assign(addresses.begin(), addresses.end());
+  std::copy(addresses.begin(), addresses.end(), groups_[group].addresses.begin());
+  groups_[group].count = count;
   plan(now);
 }
 
@@ -27,7 +37,7 @@ void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Cloc
   count_strobes(now);
   Group& chosen = groups_[group];
   chosen.rate = rate;
-  if (rate == 0) {
+  if (rate == 0 && !published_2012_) {  // there what was asked for before is published once more
     chosen.due = false;
   }
   if (chosen.strobes >= rate) {
@@ -38,7 +48,7 @@ void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Cloc
 
 void SubscriptionManager::clear(Clock now) {
   for (Group& group : groups_) {
-    group.addresses.clear();
+    group.count = 0;
     group.rate = group.strobes = 0;
     group.due = group.event = group.event_enabled = false;
   }
@@ -83,9 +93,9 @@ void SubscriptionManager::set_input(std::uint32_t group, bool high, Clock now) {
   plan(now);
 }
 
-bool SubscriptionManager::requests(const Group& group) noexcept {
+bool SubscriptionManager::requests(const Group& group) const noexcept {
   // An empty group has nothing to publish, whatever its rate or event says.
-  return !group.addresses.empty() && (group.due || group.event || (group.input && group.event_enabled && !group.edge));
+  return has_words(group) && (group.due || group.event || (group.input && group.event_enabled && !group.edge));
 }
 
 void SubscriptionManager::count_strobes(Clock now) {
@@ -95,7 +105,7 @@ void SubscriptionManager::count_strobes(Clock now) {
   const Clock passed = (now - next_strobe_) / period_ + 1;
   next_strobe_ += passed * period_;
   for (Group& group : groups_) {
-    if (group.rate == 0 || group.addresses.empty()) {
+    if (group.rate == 0 || !has_words(group)) {
       continue;
     }
     const Clock strobes = group.strobes + passed;
@@ -115,7 +125,7 @@ void SubscriptionManager::plan(Clock now) {
   bool pending = false;
   for (const Group& group : groups_) {
     pending = pending || requests(group);
-    if (group.rate > 0 && !group.addresses.empty() && !group.due) {
+    if (group.rate > 0 && has_words(group) && !group.due) {
       next_due_ = std::min(next_due_, next_strobe_ + (group.rate - group.strobes - 1) * period_);
     }
   }
@@ -124,6 +134,11 @@ void SubscriptionManager::plan(Clock now) {
   } else if (pending_at_ == never) {
     pending_at_ = now + timing::publish_decision;
   }
+}
+
+void SubscriptionManager::ask_again(std::uint32_t group, Clock now) {
+  groups_[group].due = true;
+  plan(now);
 }
 
 void SubscriptionManager::advance(Clock now) {

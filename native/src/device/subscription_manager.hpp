@@ -18,8 +18,12 @@ class SubscriptionManager {
   explicit SubscriptionManager(const DeviceConfiguration& configuration);
 
   [[nodiscard]] std::span<const std::uint32_t> addresses(std::uint32_t group) const noexcept;
+  // What a publish of the group reads: its addresses; of an empty one, in gateware of 2012, all that it has places for.
+  [[nodiscard]] std::span<const std::uint32_t> published(std::uint32_t group) const noexcept;
   [[nodiscard]] std::uint32_t rate(std::uint32_t group) const noexcept { return groups_[group].rate; }
   void set_addresses(std::uint32_t group, std::span<const std::uint32_t> addresses, Clock now);
+  // Gateware of 2012: `count` addresses, of which only the first have come; the others are what was there before.
+  void set_part(std::uint32_t group, std::uint32_t count, std::span<const std::uint32_t> addresses, Clock now);
   void set_rate(std::uint32_t group, std::uint32_t rate, Clock now);
 
   // No addresses, no rates, no events, nothing enabled.
@@ -41,12 +45,14 @@ class SubscriptionManager {
   void advance(Clock now);
   // The group that is served now; its request is withdrawn. None when nothing is pending.
   std::optional<std::uint32_t> serve(Clock now);
+  void ask_again(std::uint32_t group, Clock now);
   // Ticks of a group that came before its publish of the tick before had been served.
   [[nodiscard]] std::uint32_t overruns() const noexcept { return overruns_; }
 
  private:
   struct Group {
-    std::vector<std::uint32_t> addresses;
+    std::vector<std::uint32_t> addresses;  // all places
+    std::size_t count = 0;                 // of them in use
     std::uint32_t rate = 0;
     std::uint32_t strobes = 0;
     bool due = false;
@@ -56,11 +62,13 @@ class SubscriptionManager {
     bool edge = false;
   };
 
-  [[nodiscard]] static bool requests(const Group& group) noexcept;
+  [[nodiscard]] bool requests(const Group& group) const noexcept;
+  [[nodiscard]] bool has_words(const Group& group) const noexcept { return group.count > 0 || published_2012_; }
   void count_strobes(Clock now);
   void plan(Clock now);
 
   std::vector<Group> groups_;
+  bool published_2012_;
   Clock period_;
   std::uint32_t last_served_ = 0;
   std::uint32_t overruns_ = 0;

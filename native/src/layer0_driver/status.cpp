@@ -17,7 +17,7 @@ const char* status_text(Status status) noexcept {
     case Status::mismatch: return "the device cannot do what is asked";
     case Status::range: return "a value, address or count that cannot be sent";
     case Status::bad_url: return "a link URL that cannot be understood";
-    case Status::cancelled: return "not sent, because an earlier request of the same call failed";
+    case Status::cancelled: return "given up, because another request of the same call failed";
     case Status::denied: return "the device's dead-man has tripped, and it writes nothing before it is armed again";
     case Status::down: return "the line is gone, and is being opened again";
   }

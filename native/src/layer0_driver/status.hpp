@@ -21,7 +21,7 @@ enum class Status : std::int32_t {
   mismatch = 9,        // the device cannot do what is asked
   range = 10,          // a value, address or count that cannot be sent; nothing was
   bad_url = 11,        // a link URL that cannot be understood
-  cancelled = 12,      // never sent, because an earlier request of the same call failed
+  cancelled = 12,      // not sent, or a read given up, because another request of the same call failed
   denied = 15,         // the dead-man has tripped: nothing is written before arm() (13 and 14 are the C ABI's own)
   down = 16,           // the line is gone and is being opened again; nothing was sent
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "layer1_stream/configuration.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "layer1_stream/hex.hpp"
@@ -18,8 +19,9 @@ class Cursor {
  public:
   explicit Cursor(std::string_view text) noexcept : text_(text) {}
 
+  [[nodiscard]] bool separator_next() const noexcept { return !text_.empty() && text_.front() == protocol::bytes::field_separator; }
   bool byte(std::uint8_t& value) noexcept {
-    if (!text_.empty() && text_.front() == protocol::bytes::field_separator) {
+    if (separator_next()) {
       value = static_cast<std::uint8_t>(protocol::bytes::field_separator);
       text_.remove_prefix(1);
       return true;
@@ -32,7 +34,7 @@ class Cursor {
     return true;
   }
   bool separator() noexcept {
-    if (text_.empty() || text_.front() != protocol::bytes::field_separator) {
+    if (!separator_next()) {
       return false;
     }
     text_.remove_prefix(1);
@@ -44,7 +46,12 @@ class Cursor {
   std::string_view text_;
 };
 
-using Bytes = std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency>;
+struct Bytes {
+  std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency> value{};
+  std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};  // how it was sent
+
+  [[nodiscard]] bool any_as_comma() const noexcept { return std::find(as_comma.begin(), as_comma.end(), true) != as_comma.end(); }
+};
 
 bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noexcept {
   Cursor cursor(text);
@@ -55,11 +62,26 @@ bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noe
     if (index > 0 && !inside_frequency && !cursor.separator()) {
       return false;
     }
-    if (!cursor.byte(bytes[index])) {
+    bytes.as_comma[index] = cursor.separator_next();
+    if (!cursor.byte(bytes.value[index])) {
       return false;
     }
   }
   return cursor.done();
+}
+
+// The gateware of 2012 leaves a byte that it sends as ',' out of its checksum. Both ways of counting it are taken.
+bool checksum_right(const Bytes& bytes, std::size_t count, const Crc8& sum, std::uint8_t checksum) noexcept {
+  std::uint8_t with = protocol::crc8::initial;
+  for (const char letter : protocol::reply::read_configuration) {
+    with = sum.update(with, static_cast<std::uint8_t>(letter));
+  }
+  std::uint8_t without = with;
+  for (std::size_t index = 0; index < count; ++index) {
+    with = sum.update(with, bytes.value[index]);
+    without = bytes.as_comma[index] ? without : sum.update(without, bytes.value[index]);
+  }
+  return with == checksum || without == checksum;
 }
 
 bool plausible(const Configuration& configuration) noexcept {
@@ -72,33 +94,36 @@ bool plausible(const Configuration& configuration) noexcept {
 
 }  // namespace
 
+bool has_comma_byte(const Configuration& configuration) noexcept {
+  bool has = configuration.read_many == static_cast<std::uint32_t>(protocol::bytes::field_separator);
+  for (std::uint64_t rest = configuration.base_hz; rest != 0; rest >>= 8) {
+    has = has || (rest & 0xFF) == static_cast<std::uint64_t>(protocol::bytes::field_separator);
+  }
+  return has;
+}
+
 std::optional<Configuration> parse_configuration(std::string_view fields, const Crc8& sum,
-                                                 std::optional<std::uint8_t> checksum) noexcept {
+                                                 std::optional<std::uint8_t> checksum, bool of_2012) noexcept {
   for (std::size_t length = 1; length <= frequency_bytes_max; ++length) {
     Bytes bytes{};
-    if (!split(fields, length, bytes)) {
+    if (!split(fields, length, bytes) || (!of_2012 && bytes.any_as_comma())) {
       continue;
     }
-    std::uint8_t remainder = protocol::crc8::initial;
-    for (const char letter : protocol::reply::read_configuration) {
-      remainder = sum.update(remainder, static_cast<std::uint8_t>(letter));
-    }
-    const std::size_t count = fields_before_frequency + length + fields_after_frequency;
-    if (checksum && sum.of(std::span(bytes).first(count), remainder) != *checksum) {
+    if (checksum && !checksum_right(bytes, fields_before_frequency + length + fields_after_frequency, sum, *checksum)) {
       continue;
     }
     std::uint64_t frequency = 0;
     for (std::size_t index = 0; index < length; ++index) {
-      frequency = frequency << 8 | bytes[fields_before_frequency + index];
+      frequency = frequency << 8 | bytes.value[fields_before_frequency + index];
     }
-    const std::uint8_t* after = bytes.data() + fields_before_frequency + length;
+    const std::uint8_t* after = bytes.value.data() + fields_before_frequency + length;
     const Configuration configuration{
-        .address_bytes = bytes[0],
-        .data_bytes = bytes[1],
-        .read_many = bytes[2],
-        .publish_mode = bytes[3],
+        .address_bytes = bytes.value[0],
+        .data_bytes = bytes.value[1],
+        .read_many = bytes.value[2],
+        .publish_mode = bytes.value[3],
         .base_hz = frequency != 0 ? frequency : std::uint64_t{1} << (8 * length),
-        .groups = after[0] != 0 || bytes[3] == 0 ? after[0] : protocol::limits::groups_max,
+        .groups = after[0] != 0 || bytes.value[3] == 0 ? after[0] : protocol::limits::groups_max,
         .group_size = after[1],
         .rate_bytes = after[2],
         .discovered = true,

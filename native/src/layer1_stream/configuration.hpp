@@ -24,10 +24,14 @@ struct Configuration {
   friend bool operator==(const Configuration&, const Configuration&) = default;
 };
 
-// Reads the eight comma-separated fields. 2012 gateware has two defects here: a value byte 0x2C is sent as a bare ',', so the
-// length of the frequency field is found by trying; and a frequency of exactly 256**n is sent as n zero bytes.
+// Reads the eight comma-separated fields. 2012 gateware has three defects here: a value byte 0x2C is sent as a bare ',', so the
+// length of the frequency field is found by trying; such a byte is not in its checksum; and a frequency of exactly 256**n is
+// sent as n zero bytes. It is the only reply with bytes that are no digits: a 2C in the data of all others is "2c", and counts.
+// All that is read only where `of_2012`: what a bad wire makes of a reply without it must not pass for one with it.
 // `checksum` is compared over "CNF" and the decoded bytes when the reply was a checked one. nullopt: no legal reading.
 [[nodiscard]] std::optional<Configuration> parse_configuration(std::string_view fields, const Crc8& sum,
-                                                               std::optional<std::uint8_t> checksum) noexcept;
+                                                               std::optional<std::uint8_t> checksum, bool of_2012 = true) noexcept;
+// Whether 2012 gateware has a byte of it sent as ','.
+[[nodiscard]] bool has_comma_byte(const Configuration& configuration) noexcept;
 
 }  // namespace unitylink

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What goes out, and when. classic_engine_receive.cpp: what comes in. classic_engine_recovery.cpp: when it does not.
+// classic_engine_bus.cpp: what 2012 gateware does after a bus timeout.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ constexpr std::size_t configuration_reply_bytes_max = 40;
 
 }  // namespace
 
-ClassicEngine::ClassicEngine(const EngineSettings& settings) noexcept : settings_(settings), decoder_(settings.sum) {}
+ClassicEngine::ClassicEngine(const EngineSettings& settings) noexcept
+    : settings_(settings), decoder_(settings.sum), plain_fence_(!settings.checksums) {}
 
 void ClassicEngine::configure(const Configuration& configuration) noexcept {
   configuration_ = configuration;
@@ -26,12 +28,17 @@ void ClassicEngine::configure(const Configuration& configuration) noexcept {
 
 void ClassicEngine::submit(Exchange& exchange, std::uint64_t now_ns) noexcept {
   now_ns_ = now_ns;
-  exchange.begun_ns = now_ns;
-  exchange.state_ = Exchange::State::waiting;
+  prepare(exchange);
   if (ended_) {
     finish(exchange, *ended_);
-    return;
+  } else {
+    waiting_.push_back(exchange);
   }
+}
+
+void ClassicEngine::prepare(Exchange& exchange) noexcept {
+  exchange.begun_ns = now_ns_;
+  exchange.state_ = Exchange::State::waiting;
   if (exchange.timeout_ns == 0) {
     exchange.timeout_ns = settings_.timeout_ns;
   }
@@ -40,14 +47,13 @@ void ClassicEngine::submit(Exchange& exchange, std::uint64_t now_ns) noexcept {
       encoded_bytes(letters.command.size(), request_data_bytes(exchange, configuration_), exchange.checked));
   exchange.reply_bytes_ = static_cast<std::uint32_t>(
       encoded_bytes(letters.reply.size(), reply_data_bytes(exchange, configuration_), exchange.checked));
-  waiting_.push_back(exchange);
 }
 
 bool ClassicEngine::admits(const Exchange& exchange) const noexcept {
   if (pending_end_ + exchange.request_bytes_ > pending_.size()) {
     return false;
   }
-  if (in_flight_.empty()) {
+  if (in_flight_.empty() || &exchange == &freeing_) {  // all before it are answered
     return true;
   }
   const auto alone = [](Operation operation) {
@@ -63,11 +69,14 @@ std::span<const std::uint8_t> ClassicEngine::transmit(std::uint64_t now_ns) noex
   if (pending_begin_ == pending_end_) {
     pending_begin_ = pending_end_ = 0;
   }
+  if (wants_bus_freed()) {
+    free_bus();
+  }
   while (!waiting_.empty() && !ended_ && state_ != State::fencing) {
     Exchange& exchange = *waiting_.front();
     if (exchange.batch != nullptr && exchange.batch->failed) {
       waiting_.pop_front();
-      finish(exchange, exchange.cut_off());
+      finish(exchange, exchange.left_out());
     } else if (state_ == State::fence_due) {
       encode_fence();
     } else if (!admits(exchange)) {
@@ -122,6 +131,7 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
   statistics_.requests += 1;
   statistics_.retries += exchange.attempts > 0 ? 1 : 0;
   exchange.attempts += 1;
+  exchange.stray_cycle = false;
   exchange.state_ = Exchange::State::in_flight;
   in_flight_.push_back(exchange);
   batch_ += 1;

@@ -11,6 +11,9 @@
 //   answers count only when all that was in flight together has been answered (`replied` waits for that); then the numbers agree.
 // - Requests in flight never hold more bytes, either way, than the device's FIFOs (credit), unless one is alone.
 // - After a void nothing is sent but the fence, until the device has answered it. All that comes before that answer is dropped.
+// - After a bus timeout 2012 gateware may stay in its bus cycle, which the next access then completes in its own direction. A word
+//   that is known to answer is read before that can be a write, and no answer is believed that such a cycle may have spoiled
+//   (classic_engine_bus.cpp).
 #pragma once
 
 #include <array>
@@ -37,6 +40,8 @@ class ClassicEngine final : public Engine {
   [[nodiscard]] const std::optional<Configuration>& reported() const noexcept { return reported_; }
   // False once the device has shown that it has no checksums ("lite" datalink).
   [[nodiscard]] bool checksums() const noexcept { return !plain_fence_; }
+  // The device is known to have none of the defects of 2012.
+  void expect_corrected_gateware() noexcept { corrected_ = true; }
   // Whether publishes were asked for with a checksum; the other kind is then refused.
   void expect_checked_publishes(bool checked) noexcept { publishes_checked_ = checked; }
 
@@ -68,10 +73,19 @@ class ClassicEngine final : public Engine {
   void replied(Exchange& exchange, Status status) noexcept;
   void drop(Status status, std::uint64_t now_ns) noexcept;
   void finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept;
+  void settle_batch() noexcept;
   void void_in_flight(Status why, std::uint8_t datalink_code) noexcept;
+  static void keep_cause(Exchange& exchange, std::uint8_t datalink_code) noexcept;
+  void blame(std::uint8_t datalink_code) noexcept;
+  [[nodiscard]] static Status silence_of(const Exchange& exchange) noexcept;
   void fence_passed() noexcept;
   void fence_failed() noexcept;
   void hasten_fence() noexcept;
+  void on_bus_answer(Exchange& exchange, bool done) noexcept;
+  void on_bus_timeout(Exchange& exchange) noexcept;
+  [[nodiscard]] bool wants_bus_freed() const noexcept;
+  void free_bus() noexcept;
+  void prepare(Exchange& exchange) noexcept;
   [[nodiscard]] bool admits(const Exchange& exchange) const noexcept;
   void encode(Exchange& exchange) noexcept;
   void encode_fence() noexcept;
@@ -98,7 +112,13 @@ class ClassicEngine final : public Engine {
   bool publishes_checked_ = false;
   std::uint8_t fence_code_ = 0;       // the last ?xx heard while fencing
   std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come
-  bool plain_fence_ = false;
+  bool plain_fence_;
+
+  enum class StrayCycle : std::uint8_t { none, read, write };
+  StrayCycle stray_cycle_ = StrayCycle::none;      // what the device's bus may still be doing
+  std::optional<std::uint32_t> harmless_address_;  // a word that has answered a read which may be repeated
+  Exchange freeing_;                               // reads it
+  bool corrected_ = false;
 
   std::uint64_t position_ = 0;        // bytes ever handed to the driver
   std::size_t pending_begin_ = 0;

@@ -105,6 +105,7 @@ void ClassicEngine::on_reply(const Message& message) noexcept {
     if (exchange.operation == Operation::write_group_addresses) {
       rings_[exchange.address] = exchange.ring;  // at once: the next message may be the group's first publish
     }
+    on_bus_answer(exchange, true);
     replied(exchange, Status::ok);
   } else {
     statistics_.malformed_messages += 1;
@@ -118,7 +119,13 @@ void ClassicEngine::on_application_error(Exchange& exchange, const Message& mess
   exchange.words = exchange.operation == Operation::read_many && configuration_.data_bytes > 0
                        ? static_cast<std::uint32_t>(message.data.size() / configuration_.data_bytes)
                        : 0;
-  replied(exchange, status_of(message.error));
+  const Status status = status_of(message.error);
+  if (message.error == application_error::bus_timeout) {
+    on_bus_timeout(exchange);
+  } else if (status == Status::bus_error) {
+    on_bus_answer(exchange, false);
+  }
+  replied(exchange, status);
 }
 
 bool ClassicEngine::take_data(Exchange& exchange, const Message& message) noexcept {
@@ -167,14 +174,28 @@ void ClassicEngine::replied(Exchange& exchange, Status status) noexcept {
   reply_credit_ -= exchange.reply_bytes_;
   oldest_ = ExchangeList::after(exchange);
   oldest_since_ns_ = now_ns_;
-  if (oldest_ == nullptr) {  // as many answers as requests: each belongs to its own
-    batch_ = 0;
-    while (!in_flight_.empty()) {
-      Exchange& settled = in_flight_.pop_front();
-      settled.sent = true;
-      finish(settled, settled.status);
+  if (oldest_ == nullptr && !wants_bus_freed()) {
+    settle_batch();
+  }
+}
+
+// As many answers as requests: each belongs to its own.
+void ClassicEngine::settle_batch() noexcept {
+  batch_ = 0;
+  ExchangeList again;
+  while (!in_flight_.empty()) {
+    Exchange& settled = in_flight_.pop_front();
+    settled.sent = true;
+    const bool spoiled = settled.stray_cycle && settled.status == Status::ok;
+    settled.failures_ += spoiled ? 1 : 0;
+    if (spoiled && settled.repeat && settled.failures_ < settled.attempts_max) {
+      settled.state_ = Exchange::State::waiting;
+      again.push_back(settled);
+    } else {
+      finish(settled, !spoiled ? settled.status : settled.writes() ? Status::unknown : Status::protocol_error);
     }
   }
+  waiting_.prepend(again);
 }
 
 void ClassicEngine::on_datalink_error(std::uint8_t code) noexcept {
@@ -182,6 +203,7 @@ void ClassicEngine::on_datalink_error(std::uint8_t code) noexcept {
   last_answer_ns_ = now_ns_;
   if (state_ == State::fencing) {
     fence_code_ = code;
+    blame(code);
     if (code == datalink_error::format && !plain_fence_ && !reported_) {
       plain_fence_ = true;  // a datalink without checksums says this to '$'
       state_ = State::fence_due;

@@ -14,9 +14,37 @@ constexpr std::uint64_t hastened_part = 8;  // of the timeout
 
 }  // namespace
 
+// Bytes lost at the device's end of the wire are the cause of errors of form and checksum, and have the higher codes.
+void ClassicEngine::keep_cause(Exchange& exchange, std::uint8_t datalink_code) noexcept {
+  exchange.datalink_code = std::max(exchange.datalink_code, datalink_code);
+}
+
+// The device does not say whose bytes it lost: whoever waits for an answer may have been meant, and is told when it fails.
+void ClassicEngine::blame(std::uint8_t datalink_code) noexcept {
+  if (datalink_code < datalink_error::physical) {
+    return;
+  }
+  for (const ExchangeList* list : {&in_flight_, &waiting_}) {
+    for (Exchange* exchange = list->front(); exchange != nullptr; exchange = ExchangeList::after(*exchange)) {
+      if (exchange->attempts > 0) {
+        keep_cause(*exchange, datalink_code);
+      }
+    }
+  }
+}
+
+// Bytes that the device says were damaged or lost explain the silence that follows.
+Status ClassicEngine::silence_of(const Exchange& exchange) noexcept {
+  return exchange.datalink_code >= datalink_error::physical ? Status::protocol_error : Status::timeout;
+}
+
 void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexcept {
   pending_begin_ = pending_end_ = 0;  // a message half sent is made an error by the fence
   Exchange* const culprit = oldest_;
+  if (culprit == &freeing_) {
+    harmless_address_.reset();
+  }
+  blame(datalink_code);
   oldest_ = nullptr;
   batch_ = request_credit_ = reply_credit_ = 0;
   state_ = State::fence_due;
@@ -31,9 +59,10 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
     exchange.sent = exchange.sent || left;
     exchange.attempts -= left ? 0 : 1;
     exchange.error = {};
+    exchange.stray_cycle = false;
     if (&exchange == culprit) {
       exchange.failures_ += 1;
-      exchange.datalink_code = datalink_code;
+      keep_cause(exchange, datalink_code);
     }
     const bool once_more = !left || (exchange.repeat && exchange.failures_ < exchange.attempts_max);
     exchange.state_ = Exchange::State::waiting;
@@ -46,7 +75,7 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
   while (!over.empty()) {
     Exchange& exchange = over.pop_front();
     const bool had_effect = exchange.operation == Operation::write && !exchange.repeat;
-    finish(exchange, had_effect ? Status::unknown : why);
+    finish(exchange, had_effect ? Status::unknown : why == Status::timeout ? silence_of(exchange) : why);
   }
 }
 
@@ -100,7 +129,8 @@ void ClassicEngine::on_fence_answer(const Message& message) noexcept {
     return;
   }
   if (message.kind == MessageKind::reply && message.letters == reply::read_configuration) {
-    const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum);
+    const bool maybe_2012 = !corrected_ && (!reported_ || has_comma_byte(*reported_));
+    const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum, maybe_2012);
     const bool other = configuration && reported_ && *configuration != *reported_;
     if (!configuration || (other && plain_fence_)) {  // without a checksum a strange answer is more likely noise than another device
       statistics_.malformed_messages += 1;
@@ -139,7 +169,7 @@ void ClassicEngine::fence_failed() noexcept {
   state_ = State::fence_due;
   fence_unanswered_ = true;
   if (!reported_) {
-    plain_fence_ = false;  // "?f1" may have been noise; if not it is found out again
+    plain_fence_ = !settings_.checksums;  // "?f1" may have been noise; if not it is found out again
   }
   ExchangeList remaining;
   ExchangeList over;
@@ -152,8 +182,8 @@ void ClassicEngine::fence_failed() noexcept {
   waiting_ = remaining;
   while (!over.empty()) {
     Exchange& exchange = over.pop_front();
-    exchange.datalink_code = fence_code_;
-    finish(exchange, fence_code_ == datalink_error::checksum ? Status::protocol_error : Status::timeout);
+    keep_cause(exchange, fence_code_);
+    finish(exchange, fence_code_ == datalink_error::checksum ? Status::protocol_error : silence_of(exchange));
   }
 }
 

@@ -19,6 +19,7 @@ namespace unitylink {
 
 struct EngineSettings {
   Crc8 sum{};                            // of the classic protocol
+  bool checksums = true;                 // false: the gateware has none, and a '$' may hang it, so that none is ever sent
   std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // the device's, for classic requests
   std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // the device's, for classic replies
   std::uint32_t window = 64;             // requests in flight together

@@ -96,12 +96,16 @@ struct Exchange {
   std::uint8_t first_failure = 0;            // synchronise: the status of the first post that failed
   std::uint32_t attempts = 0;                // times an answer was asked for: the request itself, or a fence for its sake
   bool sent = false;                         // at least a byte of it has ever left
+  // 2012 gateware only: it ended in a bus timeout whose cycle may go on, or was answered by a device whose bus may have done that.
+  bool stray_cycle = false;
   std::uint64_t begun_ns = 0;
   std::uint64_t ended_ns = 0;
 
   [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
   // How it ends when it is not sent (again).
   [[nodiscard]] Status cut_off() const noexcept { return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout; }
+  // The same because another request of its call has failed, which is the one to tell of: a read is nobody's loss.
+  [[nodiscard]] Status left_out() const noexcept { return writes() ? cut_off() : Status::cancelled; }
   // It changes something on the device's bus.
   [[nodiscard]] bool writes() const noexcept {
     return operation == Operation::write || !write_addresses.empty() || (operation == Operation::exchange && !outputs.empty()) ||

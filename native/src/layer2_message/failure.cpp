@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "layer2_message/failure.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "layer2_message/shapes.hpp"
@@ -29,6 +30,8 @@ std::string_view meaning_of(std::string_view error) noexcept {
   return "an error of the gateware";
 }
 
+constexpr unsigned overrun = 4;  // among the bits of a physical error
+
 std::string_view meaning_of(std::uint8_t code) noexcept {
   namespace codes = protocol::datalink_error;
   switch (code) {
@@ -36,9 +39,11 @@ std::string_view meaning_of(std::uint8_t code) noexcept {
     case codes::format: return "wrong format";
     case codes::odd_digits: return "odd number of hex digits";
     case codes::invalid_character: return "invalid character";
-    case codes::checksum: return "wrong checksum; is polynomial= right?";
-    default: return "error of its physical layer; is the baud rate right, are requests too fast for its FIFO?";
+    case codes::checksum: return "wrong checksum; is polynomial= right? polynomial=none is for gateware without checksums";
+    default: break;
   }
+  return code >= codes::physical + overrun ? "more requests came than its receive FIFO holds; say its depth in bytes in the URL, fifo="
+                                           : "error of its physical layer; is the baud rate right?";
 }
 
 std::string code_text(std::uint8_t code) {
@@ -115,14 +120,19 @@ std::string attempts_text(const Exchange& exchange) {
          duration_text(exchange.ended_ns - exchange.begun_ns);
 }
 
-std::string refused_text(const Exchange& exchange, const std::string& name, const FailureContext& context) {
+std::string refused_text(const Exchange& exchange, const std::string& name) {
   std::string text = name + ": the device answered " + std::string(exchange.error) + ": " + std::string(meaning_of(exchange.error));
-  const bool harm = exchange.operation == Operation::write && exchange.error == protocol::application_error::bus_timeout;
-  if (harm && !context.corrected_gateware) {
-    text += "; 2012 gateware may now have written 0 to address 0";
+  if (exchange.stray_cycle && exchange.writes()) {
+    text += "; 2012 gateware may now have written 0 to address 0 or, where nothing answers there, will write 0 to the address that "
+            "its next read or write names: reset it, or write that word once more afterwards";
+  } else if (exchange.stray_cycle) {
+    text += "; where nothing answers at address 0 either, 2012 gateware loses the next write: read a word that answers before it";
   }
   return text;
 }
+
+constexpr const char* spoiled_text =
+    " was answered, but behind a bus timeout, and 2012 gateware may then do something else at its address";
 
 }  // namespace
 
@@ -153,6 +163,14 @@ Outcome behind_writes(Outcome outcome) {
   return outcome;
 }
 
+std::size_t first_failed(std::span<const Exchange> exchanges) noexcept {
+  const auto first = [exchanges](auto failed) {
+    return static_cast<std::size_t>(std::find_if(exchanges.begin(), exchanges.end(), failed) - exchanges.begin());
+  };
+  const std::size_t cause = first([](const Exchange& e) { return e.status != Status::ok && e.status != Status::cancelled; });
+  return cause < exchanges.size() ? cause : first([](const Exchange& e) { return e.status != Status::ok; });
+}
+
 Outcome describe(const Exchange& exchange, const FailureContext& context) {
   Outcome outcome;
   outcome.status = exchange.status;
@@ -170,6 +188,10 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
       outcome.text = name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
       break;
     case Status::unknown:
+      if (exchange.stray_cycle) {
+        outcome.text = name + spoiled_text + ": it may or may not have been executed; read it back before going on";
+        break;
+      }
       outcome.text = name + " was sent but its answer lost" + because + heard +
                      ": it may or may not have been executed; read it back before going on";
       break;
@@ -180,11 +202,11 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
       outcome.text = name + ": another device now answers on this port; connect again";
       break;
     case Status::denied:
-    case Status::bus_error: outcome.text = refused_text(exchange, name, context); break;
-    case Status::cancelled: outcome.text = name + ": not sent, because an earlier request of the same call failed"; break;
+    case Status::bus_error: outcome.text = refused_text(exchange, name); break;
+    case Status::cancelled: outcome.text = name + ": given up, because another request of the same call failed"; break;
     case Status::protocol_error:
-      outcome.text = !exchange.error.empty()
-                         ? refused_text(exchange, name, context)
+      outcome.text = !exchange.error.empty() ? refused_text(exchange, name)
+                     : exchange.stray_cycle  ? name + spoiled_text + "; read it again"
                          : name + " not answered rightly after " + attempts_text(exchange) +
                                (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
       break;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,13 +16,14 @@ struct FailureContext {
   std::uint32_t address_bytes = 0;
   std::uint64_t last_answer_ns = 0;  // 0: the device has never answered
   std::string_view reason;           // why the link has ended, empty when it has not
-  bool corrected_gateware = false;
 };
 
 [[nodiscard]] std::string hex_address(std::uint32_t address, std::uint32_t address_bytes);
 [[nodiscard]] std::string duration_text(std::uint64_t ns);
 // Of a call that goes on after its writes: they were executed, so that `down`, which says that nothing was sent, would not be true.
 [[nodiscard]] Outcome behind_writes(Outcome outcome);
+// The one to tell of: not one that was given up because of it. exchanges.size() when none has failed.
+[[nodiscard]] std::size_t first_failed(std::span<const Exchange> exchanges) noexcept;
 [[nodiscard]] Outcome describe(const Exchange& exchange, const FailureContext& context);
 
 }  // namespace unitylink

@@ -179,7 +179,7 @@ bool FramedEngine::send_request() noexcept {
     return true;
   }
   if (exchange.batch != nullptr && exchange.batch->failed) {
-    finish(waiting_.pop_front(), exchange.cut_off());
+    finish(waiting_.pop_front(), exchange.left_out());
     return true;
   }
   if (exchange.operation == Operation::exchange && restoring()) {

@@ -24,6 +24,10 @@ std::string hash_text(std::uint64_t hash) {
 
 Outcome Link::begin() {
   std::optional<Configuration> reported;
+  if (options_.gateware == Gateware::corrected) {
+    const std::scoped_lock lock(mutex_);
+    classic_.expect_corrected_gateware();
+  }
   if (options_.protocol != Protocol::framed) {
     Exchange exchange;
     exchange.operation = Operation::resynchronise;
@@ -32,7 +36,7 @@ Outcome Link::begin() {
     if (exchange.status != Status::ok) {
       Outcome silent = outcome_of(exchange);
       const bool maybe_frames = exchange.status == Status::timeout && options_.protocol == Protocol::automatic &&
-                                options_.gateware != Gateware::published_2012;
+                                options_.gateware != Gateware::published_2012 && options_.engine.checksums;
       if (maybe_frames) {  // gateware that was built without the classic protocol does not answer it
         Outcome outcome = begin_framed();
         return outcome.ok() || framed_ ? outcome : silent;
@@ -43,7 +47,9 @@ Outcome Link::begin() {
     checksums_ = classic_.checksums();
     reported = classic_.reported();
   }
-  const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012;
+  // Frames may have a '$' in them.
+  const bool known_classic =
+      options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 || !options_.engine.checksums;
   if (!known_classic) {
     const Outcome outcome = begin_framed();
     if (outcome.ok() || options_.protocol == Protocol::framed || outcome.status == Status::closed || outcome.status == Status::busy) {

@@ -105,8 +105,8 @@ Outcome Link::list(std::span<const ListWord> steps, std::span<std::uint32_t> val
   run(call.exchanges);
   Outcome outcome = result(call);
   if (!outcome.ok()) {
-    const auto failed = std::find_if(call.exchanges.begin(), call.exchanges.end(), [](const Exchange& e) { return e.status != Status::ok; });
-    outcome.index = static_cast<std::uint32_t>(begins[static_cast<std::size_t>(failed - call.exchanges.begin())]) + failed->words;
+    const std::size_t failed = first_failed(call.exchanges);
+    outcome.index = static_cast<std::uint32_t>(begins[failed]) + call.exchanges[failed].words;
   }
   return outcome;
 }

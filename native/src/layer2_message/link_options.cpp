@@ -75,8 +75,12 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       options.engine.sum = Crc8::exclusive_or();
       return {};
     }
+    if (value == "none") {
+      options.engine.checksums = false;
+      return {};
+    }
     if (!number_in(value, 1, 255, number)) {
-      return wrong(url, name, value, "a CRC-8 polynomial such as 0x07, or xor");
+      return wrong(url, name, value, "a CRC-8 polynomial such as 0x07, or xor, or none: the gateware has no checksums");
     }
     options.engine.sum = Crc8(static_cast<std::uint8_t>(number));
     return {};
@@ -158,6 +162,12 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
   }
   if (options.wait_ns > 0 && !options.reconnect) {
     return {Status::bad_url, "link URL '" + url.text + "': wait= is for a line that comes back; add reconnect=1"};
+  }
+  if (!options.engine.checksums && options.protocol == Protocol::framed) {
+    return {Status::bad_url, "link URL '" + url.text + "': polynomial=none is for gateware of the classic protocol; frames always have a checksum"};
+  }
+  if (!options.engine.checksums && options.checked) {
+    return {Status::bad_url, "link URL '" + url.text + "': crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out"};
   }
   if (url.scheme == "rs485" && options.protocol != Protocol::framed) {
     return {Status::bad_url, "link URL '" + url.text + "': many nodes on a pair speak the framed protocol only; leave protocol= out"};

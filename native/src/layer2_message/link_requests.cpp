@@ -105,6 +105,11 @@ Outcome Link::may_write() {
   if (configuration_.data_bytes == 4 || framed_) {
     return {};
   }
+  if (gateware_ == Gateware::automatic && !checksums_) {  // the question is a '$', and its answer that of a checksum
+    return {Status::mismatch, "2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
+                                  "-bit words writes 0 whatever value it is sent, and gateware without checksums cannot be asked which it "
+                                  "is; add gateware=2012 or gateware=corrected to the URL"};
+  }
   if (gateware_ == Gateware::automatic) {
     Exchange question;
     question.operation = Operation::empty_message;
@@ -112,6 +117,8 @@ Outcome Link::may_write() {
     run(std::span(&question, 1));
     if (question.status == Status::ok && question.datalink_code == protocol::datalink_error::checksum) {
       gateware_ = Gateware::corrected;
+      const std::scoped_lock lock(mutex_);
+      classic_.expect_corrected_gateware();
     } else if (question.error == protocol::application_error::incomplete_command) {
       gateware_ = Gateware::published_2012;
     } else {
@@ -137,8 +144,7 @@ Outcome Link::outcome_of(const Exchange& exchange) {
                              .last_answer_ns = engine_->last_answer_ns(),
                              .reason = !reason_.empty()                                                       ? reason_
                                        : exchange.status == Status::down || exchange.ended_ns == lost_ns_ ? lost_because_
-                                                                                                              : std::string_view{},
-                             .corrected_gateware = gateware_ == Gateware::corrected});
+                                                                                                              : std::string_view{}});
 }
 
 Outcome Link::run_one(Exchange& exchange) {
@@ -268,11 +274,11 @@ Outcome Link::result(const Call& call) {
       call.values[index] = exchanges[index].value;
     }
   }
-  const auto failed = std::find_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status != Status::ok; });
-  if (failed == exchanges.end()) {
+  const std::size_t index = first_failed(exchanges);
+  if (index == exchanges.size()) {
     return {};
   }
-  const auto index = static_cast<std::size_t>(failed - exchanges.begin());
+  const auto failed = exchanges.begin() + static_cast<std::ptrdiff_t>(index);
   Outcome outcome = at(outcome_of(*failed), index * call.block + failed->words);
   if (std::any_of(exchanges.begin(), failed, [](const Exchange& e) { return e.writes(); })) {
     outcome = behind_writes(std::move(outcome));

@@ -92,7 +92,12 @@ class _Place:
     @property
     def polynomial(self) -> int | None:
         text = self.options.get("polynomial", str(protocol.CRC8_POLYNOMIAL))
-        return None if text == "xor" else _number(text)
+        return None if text in ("xor", "none") else _number(text)
+
+    @property
+    def checksums(self) -> bool:
+        """False: the URL says that the gateware has none, and is not to be sent a `$`."""
+        return self.options.get("polynomial") != "none"
 
     def with_option(self, name: str, value: object) -> str:
         options = {**self.options, name: str(value)}
@@ -238,6 +243,7 @@ class _Doctor:
 
     def probe(self, driver: OpenedDriver, *, checked: bool = True) -> Answer:
         polynomial = self.place.polynomial
+        checked = checked and self.place.checksums
         return probe(driver, checked=checked, polynomial=polynomial, wait_s=self.wait_s, clock=self.clock)
 
     def wrong_answer(self, driver: OpenedDriver, answer: Answer) -> list[Finding]:
@@ -278,7 +284,7 @@ class _Doctor:
                 text = "xor" if polynomial == 0 else f"0x{polynomial:02X}"
                 link = self.place.with_option("polynomial", text)
                 return [finding("checksum", polynomial=text, link_with_polynomial=link)]
-        return [finding("no-checksum")]
+        return [finding("no-checksum", link_without_checksums=self.place.with_option("polynomial", "none"))]
 
     def other_baud_rate(self) -> int | None:
         """Return the baud rate at which there is an answer; only serial ports have one."""

@@ -185,8 +185,9 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "note",
             "The gateware has no checksums",
             "plain messages are answered, messages with a checksum are not",
-            "leave crc=1 and publish_crc=1 out of the link",
-            "Lite datalinks have no checks: a flipped bit on the wire is a wrong value.",
+            "leave crc=1 out of the link, and use {link_without_checksums}: it never sends a $",
+            "Without checks a flipped bit on the wire is a wrong value. 2012 gateware that was built without "
+            "checksums may hang after a message that asks for one.",
         ),
         "board-busy": FindingKind(
             "error",
@@ -278,6 +279,7 @@ _EXAMPLE: Mapping[str, object] = MappingProxyType(
         "latency_ms": 16,
         "link": "'serial:/dev/ttyUSB0?baud=3000000'",
         "link_with_polynomial": "serial:/dev/ttyUSB0?baud=3000000&polynomial=0x31",
+        "link_without_checksums": "serial:/dev/ttyUSB0?baud=3000000&polynomial=none",
         "link_with_right_baud": "serial:/dev/ttyUSB0?baud=3000000",
         "link_with_widths": "serial:/dev/ttyUSB0?baud=3000000&address_bytes=1&data_bytes=4",
         "measured_ms": 16.2,

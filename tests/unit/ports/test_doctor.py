@@ -236,6 +236,18 @@ def test_a_wrong_polynomial_is_a_wrong_link(diagnose: Diagnose) -> None:
 def test_no_checksum(diagnose: Diagnose) -> None:
     found = diagnose(lambda line: healthy(line) if b"#" in line else b"")
     assert list(found) == ["no-checksum"] and found["no-checksum"].severity == "note"
+    assert "polynomial=none" in found["no-checksum"].remedy
+
+
+def test_gateware_without_checksum_is_never_sent_one(diagnose: Diagnose) -> None:
+    asked: list[bytes] = []
+
+    def answer(line: bytes) -> bytes:
+        asked.append(line)
+        return b"" if b"$" in line else healthy(line)
+
+    assert diagnose(answer, link=f"{LINK}&polynomial=none") == {}
+    assert asked and not any(b"$" in line for line in asked)
 
 
 def test_board_busy(diagnose: Diagnose) -> None:

@@ -112,6 +112,8 @@ def test_overrides() -> None:
         ({"publish_mode": 3}, "publish_mode is 3"),
         ({"checksum": "crc16"}, "checksum is 'crc16'"),
         ({"datalink": "light"}, "datalink is 'light'"),
+        ({"published_2012": 2}, "published_2012"),
+        ({"published_2012": True, "protocol": "framed"}, "2012 speaks the classic protocol only"),
         ({"fifo": 2}, "fifo is 2"),
         ({"baud_hz": 10**9}, "baud_hz"),
         ({"polynomial": 256}, "polynomial is 256"),
