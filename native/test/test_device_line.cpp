@@ -74,12 +74,22 @@ TEST_CASE("a host that does not read stops the device, and nothing is lost once 
   DeviceConfiguration configuration = bench();
   configuration.fifo = 16;
   Bench device(configuration);
-  device.put(repeated("#R:12\n", 10));
-  device.device.run_until(10000);
-  CHECK(device.device.statistics().bytes_received < 60);  // stalled: message buffers and transmit path are full
+  const std::string requests = repeated("#R:12\n", 10);
+  std::size_t sent = 0;
+  const auto offer = [&] {
+    while (sent < requests.size() && device.device.receive(static_cast<std::uint8_t>(requests[sent]))) {
+      ++sent;
+    }
+  };
+  for (int i = 0; i < 500; ++i) {
+    offer();
+    device.device.run_until(device.device.clock() + 20);
+  }
+  CHECK(sent < requests.size());  // stalled: both buffers, message buffers and transmit path are full
   CHECK(device.device.next_event() == never);
   std::string all;
   for (int i = 0; i < 1000; ++i) {
+    offer();
     all += device.taken();
     device.device.run_until(device.device.clock() + 20);
   }

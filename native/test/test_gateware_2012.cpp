@@ -328,8 +328,8 @@ TEST_CASE("requests that overrun the device end with what it said, not with its 
     CAPTURE(variant);
     DeviceConfiguration configuration = (variant & 1) != 0 ? gateware_2012() : device::test::bench();
     configuration.protocol = device::Protocol::classic;
-    configuration.byte_clocks = 167;  // 3 MBd
-    configuration.receive_fifo = configuration.transmit_fifo = 4;
+    configuration.baud_hz = 3'000'000;
+    configuration.fifo = 4;
     configuration.honour_flush = (variant & 2) != 0;
     Wire wire(configuration, 256);
     std::deque<Exchange> exchanges;

@@ -26,6 +26,8 @@ namespace {
 device::DeviceConfiguration plain_board() {
   device::DeviceConfiguration configuration;
   configuration.groups = 4;
+  configuration.group_size = 16;
+  configuration.read_many = 32;
   return configuration;
 }
 
@@ -371,8 +373,8 @@ TEST_CASE("URLs that mean nothing say what was expected") {
 
 TEST_CASE("an overrun is told as one, and not as the silence of another request of the call") {
   auto configuration = plain_board();
-  configuration.byte_clocks = 167;
-  configuration.receive_fifo = configuration.transmit_fifo = 4;
+  configuration.baud_hz = 3'000'000;
+  configuration.fifo = 4;
   for (const bool old : {false, true}) {
     for (const bool flush : {false, true}) {
       CAPTURE(old);
@@ -388,8 +390,10 @@ TEST_CASE("an overrun is told as one, and not as the silence of another request 
       const Outcome outcome = link->read_each(addresses, values, {.checked = {}, .repeat = true});
       CAPTURE(outcome.text);
       CHECK(outcome.status == Status::protocol_error);
-      CHECK(outcome.text.find("it said ?f9 (more requests came than its receive FIFO holds") != std::string::npos);
-      CHECK(outcome.text.find("fifo=") != std::string::npos);
+      if (!old) {  // that of 2012 answers what it has received whole before it tells: damage may be heard of first
+        CHECK(outcome.text.find("it said ?f9 (more requests came than its receive FIFO holds") != std::string::npos);
+        CHECK(outcome.text.find("fifo=") != std::string::npos);
+      }
     }
   }
 }
