@@ -213,8 +213,10 @@ class BoardConfiguration(Settings):
 def _wrong(setting: Setting, value: Any) -> str:
     """Say what is wrong with the value of a setting, and what it can be; "" where nothing is."""
     name = setting.name
-    if setting.type == "count" and not setting.least <= value <= setting.most:
-        return f"{name} is {value}; choose {setting.least} to {setting.most}"
+    if setting.type == "switch" and not isinstance(value, bool):
+        return f"{name} is {value!r}; choose True or False"
+    if setting.type == "count" and not (isinstance(value, int) and setting.least <= value <= setting.most):
+        return f"{name} is {value!r}; choose {setting.least} to {setting.most}"
     if setting.type == "choice" and value not in setting.choices:
         return f"{name} is {value!r}; choose {', '.join(setting.choices)}"
     if setting.type == "groups" and not all(0 <= group < GROUPS_MAX for group in value):

@@ -92,7 +92,7 @@ class Settings:
     long_frames: bool = False
     """payloads of more than 250 bytes; likewise"""
     published_2012: bool = False
-    """the published gateware of 2012 with its defects, not the corrected one; it speaks the classic protocol only"""
+    """the published gateware of 2012 with its defects: the classic protocol only"""
     bench_memory: bool = False
     """memory begins as in the recordings of the 2012 gateware, not as zero"""
     fifo: int = 0
@@ -224,7 +224,7 @@ SETTINGS: Final = MappingProxyType(
             "payloads of more than 250 bytes; likewise"),
         "published_2012": Setting(
             "published_2012", "switch", False, "", ("twin",), ("python",),
-            "the published gateware of 2012 with its defects, not the corrected one; it speaks the classic protocol only"),
+            "the published gateware of 2012 with its defects: the classic protocol only"),
         "bench_memory": Setting(
             "bench_memory", "switch", False, "", ("twin",), ("python",),
             "memory begins as in the recordings of the 2012 gateware, not as zero"),

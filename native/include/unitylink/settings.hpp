@@ -74,7 +74,7 @@ struct Settings {
   std::uint32_t credit = 512;  // bytes: framed requests that may be unanswered; likewise
   std::uint32_t cache_bytes = 16;  // bytes: reply bytes kept for a repeat; likewise
   bool long_frames = false;  // payloads of more than 250 bytes; likewise
-  bool published_2012 = false;  // the published gateware of 2012 with its defects, not the corrected one; it speaks the classic protocol only
+  bool published_2012 = false;  // the published gateware of 2012 with its defects: the classic protocol only
   bool bench_memory = false;  // memory begins as in the recordings of the 2012 gateware, not as zero
   std::uint32_t fifo = 0;  // bytes: buffers of the physical layer each way, at least 4; 0: large
   std::uint32_t baud_hz = 0;  // baud: of a serial line; 0: bytes come as they do over USB

@@ -108,11 +108,12 @@ def test_overrides() -> None:
     [
         ({"data_bits": 7}, "data_bits is 7"),
         ({"groups": 257}, "groups is 257"),
+        ({"groups": "2"}, "groups is '2'; choose 1 to 256"),
         ({"groups": -1}, "groups"),
         ({"publish_mode": 3}, "publish_mode is 3"),
         ({"checksum": "crc16"}, "checksum is 'crc16'"),
         ({"datalink": "light"}, "datalink is 'light'"),
-        ({"published_2012": 2}, "published_2012"),
+        ({"published_2012": 2}, "published_2012 is 2; choose True or False"),
         ({"published_2012": True, "protocol": "framed"}, "2012 speaks the classic protocol only"),
         ({"fifo": 2}, "fifo is 2"),
         ({"baud_hz": 10**9}, "baud_hz"),
