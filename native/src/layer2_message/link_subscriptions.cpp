@@ -290,7 +290,7 @@ Outcome Link::unsubscribe(std::uint32_t id) {
   }
   bool unheard = false;
   Outcome outcome = closed() ? Outcome{} : stop_group(*subscription, last);
-  if (outcome.status == Status::down) {  // it is not set up again
+  if (outcome.status == Status::down || outcome.status == Status::unknown) {  // it is not set up again
     outcome = {};
     unheard = true;
   }

@@ -27,7 +27,8 @@ class CommittedProxy(HardwareProxy):
     The gateware swaps its buffers at a commit and does not copy: a word that is not written before a commit
     falls back to its value of two commits ago. So the proxy keeps a shadow of every output it is responsible
     for (those declared and those written) and writes all of them before each commit. What it does not know
-    yet it reads back from the device first, so that a robot that is already running does not jump.
+    yet it reads back from the device first, so that a robot that is already running does not jump. What it
+    wrote before a line came back (`reconnect=1`), or a device restarted, it does not know any more.
 
     The words of a burst may be sent twice, a commit never is: if its reply is lost, OutcomeUnknown says so.
 
@@ -52,6 +53,7 @@ class CommittedProxy(HardwareProxy):
         self._staged_checked: bool | None = None
         self._batch_thread: int | None = None
         self._settled = False  # no commit of ours can be pending
+        self._generation = self._generation_now()
 
     @property
     def outputs(self) -> dict[int, int | None]:
@@ -158,6 +160,7 @@ class CommittedProxy(HardwareProxy):
     def _burst(self, changes: dict[int, int], checked: bool | None, timeout_s: float | None) -> None:
         patience_s = self.commit_timeout_s if timeout_s is None else positive("timeout_s", timeout_s)
         deadline = time.monotonic() + patience_s
+        self._forget_old()
         if not self._settled:
             self._settle(deadline, committed=False)
         for address in changes:  # if this burst fails half-way, the next one has to mend these words too
@@ -188,6 +191,15 @@ class CommittedProxy(HardwareProxy):
         self._outputs.update(changes)
         self._settle(deadline, committed=True)
         self._settled = True
+
+    def _generation_now(self) -> tuple[int, int]:
+        return self.link.generation, self.control.generation
+
+    def _forget_old(self) -> None:
+        """Forget the shadow where a line came back or a device restarted: no old set-point is repeated."""
+        if (generation := self._generation_now()) != self._generation:
+            self._outputs = dict.fromkeys(self._outputs)
+            self._settled, self._generation = False, generation
 
     def _read_back(self, changes: dict[int, int], timeout_s: float | None) -> None:
         unknown = [a for a, word in self._outputs.items() if word is None and a not in changes]

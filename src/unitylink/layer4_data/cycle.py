@@ -30,9 +30,10 @@ class Cycle:
     """Write every WRITE of a group and read every READ, in as few bytes and messages as the link allows.
 
     Made by `ValueGroup.cycle` and `Node.cycle`. A value that a call does not name keeps what it was last
-    given, at first its INITIAL. On a framed link the words are named once, as an exchange group; then each
-    call is one message each way with bare data, and what it returns is of one moment (`atomic`). Where that
-    cannot be, `notice` says why, and the same is done in the next best way.
+    given, at first its INITIAL; after a line came back or a device restarted all must be given again. On a
+    framed link the words are named once, as an exchange group; then each call is one message each way with
+    bare data, and what it returns is of one moment (`atomic`). Where that cannot be, `notice` says why, and
+    the same is done in the next best way.
 
     >>> with robot.cycle() as cycle:                                # doctest: +SKIP
     ...     state = cycle(target=0.0)
@@ -53,6 +54,7 @@ class Cycle:
             value: _initial(value) for value in group.writes.values()
         }
         links: dict[Link, None] = dict.fromkeys(value.hardware.link for value in group)
+        self._generations = {link: link.generation for link in links}
         self._parts = [_Part(link, group, self._raw, self._say) for link in links]
 
     @property
@@ -73,13 +75,15 @@ class Cycle:
         All values are checked before the first is sent. Raises ValueRangeError, also for one that was never
         given, and what writing raises: OutcomeUnknown, DeadManTripped, BusError.
         """
+        self._forget_old()
         if values is not None or named:
             for value, number in self.group.chosen(values, named).items():
                 self._raw[value] = value.encode(number)
         missing = [value.path for value, raw in self._raw.items() if raw is None]
         if missing:
             raise ValueRangeError(
-                f"{self.group.path}: {', '.join(missing)}: never given, and no INITIAL; nothing was sent"
+                f"{self.group.path}: {', '.join(missing)}: never given, and no INITIAL, or "
+                "given before the line was lost or the device restarted; nothing was sent"
             )
         try:
             fetched = at_once([partial(part.run, timeout_s) for part in self._parts])
@@ -90,6 +94,13 @@ class Cycle:
                 value.take(raw)
         words = {part.link: read for part, read in zip(self._parts, fetched, strict=True)}
         return self.group.taken(words)
+
+    def _forget_old(self) -> None:
+        """Forget what was given where a line came back or a device restarted: it must be given again."""
+        for link, before in self._generations.items():
+            if link.generation != before:
+                self._generations[link] = link.generation
+                self._raw.update({value: None for value in self._raw if value.hardware.link is link})
 
     def close(self) -> None:
         """Give the exchange groups back to their devices."""

@@ -180,6 +180,8 @@ class FakeLink:
     description: None = None  # it speaks the classic protocol
     unverified: str = "it is a fake"
 
+    generation = 0  # of a device that never restarts, on a line that is never lost
+
     def __post_init__(self) -> None:
         self.log: list[tuple[Any, ...]] = []
         self.subscriptions: list[FakeSubscription] = []
