@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- That the instruction which stands is the one at the position that was decided, whatever is done, jumped or reset. The proof
--- of frame_application takes its instructions from there: a position has 8 bits, an instruction 79.
+-- of frame_application takes its instructions from there: a position has 8 bits, an instruction 80.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -35,7 +35,7 @@ architecture properties of frame_sequencer_formal is
   begin
     for place in program'range loop
       program(place) := std_ulogic_vector(to_unsigned(place, 8)) & std_ulogic_vector(to_unsigned(2 ** 16 - 1 - 257 * place, 16)) &
-                        (54 downto 0 => '0') or std_ulogic_vector(resize(to_unsigned(place * 4099 + 70077, 31), 79));
+                        (55 downto 0 => '0') or std_ulogic_vector(resize(to_unsigned(place * 4099 + 70077, 31), 80));
     end loop;
     return program;
   end function;

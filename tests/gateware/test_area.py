@@ -33,7 +33,7 @@ def grown(flow: Any, row: Any, recorded: dict[str, Any]) -> list[str]:
     """Return what yosys counts more of than the record has, of a row whose gateware has changed since."""
     if recorded.get("digest") == flow.digest(row):
         return []
-    mapped = flow.map_cells(flow.verilog_of(row), row.top, flow.ICE40)
+    mapped = flow.map_cells(flow.verilog_of(row), flow.top_of(row), flow.ICE40)
     counts = {"luts": mapped.luts, "flip_flops": mapped.flip_flops}
     return [
         f"{row.name}: {count} {what} instead of {recorded['ice40'][what]}"
@@ -58,7 +58,7 @@ def test_the_digest_is_of_the_gateware_and_of_the_generics(
 ) -> None:
     row = next(row for row in rows() if row.name == "smallest")
     before = flow.digest(row)
-    assert flow.digest(dataclasses.replace(row, generics={})) != before
+    assert flow.digest(dataclasses.replace(row, settings={})) != before
     read = flow.plain_text
     monkeypatch.setattr(flow, "plain_text", lambda path: read(path) + " x" * (path.name == "receiver.vhd"))
     assert flow.digest(row) != before

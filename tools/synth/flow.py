@@ -134,6 +134,11 @@ def verilog_of(row: Row) -> str:
         return netlist(row.top, sources=sources, assertions=False)
 
 
+def top_of(row: Row) -> str:
+    """Return the top level of the row's netlist."""
+    return SIZED if row.top == "core" else row.top
+
+
 def core_netlist(settings: Mapping[str, int | str | bool]) -> str:
     """Return the netlist of the core with these settings, in the top level SIZED."""
     with tempfile.TemporaryDirectory() as folder:
@@ -144,7 +149,7 @@ def core_netlist(settings: Mapping[str, int | str | bool]) -> str:
 
 def digest(row: Row) -> str:
     """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
-    said = hashlib.sha256(repr((row.top, sorted(row.generics.items()), row.example)).encode())
+    said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), row.example)).encode())
     spec = ROOT / "examples" / row.example / f"{row.example}.ul"
     paths = needed_sources("core" if row.example else row.top, gateware_sources())
     for text in (*map(plain_text, paths), spec.read_text(encoding="utf-8") if row.example else ""):

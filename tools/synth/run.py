@@ -9,7 +9,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from flow import CHIPS, ICE40, ROOT, SEEDS, SIZED, TARGET_MHZ, digest, map_cells, place, verilog_of, versions
+from flow import CHIPS, ICE40, ROOT, SEEDS, TARGET_MHZ, digest, map_cells, place, top_of, verilog_of, versions
 from table import ROWS, Row
 
 RECORD = ROOT / "gateware" / "area.json"
@@ -28,8 +28,7 @@ def measure(row: Row) -> Figures:
     """Return the figures of a row on each chip."""
     verilog = verilog_of(row)
     print(f"{row.name:14} ...", flush=True)
-    top = SIZED if row.top == "core" else row.top
-    figures = {name: place(map_cells(verilog, top, chip)) for name, chip in CHIPS.items()}
+    figures = {name: place(map_cells(verilog, top_of(row), chip)) for name, chip in CHIPS.items()}
     print(
         f"{row.name:14}", *(f"{c['cells']:5} cells {c['mhz']:6.1f} MHz" for c in figures.values()), flush=True
     )
