@@ -155,7 +155,7 @@ BLOCKS = (
                 "request_done <= instruction(do_finish) and word_ready and serving;",
                 "request_done <= instruction(do_finish) and serving;",
             ),
-            Mutant("application.vhd", "if bii_response.status = silent then", "if false then"),
+            Mutant("application.vhd", "elsif bii_response.status /= ok then", "elsif false then"),
             Mutant(
                 "program_pkg.vhd",
                 "take_bytes(data_bytes, act(do_shift_data), act(do_write), missing_data);",
@@ -330,7 +330,7 @@ BLOCKS = (
     Block(
         "frame_application",
         "`framed/frame_application` with its program, 8-bit address and data, no lists, groups and dead-man",
-        depth=3,
+        depth=0,
         deep=24,
         for_ever=("executed_is_remembered", "failure_is_remembered", "judged_twice_most"),
         without=(

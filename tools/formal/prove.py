@@ -38,7 +38,7 @@ def prove(block: Block) -> Result:
         made = model(block, Path(folder))
         TRACES.mkdir(parents=True, exist_ok=True)
         trace = TRACES / f"{block.name}.vcd"
-        failed = violated(made, block.depth, trace)
+        failed = violated(made, block.depth, trace) if block.depth else []  # 0: ABC alone searches
         if not failed and block.deep and violated_at(made, block.deep) is not None:
             failed = followed(made, trace)
         if failed:
