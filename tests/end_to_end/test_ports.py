@@ -29,7 +29,10 @@ def test_another_spec_is_found_out_and_ends_with_one(
     url = serve("arm.ul", "--tcp", "0").url  # type: ignore[attr-defined]
     done = run("doctor", url, "--spec", "other.ul")
     assert done.returncode == 1
-    assert "[wrong-spec]" in done.stdout and "far at 0x0480" in done.stdout and "mend: " in done.stdout
+    assert "[other-gateware]" in done.stdout and "other.ul" in done.stdout and "mend: " in done.stdout
+    untold = run("doctor", f"{url}?protocol=classic", "--spec", "other.ul")  # it tells no spec
+    assert untold.returncode == 1
+    assert "[wrong-spec]" in untold.stdout and "far at 0x0480" in untold.stdout and "mend: " in untold.stdout
 
 
 def test_nobody_there_is_a_finding_not_a_traceback(run: Run) -> None:

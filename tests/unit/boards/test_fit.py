@@ -21,7 +21,7 @@ def test_what_is_so_already_is_no_remedy() -> None:
         "--set groups=2",
     ]
     small = "".join(remedies(BoardConfiguration(protocol="framed", groups=2, publish_mode=0)))
-    assert "--protocol" not in small and "groups" not in small and "publish_mode" not in small
+    assert "--protocol" not in small and "--set groups" not in small and "publish_mode" not in small
     assert "fewer words" in small
 
 
