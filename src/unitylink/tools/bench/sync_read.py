@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .bare import against_bare
+from .bare import against_bare, with_option
 from .board import ADDRESS, layer4_word, reads_of
 from .figure import BenchError, Figure, Run
 from .programs import twin
@@ -48,10 +48,9 @@ def measure_framed(run: Run) -> Figure:
     """Measure reads through layer 4 on frames against classic ones, in turns on one board."""
     with twin("pty") as board:
         url = board.line()
-        mark = "&" if "?" in url else "?"
         result = in_turns(
-            lambda count: reads_of(f"{url}{mark}protocol=framed", count),
-            lambda count: reads_of(f"{url}{mark}protocol=classic", count),
+            lambda count: reads_of(with_option(url, "protocol=framed"), count),
+            lambda count: reads_of(with_option(url, "protocol=classic"), count),
             rounds=run.rounds(61),
             count=200 if not run.quick else 50,
         )
