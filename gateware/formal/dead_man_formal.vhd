@@ -177,10 +177,12 @@ begin
   -- No more ticks than are counted here.
   few_ticks : assume always unsigned(request.ticks) <= ticks_most;
 
-  -- What is asked stands until it is done, and one access follows another after a clock without, as applications are proven.
+  -- What is asked stands until it is done, as applications are proven.
   asked_stands : assume always asked.valid = '1' and answered.done = '0' and reset = '0' ->
                  next (asked.valid = '1' and asked.write = prev(asked.write) and asked.address = prev(asked.address) and
                        (asked.write = '0' or asked.data = prev(asked.data)));
+
+  -- One access follows another after a clock without, as applications are proven.
   asked_ends : assume always asked.valid = '1' and answered.done = '1' -> next (asked.valid = '0');
 
   -- A reset is one of the applications, too.

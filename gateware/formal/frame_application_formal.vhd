@@ -359,11 +359,11 @@ begin
   -- Nor does the program go around: no id is judged more than twice.
   judged_twice_most : assert always begun = '1' -> judgements <= 2;
 
-  -- What was executed is remembered, with the status that its answer tells, which is that of the bus: where it went well …
+  -- What was executed well is remembered, with the status that its answer tells, which is that of the bus.
   executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble = 0 ->
                            holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
 
-  -- … and where the bus refused, or nobody answered.
+  -- What the bus refused, or nobody answered, is remembered with that status, too.
   failure_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble /= 0 ->
                           holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
 

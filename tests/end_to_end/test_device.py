@@ -237,7 +237,7 @@ def test_simulate_a_port_in_use(serve: Serve, run: Run, memory: Path) -> None:
         (["--plant", "gone.py"], 1, "gone.py"),
         (["--plant", "wobble"], 1, "wobble"),
         (["--fifo", "2"], 1, "at least 4 bytes"),
-        (["--groups", "1000"], 1, "choose 1 to 256"),
+        (["--groups", "1000"], 2, "1<=x<=256"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )

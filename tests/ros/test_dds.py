@@ -294,7 +294,7 @@ def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: Dd
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("ros2", "tcp://127.0.0.1:1"), 2, "SPEC is missing"),
+        (("ros2", "tcp://127.0.0.1:1"), 2, "--spec FILE.ul"),
         (("ros2", "tcp://127.0.0.1:1", "PAIR"), 1, "--root"),
         (("ros2", "nonsense:", "RIG"), 1, "nonsense:"),
         (("ros1", "tcp://127.0.0.1:1", "RIG"), 1, "--system-site-packages"),
