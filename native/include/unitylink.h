@@ -200,6 +200,12 @@ UL_API ul_status ul_set_dead_man(ul_link* link, uint64_t silence_ns, const ul_op
 /* Lets outputs be written again after the dead-man has tripped, and starts it again if this link had set it. Where it tripped in the session that is open, that
  * session is ended and another begun. */
 UL_API ul_status ul_arm(ul_link* link, const ul_options* options);
+/* From now on the line is given up where ul_alive is not called for `patience_ns`: then nothing goes to the device, and a dead-man that runs trips. So it tells that the
+ * program works, not only that its process lives. With reconnect=1 the line comes back when ul_alive is called again, else the link ends. 0: never.
+ * UL_RANGE: more than an hour. */
+UL_API ul_status ul_watch_program(ul_link* link, uint64_t patience_ns);
+/* The program works. Neither locks, waits nor allocates. */
+UL_API void ul_alive(ul_link* link);
 
 /* The words at `addresses` together, published by the device. `subscription` names it from then on; the number never comes back.
  * Errors as requests; UL_MISMATCH also when no group is left, none is so large, or the line too slow. */

@@ -119,6 +119,10 @@ void arm(Link& link, nb::handle timeout_s) {
   done(timeout_s, [&](const RequestOptions& how) { return link.arm(how); });
 }
 
+void watch_program(Link& link, double patience_s) {
+  done(nb::none(), [&](const RequestOptions&) { return link.watch_program(patience_s); });
+}
+
 nb::dict description(const Link& link) {
   const Description& told = link.description();
   nb::dict result;
@@ -168,6 +172,8 @@ void bind_framed(nb::class_<Link>& link) {
       .def("release_exchange", &Link::release_exchange, "id"_a, nb::call_guard<GilRelease>())
       .def("set_dead_man", &set_dead_man, "silence_s"_a, "timeout_s"_a.none())
       .def("arm", &arm, "timeout_s"_a.none())
+      .def("watch_program", &watch_program, "patience_s"_a)
+      .def("alive", &Link::alive)
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())
       .def("clock", &clock_state)
       .def("check_spec", &check_spec, "spec"_a, "hashes"_a)

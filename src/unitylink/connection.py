@@ -6,14 +6,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Literal
 
 from unitylink.errors import UrlError
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link
 from unitylink.schemes import scheme_of
 
+_RECONNECT = re.compile(r"[?&]reconnect=")
 
-def connect(url: str, *, reconnect: bool | None = None) -> Link:
+
+def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Link:
     """Return an open Link to the device that `url` names.
 
         connect("serial:/dev/ttyUSB0?baud=3000000")
@@ -33,6 +36,7 @@ def connect(url: str, *, reconnect: bool | None = None) -> Link:
     `reconnect=1` in the URL, or `reconnect=True`: a line that is lost, or whose device falls silent, is
     opened again, and what was subscribed goes on (`Link.on_event`, `Link.wait_up`). What is asked meanwhile
     is LinkDown at once; with `wait=SECONDS` reads wait so long instead. Not for `fd:` and `mmap:`.
+    `reconnect="auto"`: so it is where the URL does not say, and names a place of hardware that allows it.
 
     `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
     options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
@@ -44,9 +48,11 @@ def connect(url: str, *, reconnect: bool | None = None) -> Link:
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
+    scheme = scheme_of(url)
+    if reconnect == "auto":
+        reconnect = True if scheme.lasting and not _RECONNECT.search(url) else None
     if reconnect is not None:
         url = _with_reconnect(url, reconnect)
-    scheme = scheme_of(url)
     if scheme.make is None:
         return Link(url)
     device, driver_url = scheme.make(url)
@@ -65,7 +71,7 @@ def connect(url: str, *, reconnect: bool | None = None) -> Link:
 
 
 def _with_reconnect(url: str, reconnect: bool) -> str:
-    if re.search(r"[?&]reconnect=", url):
+    if _RECONNECT.search(url):
         raise UrlError(f"link URL {url!r}: reconnect stands in the URL, and is given beside it")
     return f"{url}{'&' if '?' in url else '?'}reconnect={int(reconnect)}"
 

@@ -26,7 +26,8 @@ class Scheme:
 
     `make` returns what the URL names and the URL under which the native core reaches it; None: the core opens
     the URL itself. `virtual`: there is no port and no hardware behind it, and the URL names a spec.
-    `stream`: bytes go there; else layer 2 reaches the registers itself, with no protocol between.
+    `stream`: bytes go there; else layer 2 reaches the registers itself, with no protocol between. `once`: it
+    cannot be opened a second time.
     """
 
     name: str
@@ -35,6 +36,12 @@ class Scheme:
     make: Callable[[str], tuple[Device, str]] | None = None
     virtual: bool = False
     stream: bool = True
+    once: bool = False
+
+    @property
+    def lasting(self) -> bool:
+        """Whether a program that wants its line back asks for it here: a virtual board is never unplugged."""
+        return self.stream and not self.once and not self.virtual
 
 
 def _simulated(url: str) -> tuple[Device, str]:
@@ -53,7 +60,7 @@ SCHEMES = {
         Scheme("tcp", "tcp://HOST:PORT", "a board on the network, or `unitylink simulate`"),
         Scheme("udp", "udp://HOST:PORT", "the same over UDP"),
         Scheme("mmap", "mmap:/dev/uio0", "registers that are memory: UIO, a PCIe BAR", stream=False),
-        Scheme("fd", "fd:NUMBER", "an open descriptor, which the link takes over"),
+        Scheme("fd", "fd:NUMBER", "an open descriptor, which the link takes over", once=True),
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
     )

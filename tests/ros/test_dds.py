@@ -18,11 +18,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unitylink import connect
 from unitylink.generate import write
+from unitylink.layer4_data import load_spec_objects
 from unitylink.ros import Topic, plan_interface
 from unitylink.ros.dds import DdsPlane
 from unitylink.ros.dds_types import DdsTypes
 from unitylink.ros.definitions import definition
+from unitylink.ros.node import Options, RobotNode
 from unitylink.ros.plane import SERVICE_FIELDS
 from unitylink.ros.standard import STANDARD, definitions
 from unitylink.simulate import Board
@@ -232,6 +235,88 @@ def test_generated_node_on_dds(
 
     status = peer.next(peer.reader("rt/diagnostics", types["diagnostic_msgs/DiagnosticArray"])).status[0]
     assert status.level == 0 and status.hardware_id.startswith(device.url)
+
+
+@pytest.fixture
+def node_here(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]]:
+    """A node on DDS within this process, whose threads can be reached."""
+    device, spec = board("rig", "still"), load(RIG)
+    interface = plan_interface(spec)
+    plane = DdsPlane(interface, "rig", domain)
+    plane.life.patience_s = 0.5
+    node = RobotNode(
+        interface,
+        plane,
+        lambda: connect(f"{device.url}?timeout=5", reconnect="auto"),
+        lambda link: load_spec_objects(spec, link),
+        Options(deadman_s=0.5),
+    )
+    plane.start()
+    until(node.keeper.up.is_set)
+    yield node, device
+    plane.close()
+    node.close()
+
+
+def test_a_message_that_cannot_be_read_ends_nothing(
+    node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes
+) -> None:
+    """A name that is no UTF-8, as any participant may send it: refused, and the next message is taken."""
+    node, device = node_here
+    kind = types["sensor_msgs/JointState"]
+    commands = Peer(domain, types).writer("rt/rig/joint_commands", kind)
+    header = types["std_msgs/Header"](types["builtin_interfaces/Time"](0, 0), "")
+
+    def command(position: float) -> Any:
+        return kind(header, ["j_1"], [position], [], [])
+
+    whole = bytes(command(0.5).serialize())
+    names = (b"\xff\xfe1", b"\xed\xa0\x80", b"\xc3(1", b"\x80\x80\x80")
+    hostile = [whole.replace(b"j_1", name) for name in names]
+    for number, data in enumerate(hostile):
+        refused = node.refused
+        message = command(0.5)
+        message.serialize = lambda data=data, **_: data
+        commands.write(message)
+        commands.write(command(0.1 * number))
+        until(lambda number=number: device.registers[0x1A] == 100 * number)
+        until(lambda refused=refused: node.refused > refused)
+    assert not node.hanging and node.health().level == 1
+
+
+def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answered(
+    node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes
+) -> None:
+    node, device = node_here
+    peer = Peer(domain, types)
+    commands = peer.writer("rt/rig/mode", types["std_msgs/UInt8"])
+    commands.write(types["std_msgs/UInt8"](1))
+    until(lambda: device.registers[0x0] == 1)
+    held, session = threading.Event(), node.session
+    assert session is not None
+    session.inbox.put = lambda numbers: held.wait(PATIENCE_S)  # type: ignore[method-assign]
+    node.make_safe_when_hanging = lambda _: None  # type: ignore[method-assign]  # only the gateware does
+    commands.write(types["std_msgs/UInt8"](1))
+    until(lambda: "the thread that takes messages stands still" in node.hanging)
+    asked, answered = (
+        types.service("std_srvs/SetBool", part, SERVICE_FIELDS["std_srvs/SetBool"][n])
+        for n, part in enumerate(("Request", "Response"))
+    )
+    replies = peer.reader("rr/rig/armReply", answered)
+    requests = peer.writer("rq/rig/armRequest", asked)
+    until(replies.get_matched_publications)
+    requests.write(asked(7, 1, True))
+    reply = peer.next(replies)
+    assert not reply.success and "stands still" in reply.message
+    health = node.health()
+    assert health.level == 2 and "stands still" in health.message
+    until(lambda: device.registers[0x0] == 0)  # SAFE, of the gateware
+    del session.inbox.put
+    held.set()
+    until(node.keeper.up.is_set)
+    until(lambda: not node.hanging)
+    commands.write(types["std_msgs/UInt8"](1))
+    until(lambda: device.registers[0x0] == 1)
 
 
 def test_what_is_gathered_arrives_whole_and_in_order(domain: int, types: DdsTypes) -> None:

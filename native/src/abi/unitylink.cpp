@@ -369,6 +369,19 @@ ul_status ul_arm(ul_link* link, const ul_options* options) {
   return guarded([&] { return told(link->link->arm(how)); });
 }
 
+ul_status ul_watch_program(ul_link* link, uint64_t patience_ns) {
+  if (link == nullptr) {
+    return bad_argument(null_pointer);
+  }
+  return guarded([&] { return told(link->link->watch_program(static_cast<double>(patience_ns) * 1e-9)); });
+}
+
+void ul_alive(ul_link* link) {
+  if (link != nullptr) {
+    link->link->alive();
+  }
+}
+
 ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* subscription) {
   if (link == nullptr || addresses == nullptr || subscription == nullptr || !known(options)) {
     return bad_argument(known(options) ? null_pointer : unknown_size);

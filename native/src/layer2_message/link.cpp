@@ -12,6 +12,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "layer2_message/failure.hpp"
 #include "layer2_message/link_state.hpp"
 
 namespace unitylink {
@@ -199,6 +200,9 @@ void Link::wake() noexcept { signal(wake_descriptor_); }
 // Everything the engine has to say, as far as the driver takes it.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
+  if (!program_lives() && line_ != Line::gone && !engine_->ended()) {
+    lose(Status::closed, "the program gave no sign of life for " + duration_text(program_patience_ns_));
+  }
   while (!engine_->ended() && line_ != Line::gone) {
     const std::span<const std::uint8_t> bytes = engine_->transmit(now);
     if (bytes.empty()) {
@@ -220,7 +224,7 @@ void Link::flush(std::uint64_t now) noexcept {
 // One turn at the descriptor: wait, read, dispatch, send. The lock is open only while waiting and reading.
 void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   leading_ = true;
-  const std::uint64_t until = std::min(until_ns, engine_->next_deadline_ns());
+  const std::uint64_t until = std::min({until_ns, engine_->next_deadline_ns(), program_until_ns_.load()});
   leading_until_ns_ = until;
   const std::uint64_t completed = engine_->completed();
   const std::uint64_t published = engine_->statistics().publishes;

@@ -146,6 +146,11 @@ class Link {
   [[nodiscard]] Outcome set_dead_man(double silence_s, const RequestOptions& how);
   // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped in this one.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
+  // The dead-man watches the link; this makes the link watch the program. Where alive() is not called for `patience_s`, the line is given up as if it were
+  // lost, and opened again (reconnect=1) when the program lives again; without reconnect=1 the link ends. 0: never. range.
+  [[nodiscard]] Outcome watch_program(double patience_s);
+  // The program lives. Neither locks, waits nor allocates.
+  void alive() noexcept;
 
   // `id` names the subscription from then on; an id never comes back. What the device sent before it stopped can be drained until its
   // group (group_of) is subscribed anew; then there is nothing behind the old id any more.
@@ -254,6 +259,7 @@ class Link {
   [[nodiscard]] Outcome restore();
   [[nodiscard]] Outcome stop_closed_groups();
   [[nodiscard]] std::uint64_t look_ns() const noexcept;
+  [[nodiscard]] bool program_lives() const noexcept { return now_ns() < program_until_ns_; }
   void look_after(Lock& lock);
 
   // requests (link_requests.cpp)
@@ -323,6 +329,8 @@ class Link {
   std::deque<LinkEvent> events_;
   std::uint64_t events_made_ = 0;
   std::atomic<std::uint64_t> generation_ = 0;
+  std::atomic<std::uint64_t> program_patience_ns_ = 0;  // 0: nobody watches the program
+  std::atomic<std::uint64_t> program_until_ns_ = Engine::no_deadline;
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;

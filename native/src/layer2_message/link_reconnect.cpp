@@ -15,6 +15,8 @@ namespace {
 constexpr std::uint64_t pause_first_ns = 10'000'000;     // before the second attempt; twice as long before each that follows
 constexpr std::uint64_t pause_most_ns = 1'000'000'000;
 constexpr std::uint64_t silence_ns = 500'000'000;        // without a byte for so long the device is asked whether it is there
+constexpr std::uint64_t program_look_ns = 20'000'000;    // between two looks whether a program lives again
+constexpr double program_patience_most_s = 3600;
 constexpr std::size_t events_kept = 64;
 
 }  // namespace
@@ -163,6 +165,28 @@ void Link::look_after(Lock& lock) {
 
 // ---- and back
 
+// ---- the program
+
+Outcome Link::watch_program(double patience_s) {
+  if (!(patience_s >= 0 && patience_s <= program_patience_most_s)) {
+    return {Status::range, "a program is waited for from 0 to 3600 s, not " + std::to_string(patience_s)};
+  }
+  program_patience_ns_ = static_cast<std::uint64_t>(patience_s * 1e9);
+  program_until_ns_ = program_patience_ns_ > 0 ? now_ns() + program_patience_ns_ : Engine::no_deadline;
+  if (program_patience_ns_ > 0) {
+    start_reader();  // which looks at the time while nobody calls
+    const std::scoped_lock lock(mutex_);
+    wake();
+  }
+  return {};
+}
+
+void Link::alive() noexcept {
+  if (const std::uint64_t patience_ns = program_patience_ns_; patience_ns > 0) {
+    program_until_ns_ = now_ns() + patience_ns;
+  }
+}
+
 // One attempt, by the reader.
 void Link::reopen(Lock& lock) {
   while (leading_) {
@@ -173,6 +197,10 @@ void Link::reopen(Lock& lock) {
   }
   driver_.reset();
   const auto over = [this] { return engine_->ended() || !reader_wanted_; };
+  if (!program_lives()) {
+    idle_.wait_for(lock, std::chrono::nanoseconds(program_look_ns), over);
+    return;
+  }
   if (attempts_ > 0) {
     const std::uint64_t pause_ns = std::min(pause_most_ns, pause_first_ns << std::min(attempts_ - 1, 10u));
     idle_.wait_for(lock, std::chrono::nanoseconds(pause_ns), over);

@@ -44,6 +44,25 @@ class Line:
         """
         return self._native.generation
 
+    def watch_program(self, patience_s: float) -> None:
+        """From now on give the line up where `alive` is not called for `patience_s`; 0: never.
+
+        The link gives the dead-man signs of life as long as the process exists, though the program hangs.
+        With this it does so only while the program works: without it the line is given up as if it were lost,
+        nothing goes to the device, and a dead-man that runs trips. With `reconnect=1` the line comes back
+        when `alive` is called again; else the link ends. Raises ValueRangeError beyond 3600 s.
+
+            link.watch_program(0.5)
+            while running:
+                control()
+                link.alive()
+        """
+        self._native.watch_program(patience_s)
+
+    def alive(self) -> None:
+        """Say that the program works; see `watch_program`. It costs well below a microsecond."""
+        self._native.alive()
+
     def on_event(self, callback: EventCallback) -> None:
         """Call `callback(event)` for what becomes of the line and the device, in the link's callback thread.
 

@@ -195,6 +195,11 @@ class MappedEngine:
     def arm(self, timeout_s: float | None) -> None:
         raise DeviceMismatch("mapped memory has no dead-man, so there is nothing to arm")
 
+    def watch_program(self, patience_s: float) -> None:
+        raise DeviceMismatch("mapped memory has no dead-man, and no line that could be given up")
+
+    def alive(self) -> None: ...
+
     def start(  # noqa: PLR0917 (as the native engine has it)
         self,
         mailbox: _native.Mailbox,

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,18 +11,18 @@ from typing import Any
 
 from unitylink.optional import absent
 
+from .dds_reader import DdsReader
 from .dds_types import DdsTypes
 from .dds_writer import Here, gathering_writer
 from .interface import Interface, Topic
-from .plane import SERVICE_FIELDS, Port
+from .life import Life
+from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 from .standard import definitions
 
 _log = logging.getLogger("unitylink.ros")
-TAKE_AT_ONCE = 64
 # Commands that may come before the node's thread runs. It takes all that are there and puts them together,
 # value by value: of two messages that name different joints neither may go, and none waits.
 COMMANDS = 16
-WAIT_NS = 100_000_000
 
 
 class DdsPlane:
@@ -44,19 +42,20 @@ class DdsPlane:
         self._participant = DomainParticipant(domain)
         self._header = self.types["std_msgs/Header"]
         self._time = self.types["builtin_interfaces/Time"]
-        self._takers: list[tuple[Any, Callable[[Any], None]]] = []
         self._here = Here()
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="unitylink-ros-dds", daemon=True)
+        self.life = Life()
+        # A service, such as set_safe, is answered though the thread of the topics hangs.
+        self._topics = DdsReader(self._participant, "the thread that takes messages", self.life)
+        self._services = DdsReader(self._participant, "the thread that answers services", self.life)
 
     def start(self) -> None:
         """Begin to take messages: after the last subscribe and serve."""
-        self._thread.start()
+        self._topics.start()
+        self._services.start()
 
     def close(self) -> None:
-        self._stop.set()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._topics.close()
+        self._services.close()
 
     def name(self, topic: str) -> str:
         """Return a name with its namespace; one that begins with / has it already."""
@@ -92,8 +91,17 @@ class DdsPlane:
             for flush in held:
                 flush()
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = COMMANDS) -> None:
-        self._read(f"rt/{self.name(topic.name)}", self.types[topic.type], depth, topic.reliable, take)
+    def subscribe(
+        self,
+        topic: Topic,
+        take: Callable[[Any], None],
+        refuse: Refuse = log_refused,
+        *,
+        depth: int = COMMANDS,
+    ) -> None:
+        kind = self.types[topic.type]
+        reader = self._reader(f"rt/{self.name(topic.name)}", kind, depth, topic.reliable)
+        self._topics.add(reader, topic.name, take, refuse)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         """Offer a service as rmw_cyclonedds does: topics of requests and of replies."""
@@ -108,7 +116,7 @@ class DdsPlane:
             results = handler(*(getattr(message, field) for field in names))
             writer.write(answered(message.guid, message.number, *results))
 
-        self._read(f"rq/{self.name(name)}Request", asked, 10, True, answer)
+        self._services.add(self._reader(f"rq/{self.name(name)}Request", asked, 10, True), name, answer)
 
     def say(self, level: int, message: str) -> None:
         _log.log((logging.INFO, logging.WARNING, logging.ERROR)[level], message)
@@ -134,49 +142,13 @@ class DdsPlane:
         topic = DdsTopic(self._participant, name, kind, qos=qos)
         return (writer or DataWriter)(self._participant, topic, qos=qos)
 
-    def _read(self, name: str, kind: Any, depth: int, reliable: bool, take: Callable[[Any], None]) -> None:
+    def _reader(self, name: str, kind: Any, depth: int, reliable: bool) -> Any:
         from cyclonedds.sub import DataReader
         from cyclonedds.topic import Topic as DdsTopic
 
         qos = self._qos(depth, reliable)
         topic = DdsTopic(self._participant, name, kind, qos=qos)
-        self._takers.append((DataReader(self._participant, topic, qos=qos), take))
-
-    def _run(self) -> None:
-        from cyclonedds.core import (
-            DDSException,
-            InstanceState,
-            ReadCondition,
-            SampleState,
-            ViewState,
-            WaitSet,
-        )
-        from cyclonedds.internal import InvalidSample
-
-        fresh = ViewState.Any | InstanceState.Any | SampleState.NotRead
-        waiting = WaitSet(self._participant)
-        conditions = [ReadCondition(reader, fresh) for reader, _ in self._takers]
-        for condition in conditions:
-            waiting.attach(condition)
-        # Which of them have something: to ask every reader costs a node with many topics more than a message.
-        marks = [ctypes.addressof(mark) for _, mark in waiting.attached]
-        takers = dict(zip(marks, self._takers, strict=True))
-        if not marks:  # DDS refuses to wait for nothing
-            return
-        found = (ctypes.c_void_p * len(marks))()
-        while not self._stop.is_set():
-            count = waiting._waitset_wait(waiting._ref, found, len(marks), WAIT_NS)
-            if count < 0:
-                raise DDSException(count, "while waiting for messages")
-            for mark in found[:count]:
-                reader, take = takers[mark or 0]
-                for message in reader.take(TAKE_AT_ONCE):
-                    if isinstance(message, InvalidSample):  # a writer came or went
-                        continue
-                    try:
-                        take(message)
-                    except Exception:
-                        _log.exception("a message was not taken")
+        return DataReader(self._participant, topic, qos=qos)
 
 
 class Matched:

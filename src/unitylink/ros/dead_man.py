@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from unitylink.errors import DeadManTripped, LinkError
 from unitylink.protocol import CONTROL_VALUE_FEATURE_DEADMAN
 
 if TYPE_CHECKING:
@@ -26,40 +25,36 @@ class DeadManGuard:
     def __init__(self, link: Link, silence_s: float, *, safe: bool) -> None:
         self._link, self._wanted_s, self._safe = link, silence_s, safe
         self.silence_s = 0.0
+        self.tripped = False
         has_one = link.description is not None and link.description.features & CONTROL_VALUE_FEATURE_DEADMAN
         self.lacking = "" if has_one else NONE
-        state = link.dead_man() if has_one else None
-        self.tripped = state is not None and state.tripped
-        self._start()
+        self.renew()
 
-    def _start(self) -> None:
-        state = self._link.dead_man() if self.lacking != NONE and not self.tripped else None
-        if state is not None:
-            self.silence_s = state.silence_s if state.running else self._wanted_s
-            self.lacking = OFF if not self.silence_s else "" if self._safe else NO_SAFE
-            if not self.lacking and not state.running:
-                self._link.set_dead_man(self.silence_s)
-        self._sessions = self._link.statistics().sessions
+    def renew(self) -> None:
+        """Find out how it stands, and start it where it does not run."""
+        state = self._link.dead_man() if self.lacking != NONE else None
+        if state is None:
+            return
+        self.tripped = state.tripped
+        if state.tripped:
+            return
+        self.silence_s = state.silence_s if state.running else self._wanted_s
+        self.lacking = OFF if not self.silence_s else "" if self._safe else NO_SAFE
+        if not self.lacking and not state.running:
+            self._link.set_dead_man(self.silence_s)
 
     def arm(self) -> None:
         """Let outputs be written again after a trip."""
         if self.tripped:
             self._link.arm()
-            self.tripped = False
-            self._start()
+            self.renew()
 
-    def check(self) -> None:
-        """Raise LinkError where the outputs are no longer what was written: after a trip, or a reset."""
-        if self._link.description is None or self.tripped:
-            return
-        if not self.lacking:
-            state = self._link.dead_man()
-            if state is not None and state.tripped:
-                raise DeadManTripped(
-                    "the dead-man has tripped: nothing came for too long, the outputs are safe"
-                )
-        if self._link.statistics().sessions != self._sessions:
-            raise LinkError("the device was reset, or another program has opened it")
+    def has_tripped(self) -> bool:
+        """Ask whether the outputs have become safe by themselves, since it was found out the last time."""
+        if self.lacking or self.tripped:
+            return False
+        state = self._link.dead_man()
+        return state is not None and state.tripped
 
     def told(self) -> str:
         """Say how it stands, in a few words for the diagnostics."""

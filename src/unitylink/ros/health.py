@@ -13,7 +13,8 @@ from .plane import Plane
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-    from .node import RobotNode, _Session
+    from .node import RobotNode
+    from .session import RobotSession
 
 OK, WARN, ERROR = 0, 1, 2
 STATUS = ("level", "name", "message", "hardware_id", "values")
@@ -29,17 +30,18 @@ class Health:
     facts: dict[str, str]
 
 
-def health(node: RobotNode, link: Link | None, session: _Session | None) -> Health:
-    """Return the health of a node: an error without a link, a warning while commands are refused or fail."""
+def health(node: RobotNode, session: RobotSession | None) -> Health:
+    """Return the health of a node: an error without a link or while a thread hangs, a warning while commands
+    are refused or fail."""
     facts = {
         "commands accepted": str(node.accepted),
         "commands refused": str(node.refused),
         "links lost": str(node.keeper.losses),
         "armed": str(node.armed).lower(),
     }
-    if link is None or session is None:
-        return Health(ERROR, node.keeper.state, "", facts)
-    inbox = session.inbox
+    if session is None or node.hanging:
+        return Health(ERROR, node.state, "", facts)
+    link, inbox = session.link, session.inbox
     facts |= {
         "gateware": f"not verified: {link.unverified}" if link.unverified else "verified",
         "dead-man": session.guard.told(),
@@ -54,7 +56,7 @@ def health(node: RobotNode, link: Link | None, session: _Session | None) -> Heal
     }
     facts |= _device_facts(link)
     level = OK
-    message = node.keeper.state
+    message = node.state
     if session.guard.tripped:
         level, message = WARN, f"{message}; the dead-man has tripped"
     if not node.armed:

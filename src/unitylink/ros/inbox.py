@@ -8,17 +8,22 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from unitylink.errors import LinkError, ValueRangeError
+from unitylink.errors import LinkDown, ValueRangeError
 from unitylink.layer4_data import ValueGroup
 
+from .life import DEVICE_S, Life
+
 TRIES = 3  # of a write that fails while the link is up
+LOOK_S = 0.1  # how often the thread shows that it lives
+WRITES = "the thread that writes commands"
 
 
 class Inbox:
     """Collect set-points per value, newest wins, while one write is on its way; then write all together.
 
     A message is taken whole or not at all. `on_silence` is called once when nothing was put for `timeout_s`
-    after something was (0: never).
+    after something was (0: never). What waits while not `current()` is dropped: it was meant for the device
+    as it was before.
     """
 
     def __init__(
@@ -28,12 +33,15 @@ class Inbox:
         *,
         timeout_s: float = 0.0,
         on_silence: Callable[[], None] = lambda: None,
+        current: Callable[[], bool] = lambda: True,
+        life: Life | None = None,
     ) -> None:
         self.accepted = self.writes = self.failed = 0
         self._group = group
         self._complain = complain
         self._timeout_s = timeout_s
-        self._on_silence = on_silence
+        self._on_silence, self._current = on_silence, current
+        self._life = life if life is not None else Life()
         self._pending: dict[str, Any] = {}
         self._changed = threading.Condition()
         self._busy = self._closed = False
@@ -53,6 +61,11 @@ class Inbox:
             if waits:
                 self._changed.notify_all()
 
+    def forget(self) -> None:
+        """Forget what waits."""
+        with self._changed:
+            self._pending.clear()
+
     def clear(self) -> None:
         """Forget what waits, and return when what was on its way has arrived."""
         with self._changed:
@@ -70,35 +83,41 @@ class Inbox:
     def _run(self) -> None:
         silent_at, tried = float("inf"), 0
         while True:
+            self._life.beat(WRITES)
             with self._changed:
                 self._busy = False
                 self._changed.notify_all()
-                rest = silent_at - time.monotonic()
-                if not self._changed.wait_for(
-                    lambda: self._pending or self._closed, None if rest == float("inf") else max(0.0, rest)
-                ):
-                    silent_at = float("inf")
-                    numbers = None
-                elif self._closed:
+                rest = min(LOOK_S, max(0.0, silent_at - time.monotonic()))
+                self._changed.wait_for(lambda: self._pending or self._closed, rest)
+                if self._closed:
+                    self._life.rest()
                     return
-                else:
-                    numbers, self._pending = self._pending, {}
-                    self._busy = True
-            if numbers is None:
-                self._on_silence()
-                continue
-            if self._timeout_s:
-                silent_at = time.monotonic() + self._timeout_s
-            try:
-                self._group.write(numbers)
-                self.writes += 1
-                tried = 0
-            except LinkError as error:
-                self.failed += 1
-                tried += 1
-                self._complain(f"a command was not written: {error}")
-                with self._changed:  # it is still what is wanted, but for what has come since
-                    if tried < TRIES and not self._closed:
-                        self._pending = numbers | self._pending
-                    else:
-                        tried = 0
+                numbers, self._pending = self._pending, {}
+                self._busy = bool(numbers)
+            with self._life.work(WRITES, DEVICE_S):
+                if numbers:
+                    silent_at = time.monotonic() + self._timeout_s if self._timeout_s else float("inf")
+                    tried = 0 if self._written(numbers) else self._again(numbers, tried + 1)
+                elif time.monotonic() >= silent_at:
+                    silent_at = float("inf")
+                    self._on_silence()
+
+    def _written(self, numbers: Mapping[str, Any]) -> bool:
+        try:
+            if not self._current():
+                raise LinkDown("the link was lost meanwhile")
+            self._group.write(numbers)
+        except Exception as error:  # a defect of one command must not end them all
+            self.failed += 1
+            self._complain(f"a command was not written: {error if str(error) else repr(error)}")
+            return False
+        self.writes += 1
+        return True
+
+    def _again(self, numbers: Mapping[str, Any], tried: int) -> int:
+        """Have it written again: it is still what is wanted, but for what has come since."""
+        with self._changed:
+            if tried >= TRIES or self._closed or not self._current():
+                return 0
+            self._pending = {**numbers, **self._pending}
+        return tried

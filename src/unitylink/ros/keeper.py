@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A link that comes back: opened when the device is there, watched, closed when it is lost, opened again."""
+"""The link of a node: opened when the device is there, told of when layer 2 has lost it and has it back."""
 
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
@@ -13,23 +12,22 @@ from unitylink.errors import LinkError, UnityLinkError
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-CHECK_S = 0.1  # how soon a port that is gone is noticed
-SILENCE_S = 0.5  # without a publish for so long the device is asked whether it is there
+CHECK_S = 0.1  # how soon a loss is noticed
 
 
 class Session(Protocol):
-    """What lives as long as one link."""
+    """What a node does on a link."""
 
-    def quiet_s(self) -> float:
-        """Return for how long nothing has come."""
+    def forget(self) -> None:
+        """Forget the commands that wait: the line is gone."""
         ...
 
-    def check(self) -> None:
-        """Raise LinkError where the device is there but no longer as it was."""
+    def stale(self) -> bool:
+        """Whether the device may not hold any more what was written to it. Raises LinkError."""
         ...
 
-    def probe(self) -> None:
-        """Ask the device for something harmless; raise LinkError where it does not answer."""
+    def renew(self) -> None:
+        """Make the device fit for commands again, and safe before that. Raises LinkError."""
         ...
 
     def close(self) -> None: ...
@@ -38,8 +36,10 @@ class Session(Protocol):
 class LinkKeeper:
     """Keep a session on a link: `connect()` opens one, `begin(link, again)` makes the session.
 
-    `say(level, message)` hears of every change. What no waiting can mend (a URL, a spec) ends the keeper:
-    `failure` has it.
+    Layer 2 opens a lost line again (`reconnect=1`). Here is what it cannot know: the device may be absent at
+    the beginning, and what comes back is made safe before commands are taken. A link that has ended for good
+    (another device, a URL that cannot be opened again) is opened anew as at the beginning. `say(level,
+    message)` hears of every change. What no waiting can mend (a URL, a spec) ends the keeper: `failure`.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class LinkKeeper:
         self.state = "waiting for the device"
         self.up = threading.Event()
         self.ended = threading.Event()
-        self.failure: UnityLinkError | None = None
+        self.failure: Exception | None = None
         self.losses = 0
         self._connect, self._begin, self._say, self._retry_s = connect, begin, say, retry_s
         self._stop = threading.Event()
@@ -67,59 +67,71 @@ class LinkKeeper:
 
     def _run(self) -> None:
         again = False
-        said = ""
         try:
             while not self._stop.is_set():
                 try:
                     link = self._connect()
+                    try:
+                        self._keep(link, self._begin(link, again))
+                        again = True
+                    finally:
+                        self.up.clear()
+                        link.close()
+                    self._stop.wait(self._retry_s)
                 except LinkError as error:
-                    said = self._waiting(error, said)
-                    continue
-                try:
-                    session = self._begin(link, again)
-                except LinkError as error:
-                    link.close()
-                    said = self._waiting(error, said)
-                    continue
-                except BaseException:
-                    link.close()
-                    raise
-                again, said = True, ""
-                self._watch(link, session)
-        except UnityLinkError as error:
+                    self._become(1, f"waiting for the device: {error}")
+                    self._stop.wait(self._retry_s)
+        except Exception as error:  # a defect, too, must end the node and not only this thread
             self.failure = error
-            self.state = str(error)
-            self._say(2, str(error))
+            self.state = str(error) if isinstance(error, UnityLinkError) else f"internal error: {error!r}"
+            self._say(2, self.state)
         finally:
             self.up.clear()
             self.ended.set()
 
-    def _waiting(self, error: LinkError, said: str) -> str:
-        self.state = f"waiting for the device: {error}"
-        if self.state != said:
-            self._say(1, self.state)
-        self._stop.wait(self._retry_s)
-        return self.state
+    def _become(self, level: int, state: str) -> None:
+        if state != self.state:
+            self.state = state
+            self._say(level, state)
 
-    def _watch(self, link: Link, session: Session) -> None:
-        self.state = f"connected to {link.url}"
-        self._say(0, self.state)
-        self.up.set()
-        asked_s = time.monotonic()
+    def _keep(self, link: Link, session: Session) -> None:
+        """Return when the link has ended."""
+        self._rise(link)
         try:
             while not self._stop.wait(CHECK_S):
                 if link.closed:
-                    raise LinkError(f"{link.url}: the port is gone")
-                session.check()
-                if session.quiet_s() > SILENCE_S and time.monotonic() - asked_s > SILENCE_S:
-                    asked_s = time.monotonic()
-                    session.probe()
-        except LinkError as error:
-            self.losses += 1
-            self.state = f"the link is lost: {error}"
-            self.up.clear()
-            self._say(2, self.state)
+                    self._fall(session, _why_closed(link))
+                    return
+                if not link.up:
+                    self._fall(session, link.trouble)
+                    continue
+                try:
+                    if self.up.is_set() and session.stale():
+                        self._fall(session, "the device does not hold any more what was written to it")
+                    if not self.up.is_set():
+                        session.renew()
+                        self._rise(link)
+                except LinkError as error:  # whether the line is gone is for layer 2 to say
+                    if not self.up.is_set():
+                        self._become(2, f"the link is lost: {error}")
         finally:
-            self.up.clear()
             session.close()
-            link.close()
+
+    def _rise(self, link: Link) -> None:
+        self._become(0, f"connected to {link.url}")
+        self.up.set()
+
+    def _fall(self, session: Session, reason: str) -> None:
+        if self.up.is_set():
+            self.losses += 1
+            self.up.clear()
+            session.forget()
+            self._become(2, f"the link is lost: {reason}")
+
+
+def _why_closed(link: Link) -> str:
+    try:
+        link.check_alive()
+    except LinkError as error:
+        return str(error)
+    return "it was closed"

@@ -9,18 +9,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from unitylink.errors import BindingError, LinkError, UnityLinkError, ValueRangeError
-from unitylink.layer4_data import Node, ValueGroup
+from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
+from unitylink.layer4_data import Node
 
-from .dead_man import DeadManGuard
 from .health import Health, health
-from .inbox import Inbox
 from .interface import Interface, Topic
 from .keeper import LinkKeeper
-from .outbox import Outbox
+from .life import DEVICE_S, Watch
 from .plane import READ, SET_BOOL, TRIGGER, WRITE, Plane
 from .receivers import Read, receiver
 from .senders import Send, sender
+from .session import RobotSession
 from .values import read_values, write_values
 
 if TYPE_CHECKING:
@@ -63,10 +62,11 @@ class RobotNode:
         self.options = options if options is not None else Options()
         self.armed = self.options.armed
         self.accepted = self.refused = 0
-        self._plane = plane
-        self.gathered = plane.gathered
+        self.plane, self.life = plane, plane.life
+        self.hanging = ""
+        self._made_safe = False
         self._build = build
-        self._session: _Session | None = None
+        self._session: RobotSession | None = None
         self._complained_s = 0.0
         self._lock = threading.Lock()
         self.senders: Sequence[tuple[Topic, Send]] = [
@@ -74,8 +74,9 @@ class RobotNode:
         ]
         # before the first subscription, whose messages ask it how it stands
         self.keeper = LinkKeeper(connect, self._begin, plane.say, retry_s=self.options.retry_s)
+        self._watch = Watch(self.life, self._alive, self._hangs)
         for topic in interface.commanded:
-            plane.subscribe(topic, self._taker(receiver(interface, topic)))
+            plane.subscribe(topic, self._taker(receiver(interface, topic)), self.undecodable)
         plane.serve("set_safe", TRIGGER, self.set_safe)
         plane.serve("arm", SET_BOOL, self.arm)
         if services:  # their types are those of a generated package
@@ -84,60 +85,72 @@ class RobotNode:
 
     # What the link brings
 
-    def _begin(self, link: Link, again: bool) -> _Session:
-        tree = self._build(link)
-        if link.unverified:
-            self._plane.say(1, f"the gateware is not verified: {link.unverified}")
-        values = {value.path: value for value in tree}
-        missing = [path for t in self.interface.published for path in t.paths if path not in values]
-        if missing:
-            raise BindingError(
-                f"{self.interface.package}: the robot has no {missing[0]}; generate both again"
-            )
-        guard = DeadManGuard(link, self.options.deadman_s, safe=bool(_said_safe(tree)))
-        if guard.tripped and self.armed:
-            guard.arm()
-            self._plane.say(1, "the dead-man had tripped and made the outputs safe; they are armed again")
-        if guard.tripped:
-            self._plane.say(
-                1, "the dead-man has tripped: the outputs are safe until the service arm is called"
-            )
-        elif again:  # before anything else: what it was told before the loss is old
-            tree.apply_safe()
-            said = _said_safe(tree) or "the spec gives no SAFE values, so its outputs stay as they are"
-            self._plane.say(1, f"the device is back; {said}; commands of before are forgotten")
-        elif guard.lacking and any(value.writable for value in tree):
-            self._plane.say(0, guard.lacking)
-        session = _Session(self, link, tree, guard)
-        try:
-            tree.start_publishing(fallback=True)
-        except BaseException:
-            session.close()
-            raise
+    def _begin(self, link: Link, again: bool) -> RobotSession:
+        session = RobotSession(self, link, self._build(link), again=again)
         self._session = session
         return session
 
-    def forget(self, session: _Session) -> None:
+    def leave(self, session: RobotSession) -> None:
         if self._session is session:
             self._session = None
+
+    @property
+    def session(self) -> RobotSession | None:
+        """What is there while the link is up and the device fit for commands."""
+        return self._session if self.keeper.up.is_set() else None
+
+    # What its threads show
+
+    def _alive(self) -> None:
+        session = self._session
+        if session is not None:
+            session.link.alive()
+
+    def _hangs(self, trouble: str) -> None:
+        self.hanging = trouble
+        if trouble:
+            self._made_safe = False
+            self.plane.say(2, f"{trouble}: no commands are taken, and the dead-man is not kept from tripping")
+        else:
+            self.plane.say(1, "all threads work again")
+
+    def make_safe_when_hanging(self, session: RobotSession) -> None:
+        """Write the safe values once, while the link still takes them: not all gateware has a dead-man."""
+        if self.hanging and not self._made_safe and not session.guard.tripped:
+            self._made_safe = True
+            session.tree.apply_safe()
+
+    @property
+    def state(self) -> str:
+        """In a sentence: what hangs, or how the link does."""
+        return self.hanging or self.keeper.state
 
     # What ROS brings
 
     def _taker(self, read: Read) -> Callable[[Any], None]:
         def take(message: Any) -> None:
-            session = self._session
+            session = self.session
             try:
-                if session is None:
-                    raise ValueRangeError(f"a command was not taken: {self.keeper.state}")
+                if session is None or self.hanging:
+                    raise ValueRangeError(f"a command was not taken: {self.state}")
                 if not self.armed:
                     raise ValueRangeError("a command was not taken: the robot is not armed (service arm)")
                 session.inbox.put(read(message))
                 self.accepted += 1
             except UnityLinkError as error:
-                self.refused += 1
-                self.complain(str(error))
+                self._refuse(str(error))
+            except Exception as error:  # whatever a message holds, the next one is taken
+                self._refuse(f"a command was not understood: {error!r}")
 
         return take
+
+    def _refuse(self, why: str) -> None:
+        self.refused += 1
+        self.complain(why)
+
+    def undecodable(self, topic: str, error: Exception) -> None:
+        """Refuse what has come on a topic and is no message of its type."""
+        self._refuse(f"{topic}: what came is no message of its type: {error}")
 
     def complain(self, message: str) -> None:
         """Warn, at most once a second: a stream of wrong commands must not become a stream of warnings."""
@@ -146,33 +159,36 @@ class RobotNode:
             if now - self._complained_s < COMPLAIN_EVERY_S:
                 return
             self._complained_s = now
-        self._plane.say(1, message)
+        self.plane.say(1, message)
 
-    def _with(self, action: Callable[[_Session], str]) -> tuple[bool, str]:
-        session = self._session
+    def _with(self, action: Callable[[RobotSession], str]) -> tuple[bool, str]:
+        session = self.session
         if session is None:
-            return False, self.keeper.state
+            return False, self.state
         try:
-            return True, action(session)
+            with self.life.work("a service", DEVICE_S):
+                return True, action(session)
         except UnityLinkError as error:
             return False, str(error)
 
     def set_safe(self) -> tuple[bool, str]:
         """Write the safe values, and forget the commands that wait."""
 
-        def act(session: _Session) -> str:
+        def act(session: RobotSession) -> str:
             session.inbox.clear()
             if session.guard.tripped:
                 return "the outputs are safe already: the dead-man has tripped"
             session.tree.apply_safe()
-            return _said_safe(session.tree) or "the spec gives no SAFE values; nothing was written"
+            return session.said_safe() or "the spec gives no SAFE values; nothing was written"
 
         return self._with(act)
 
     def arm(self, on: bool) -> tuple[bool, str]:
         """Take commands from now on; without `on` take none any more, and write the safe values."""
         if on:
-            session = self._session
+            if self.hanging:
+                return False, self.hanging
+            session = self.session
             if session is not None:
                 try:
                     session.guard.arm()
@@ -200,59 +216,17 @@ class RobotNode:
     # How it does
 
     def health(self) -> Health:
-        session = self._session
-        return health(self, session.link if session is not None else None, session)
+        return health(self, self.session)
 
     def close(self) -> None:
         """End the link; before that write the safe values, if the options say so and a command had come."""
-        session = self._session
+        session = self.session
         if session is not None and self.options.safe_at_exit and self.accepted:
             try:
                 session.inbox.close()
                 if not session.guard.tripped:
                     session.tree.apply_safe()
             except LinkError as error:
-                self._plane.say(2, f"the safe values were not written: {error}")
+                self.plane.say(2, f"the safe values were not written: {error}")
         self.keeper.close()
-
-
-def _said_safe(tree: Node) -> str:
-    names = [value.path for value in tree if value.quantity.safe is not None and value.writable]
-    return f"safe values written: {', '.join(names)}" if names else ""
-
-
-class _Session:
-    """What lives as long as one link."""
-
-    def __init__(self, node: RobotNode, link: Link, tree: Node, guard: DeadManGuard) -> None:
-        self.link, self.tree, self.guard = link, tree, guard
-        self._node = node
-        self._probe = next((value.address for value in tree if value.pollable), None)
-        self.outbox = Outbox(tree, node.senders, node.gathered)
-        group = ValueGroup({value.path: value for value in tree if value.writable}, node.interface.robot)
-        self.inbox = Inbox(
-            group, node.complain, timeout_s=node.options.command_timeout_s, on_silence=self._silent
-        )
-
-    def _silent(self) -> None:
-        self._node.complain("no command came for command_timeout_s: the safe values are written")
-        try:
-            self.tree.apply_safe()
-        except LinkError as error:
-            self._node.complain(f"the safe values were not written: {error}")
-
-    def quiet_s(self) -> float:
-        return time.monotonic() - self.outbox.last_s
-
-    def check(self) -> None:
-        self.guard.check()
-
-    def probe(self) -> None:
-        if self._probe is not None:
-            self.link.read(self._probe)
-
-    def close(self) -> None:
-        self._node.forget(self)
-        self.outbox.close()
-        self.inbox.close()
-        self.tree.stop_publishing()
+        self._watch.close()

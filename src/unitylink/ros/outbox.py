@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from operator import itemgetter
@@ -14,11 +13,13 @@ import numpy as np
 from unitylink.layer4_data import Node, ReadValue
 
 from .interface import Topic
+from .life import DEVICE_S, Life
 from .senders import Send
 
 if TYPE_CHECKING:
     from unitylink.layer2_message.engine import Times, Words
 
+PUBLISHES = "the thread that publishes"
 Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw numbers or not, what sends them
 
 
@@ -40,10 +41,11 @@ class Outbox:
         tree: Node,
         topics: Sequence[tuple[Topic, Send]],
         gathered: Callable[[], AbstractContextManager[None]] = nullcontext,
+        life: Life | None = None,
     ) -> None:
         self._gathered = gathered
+        self._life = life if life is not None else Life()
         self.received = 0
-        self.last_s = time.monotonic()
         self._publisher = tree.publisher
         self._topics = topics
         self._joins: dict[int, _Join] = {}
@@ -54,21 +56,20 @@ class Outbox:
         self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], raws: Sequence[int]
     ) -> None:
         found = self._routes.get(id(values)) or self._routes_of(values)
-        for pick, raw, send in found.routes:
-            chosen = raws if raw else numbers
-            send(time_s, chosen if pick is None else pick(chosen))
+        with self._life.work(PUBLISHES):
+            for pick, raw, send in found.routes:
+                chosen = raws if raw else numbers
+                send(time_s, chosen if pick is None else pick(chosen))
         self.received += 1
-        self.last_s = time.monotonic()
 
     def _take_many(self, times: Times, values: Sequence[ReadValue[Any]], words: Words) -> None:
         """The same for all that has come meanwhile: of a fast stream, a third of the time."""
         self.received += len(times)
-        self.last_s = time.monotonic()
         found = self._routes_of(values)
         numbers = ((words & found.masks) ^ found.signs) - found.signs
         # by columns: thousands of rows that live at once would keep the garbage collector at work
         rows, raw_rows = zip(*numbers.T.tolist(), strict=True), zip(*words.T.tolist(), strict=True)
-        with self._gathered():
+        with self._life.work(PUBLISHES, DEVICE_S), self._gathered():
             for time_s, row, raws in zip(times.tolist(), rows, raw_rows, strict=True):
                 for pick, raw, send in found.routes:
                     chosen = raws if raw else row

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from .interface import Topic
+from .life import Life
 
+_log = logging.getLogger("unitylink.ros")
 TRIGGER, SET_BOOL, READ, WRITE = "std_srvs/Trigger", "std_srvs/SetBool", "Read", "Write"
 
 # kind -> (what it is asked with, what it answers): fields as `standard.py` has them
@@ -27,6 +30,14 @@ SERVICE_FIELDS: dict[str, tuple[tuple[tuple[str, str], ...], tuple[tuple[str, st
 }
 
 
+Refuse = Callable[[str, Exception], None]  # topic, why
+
+
+def log_refused(topic: str, error: Exception) -> None:
+    """Say in the log that something on a topic was no message of its type."""
+    _log.warning("%s: what came is no message of its type: %s", topic, error)
+
+
 @dataclass(frozen=True)
 class Port:
     """Where messages of one topic go; `wanted` says whether anybody listens, so that none is made in vain."""
@@ -37,7 +48,9 @@ class Port:
 
 class Plane(Protocol):
     """A front end. Types are named as ROS 1 does, `sensor_msgs/JointState`; those of the robot's own package
-    `scara_unitylink/JointFeedback`."""
+    `scara_unitylink/JointFeedback`. Its threads show to `life` that they work."""
+
+    life: Life
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
         """Return what makes a message of the values of its fields, in order."""
@@ -57,12 +70,18 @@ class Plane(Protocol):
         """Within it, what this thread publishes may be sent together; all of it is sent when it ends."""
         ...
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
-        """Call `take(message)` for what comes; where more comes than is taken the newest wins."""
+    def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
+        """Call `take(message)` for what comes; where more comes than is taken the newest wins.
+
+        `refuse(topic, error)` for what is no message of its type.
+        """
         ...
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
-        """Offer a service: the handler gets the fields of a request and returns those of the answer."""
+        """Offer a service: the handler gets the fields of a request and returns those of the answer.
+
+        It is not called by the thread that takes messages: that one may hang, and the service be `set_safe`.
+        """
         ...
 
     def say(self, level: int, message: str) -> None:

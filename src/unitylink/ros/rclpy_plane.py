@@ -12,7 +12,8 @@ from typing import Any
 from unitylink.errors import ToolError
 
 from .interface import Interface, Topic
-from .plane import SERVICE_FIELDS, Port
+from .life import Life
+from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 
 
 class RclpyPlane:
@@ -24,6 +25,9 @@ class RclpyPlane:
         self._header = self._message("std_msgs/Header")
         self._time = self._message("builtin_interfaces/Time")
         self._qos = import_module("rclpy.qos")
+        self.life = Life()
+        # Of a group of its own, a service such as set_safe is answered though a callback of a topic hangs.
+        self._services = import_module("rclpy.callback_groups").MutuallyExclusiveCallbackGroup()
 
     def _message(self, type_name: str, part: str = "msg") -> Any:
         package, _, name = type_name.partition("/")
@@ -53,9 +57,15 @@ class RclpyPlane:
     def gathered(self) -> AbstractContextManager[None]:
         return nullcontext()  # each message goes by itself
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
+    def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
+        del refuse  # rclpy hands on what it can read, with a replacement for what is no text
         profile = self._profile(1, topic.reliable)
-        self._node.create_subscription(self._message(topic.type), topic.name, take, profile)
+
+        def work(message: Any) -> None:
+            with self.life.work("the thread that takes messages"):
+                take(message)
+
+        self._node.create_subscription(self._message(topic.type), topic.name, work, profile)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         request_fields, reply_fields = SERVICE_FIELDS[kind]
@@ -67,7 +77,8 @@ class RclpyPlane:
                 setattr(response, field, value)
             return response
 
-        self._node.create_service(self._message(full, "srv"), name, answer)
+        kind_of_service = self._message(full, "srv")
+        self._node.create_service(kind_of_service, name, answer, callback_group=self._services)
 
     def say(self, level: int, message: str) -> None:
         logger = self._node.get_logger()

@@ -15,9 +15,10 @@ from unitylink.errors import ToolError, UnityLinkError
 
 from .health import diagnostics
 from .interface import Interface, Topic
+from .life import Life
 from .node import RobotNode
 from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
-from .plane import SERVICE_FIELDS, Port
+from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
@@ -44,6 +45,7 @@ class RospyPlane:
         self.rospy = _module("rospy")
         self._time = _module("genpy").Time
         self._header = _module("std_msgs.msg").Header
+        self.life = Life()
 
     def message(self, type_name: str) -> Any:
         package, _, name = type_name.partition("/")
@@ -75,8 +77,16 @@ class RospyPlane:
     def gathered(self) -> AbstractContextManager[None]:
         return nullcontext()  # each message goes by itself
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None], *, depth: int = 1) -> None:
-        self.rospy.Subscriber(topic.name, self.message(topic.type), take, queue_size=depth, tcp_nodelay=True)
+    def subscribe(
+        self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused, *, depth: int = 1
+    ) -> None:
+        del refuse  # rospy hands on what it can read, with a replacement for what is no text
+
+        def work(message: Any) -> None:
+            with self.life.work("the thread that takes messages"):
+                take(message)
+
+        self.rospy.Subscriber(topic.name, self.message(topic.type), work, queue_size=depth, tcp_nodelay=True)
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:
         package, _, name_of_type = kind.rpartition("/")
@@ -90,7 +100,7 @@ class RospyPlane:
         (self.rospy.loginfo, self.rospy.logwarn, self.rospy.logerr)[level](message)
 
 
-def main(interface: Interface, robot: Callable[[Link], Node], connect: Callable[[str], Link]) -> int:
+def main(interface: Interface, robot: Callable[[Link], Node], connect: Callable[..., Link]) -> int:
     """Run a generated package's node, and return its exit code; errors are told in a line."""
     try:
         return run(interface, robot, connect)
@@ -102,7 +112,7 @@ def main(interface: Interface, robot: Callable[[Link], Node], connect: Callable[
 def run(
     interface: Interface,
     build: Callable[[Link], Node],
-    connect: Callable[[str], Link],
+    connect: Callable[..., Link],
     parameters: Parameters | None = None,
     *,
     namespace: str = "",
@@ -119,7 +129,9 @@ def run(
         for name, standard in vars(Parameters()).items():
             setattr(parameters, name, type(standard)(rospy.get_param(f"~{name}", standard)))
     options, url = parameters.options(), parameters.link
-    node = RobotNode(interface, plane, lambda: connect(url), build, options, services=services)
+    node = RobotNode(
+        interface, plane, lambda: connect(url, reconnect="auto"), build, options, services=services
+    )
     told = plane.advertise(DIAGNOSTICS)
     try:
         while not rospy.is_shutdown() and not node.keeper.ended.is_set():

@@ -19,6 +19,7 @@ from unitylink.errors import UnityLinkError, UrlError
 from .dds import DdsPlane
 from .health import diagnostics
 from .interface import Interface
+from .life import DEVICE_S
 from .node import RobotNode
 from .parameters import DIAGNOSTICS, DIAGNOSTICS_PERIOD_S, Parameters
 from .rclpy_plane import RclpyPlane
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from unitylink.layer4_data import Node
 
 Build = Callable[["Link"], "Node"]
-Connect = Callable[[str], "Link"]
+Connect = Callable[..., "Link"]  # as unitylink.connect
 
 
 def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
@@ -109,7 +110,14 @@ def run_dds(
             signal.signal(number, lambda *_: stop.set())
     options = parameters.options()
     plane = DdsPlane(interface, namespace, int(text))
-    node = RobotNode(interface, plane, lambda: connect(parameters.link), build, options, services=services)
+    node = RobotNode(
+        interface,
+        plane,
+        lambda: connect(parameters.link, reconnect="auto"),
+        build,
+        options,
+        services=services,
+    )
     told = plane.advertise(DIAGNOSTICS)
     plane.start()
     name = f"{namespace.rstrip('/')}/unitylink"
@@ -132,19 +140,26 @@ def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: 
         setattr(parameters, name, ros.declare_parameter(name, standard).value)
     options = parameters.options()
     plane = RclpyPlane(ros, interface)
-    node = RobotNode(interface, plane, lambda: connect(parameters.link), build, options)
+    node = RobotNode(interface, plane, lambda: connect(parameters.link, reconnect="auto"), build, options)
     told = plane.advertise(DIAGNOSTICS)
+    executors = import_module("rclpy.executors")
+    executor = executors.MultiThreadedExecutor(num_threads=3)  # topics, services, the node's own parameters
+    executor.add_node(ros)
     due_s = 0.0
     try:
         while rclpy.ok() and not node.keeper.ended.is_set():
+            plane.life.beat("the thread of the diagnostics", DEVICE_S)
             if time.monotonic() >= due_s:
                 due_s = time.monotonic() + DIAGNOSTICS_PERIOD_S
                 told.send(diagnostics(plane, ros.get_fully_qualified_name(), node.health(), time.monotonic()))
-            rclpy.spin_once(ros, timeout_sec=0.1)
-    except (KeyboardInterrupt, import_module("rclpy.executors").ExternalShutdownException):
+            plane.life.beat("the executor")
+            executor.spin_once(timeout_sec=0.1)
+    except (KeyboardInterrupt, executors.ExternalShutdownException):
         pass
     finally:
+        plane.life.rest()
         node.close()
+        executor.shutdown(timeout_sec=1.0)
         ros.destroy_node()
         rclpy.try_shutdown()
     return 1 if node.keeper.failure is not None else 0

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from unitylink.ros.interface import Topic
+from unitylink.ros.life import Life
 from unitylink.ros.plane import Port
 
 PATIENCE_S = 30.0
@@ -25,6 +26,7 @@ class MemoryPlane:
         self.services: dict[str, Callable[..., Any]] = {}
         self.said: list[tuple[int, str]] = []
         self._changed = threading.Condition()
+        self.life = Life()
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
         names = tuple(fields)
@@ -47,7 +49,9 @@ class MemoryPlane:
     def gathered(self) -> AbstractContextManager[None]:
         return nullcontext()  # each message goes by itself
 
-    def subscribe(self, topic: Topic, take: Callable[[Any], None]) -> None:
+    def subscribe(
+        self, topic: Topic, take: Callable[[Any], None], refuse: Callable[[str, Exception], None]
+    ) -> None:
         self.takers[topic.name] = take
 
     def serve(self, name: str, kind: str, handler: Callable[..., Any]) -> None:

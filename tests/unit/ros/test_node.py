@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from unitylink import connect
-from unitylink.errors import LinkNotFound, UrlError
+from unitylink.errors import UrlError
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
 from unitylink.ros import plan_interface
@@ -75,7 +75,7 @@ def running(spec: Spec, url: str, **options: object) -> Iterator[tuple[RobotNode
     def build(link: Link) -> object:
         return load_spec_objects(spec, link)
 
-    node = RobotNode(plan_interface(spec), plane, lambda: connect(url), build, given)  # type: ignore[arg-type]
+    node = RobotNode(plan_interface(spec), plane, lambda: connect(url, reconnect="auto"), build, given)  # type: ignore[arg-type]
     try:
         yield node, plane
     finally:
@@ -191,21 +191,6 @@ def test_waits_for_a_device_and_comes_back_safe(spec: Spec) -> None:
             assert node.health().facts["links lost"] == "1"
 
 
-def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
-    """The port stays, nothing answers: no publish comes, the device is asked, the link is lost."""
-    with running(spec, f"{board.url}?timeout=0.02&attempts=1") as (node, plane):
-        plane.wait(node.keeper.up.is_set)
-        node._session.link.write(0x0, 1)  # type: ignore[union-attr]
-        node._session.tree.stop_publishing()  # type: ignore[union-attr]
-        node._session.probe = _silent  # type: ignore[union-attr, method-assign]
-        plane.wait(lambda: node.keeper.losses == 1)
-        plane.wait(node.keeper.up.is_set)
-
-
-def _silent() -> None:
-    raise LinkNotFound("no answer")
-
-
 def becomes(holds: Callable[[], bool]) -> None:
     deadline = time.monotonic() + 30
     while not holds():
@@ -264,6 +249,20 @@ class Cable:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join()
+
+
+def test_a_device_that_falls_silent_is_missed(spec: Spec, board: Board) -> None:
+    """The port stays, nothing answers, and nobody commands: layer 2 asks, and the node tells."""
+    with Cable(board) as cable, running(spec, f"{cable.url}?timeout=0.2", deadman_s=0.0) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        session = node._session
+        cable.cut = True
+        plane.wait(lambda: not node.keeper.up.is_set())
+        assert node.health().level == 2 and "does not answer" in node.health().message
+        cable.cut = False
+        plane.wait(node.keeper.up.is_set)
+        assert node._session is session, "the link is the same: layer 2 has its line back"
+        assert node.keeper.losses == 1
 
 
 def test_the_gateware_is_safe_by_itself_and_the_node_comes_back(spec: Spec, board: Board) -> None:
@@ -332,6 +331,87 @@ def test_a_device_that_was_reset_is_made_safe_first(spec: Spec, board: Board) ->
         plane.wait(lambda: node.keeper.losses >= 1 and node.keeper.up.is_set())
         assert other.registers[0x12] == 250
         assert any("the device is back; safe values written" in text for _, text in plane.said)
+
+
+@pytest.mark.parametrize("protocol", ["classic", "framed"])
+def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) -> None:
+    """The process lives, its link too: it is the node itself that finds out, and stops the keep-alive."""
+    configuration = BoardConfiguration.for_spec(spec, protocol="both" if protocol == "framed" else protocol)
+    with (
+        Board(spec, plant=Still(), configuration=configuration, endpoint="tcp") as board,
+        running(spec, board.url) as (node, plane),
+    ):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))
+        plane.wait(lambda: board.registers[0x12] == 750)
+        plane.life.patience_s = 0.2
+        dead = threading.Thread(target=lambda: plane.life.beat("a thread"))
+        dead.start()
+        dead.join()
+        plane.wait(lambda: "a thread stands still" in node.health().message)
+        assert node.health().level == 2
+        plane.wait(lambda: board.registers[0x12] == 250)
+        refused = node.refused
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.5))
+        assert node.refused == refused + 1
+        done, why = plane.services["arm"](True)
+        assert not done and "stands still" in why
+        plane.wait(lambda: not node.keeper.up.is_set())  # the program is not alive: the line is given up
+        assert any("no sign of life" in text for _, text in plane.said)
+
+
+def test_a_command_that_breaks_something_is_refused_and_the_next_is_taken(spec: Spec, board: Board) -> None:
+    with running(spec, board.url) as (node, plane):
+        plane.wait(node.keeper.up.is_set)
+        plane.takers["joint_commands"](SimpleNamespace(name=["j_1"], position="x", velocity=None))
+        assert node.refused == 1 and "not understood" in plane.said[-1][1]
+        session, broken = node.session, threading.Event()
+        assert session is not None
+        group = session.inbox._group
+
+        def fail(numbers: object) -> None:
+            broken.set()
+            raise ZeroDivisionError
+
+        session.inbox._group = SimpleNamespace(write=fail, writes=group.writes)  # type: ignore[assignment]
+        plane.takers["mode"](SimpleNamespace(data=1))
+        assert broken.wait(30)
+        session.inbox._group = group
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.5))
+        plane.wait(lambda: board.registers[0x12] == 500)
+
+
+def test_no_command_of_before_a_loss_is_written_after_it(spec: Spec, board: Board) -> None:
+    """What waits in the inbox while the device is replaced is not for the one that comes."""
+    with (
+        Board(spec, plant=Still(), endpoint="tcp") as other,
+        Cable(board) as cable,
+        running(spec, f"{cable.url}?timeout=0.1") as (node, plane),
+    ):
+        plane.wait(node.keeper.up.is_set)
+        session = node.session
+        assert session is not None
+        tell, group = threading.Event(), session.inbox._group
+
+        def late(numbers: dict[str, object]) -> None:
+            assert tell.wait(30)
+            group.write(numbers)
+
+        session.inbox._group = SimpleNamespace(write=late, writes=group.writes)  # type: ignore[assignment]
+        plane.takers["mode"](SimpleNamespace(data=1))
+        plane.wait(lambda: session.inbox._busy)
+        plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))  # waits for the write before
+        cable.cut = True
+        plane.wait(lambda: not session.link.up)
+        cable.replace(other)
+        cable.cut = False
+        session.inbox._group = group
+        tell.set()
+        plane.wait(lambda: node.keeper.losses >= 1 and node.keeper.up.is_set())
+        assert (other.registers[0x12], other.registers[0x1A]) == (250, 250)
+        plane.takers["j_1/command"](SimpleNamespace(pos_sp=0.5))
+        plane.wait(lambda: other.registers[0x1A] == 500)
+        assert other.registers[0x12] == 250, "the command of before has not come late"
 
 
 def test_stamps_are_of_the_device_and_not_of_the_arrival(spec: Spec, board: Board) -> None:

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A thread that takes what comes on some topics of DDS; one message that cannot be read does not end it."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import threading
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from .life import Life
+from .plane import Refuse, log_refused
+
+_log = logging.getLogger("unitylink.ros")
+TAKE_AT_ONCE = 64
+WAIT_NS = 100_000_000
+
+
+class DdsReader:
+    """Calls `take(message)` for what comes on topics added before `start`; `life` is shown `what` it is."""
+
+    def __init__(self, participant: Any, what: str, life: Life) -> None:
+        self._participant, self._what, self._life = participant, what, life
+        self._takers: list[tuple[Any, str, Callable[[Any], None], Refuse]] = []
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"unitylink-ros-{what}", daemon=True)
+
+    def add(self, reader: Any, topic: str, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
+        self._takers.append((reader, topic, take, refuse))
+
+    def start(self) -> None:
+        if self._takers:  # DDS refuses to wait for nothing
+            self._thread.start()
+
+    def close(self) -> None:
+        self._stop.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _run(self) -> None:
+        from cyclonedds.core import (
+            DDSException,
+            InstanceState,
+            ReadCondition,
+            SampleState,
+            ViewState,
+            WaitSet,
+        )
+
+        fresh = ViewState.Any | InstanceState.Any | SampleState.NotRead
+        waiting = WaitSet(self._participant)
+        conditions = [ReadCondition(reader, fresh) for reader, *_ in self._takers]
+        for condition in conditions:
+            waiting.attach(condition)
+        # Which of them have something: to ask every reader costs a node with many topics more than a message.
+        marks = [ctypes.addressof(mark) for _, mark in waiting.attached]
+        takers = dict(zip(marks, self._takers, strict=True))
+        found = (ctypes.c_void_p * len(marks))()
+        while not self._stop.is_set():
+            self._life.beat(self._what)
+            count = waiting._waitset_wait(waiting._ref, found, len(marks), WAIT_NS)
+            if count < 0:
+                raise DDSException(count, "while waiting for messages")
+            for mark in found[:count]:
+                self._take_all(*takers[mark or 0])
+        self._life.rest()
+
+    def _take_all(self, reader: Any, topic: str, take: Callable[[Any], None], refuse: Refuse) -> None:
+        from cyclonedds.core import DDSException, InstanceState, SampleState, ViewState
+
+        any_state = SampleState.Any | ViewState.Any | InstanceState.Any
+        taken = import_module("cyclonedds._clayer").ddspy_take(
+            reader._ref, any_state, TAKE_AT_ONCE
+        )  # bytes: DataReader.take reads all or none
+        if isinstance(taken, int):
+            raise DDSException(taken, f"while taking from {topic}")
+        kind = reader._topic.data_type
+        for data, info in taken:
+            if not info.valid_data:  # a writer came or went
+                continue
+            try:
+                message = kind.deserialize(data)
+                message.sample_info = info
+            except Exception as error:  # whoever sent it: a name that is no UTF-8, a length beyond its end
+                refuse(topic, error)
+                continue
+            try:
+                take(message)
+            except Exception:
+                _log.exception("a message on %s was not taken", topic)

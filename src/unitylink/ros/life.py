@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether a node's threads work: what the link is told, and with it the gateware's dead-man."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+LOOK_S = 0.05
+PATIENCE_S = 1.0  # with a thread that shows nothing of itself
+DEVICE_S = 10.0  # with one that waits for an answer of the device: the link ends that by itself, and sooner
+
+
+class Life:
+    """What the threads of a node show of themselves; each is judged by the time of its last sign.
+
+    A thread with a loop calls `beat` in each turn, to its end: one that has died or hangs turns no more. Who
+    is called from elsewhere does its work within `work`. `patience_s` is how long a sign holds (s).
+    """
+
+    def __init__(self, patience_s: float = PATIENCE_S) -> None:
+        self.patience_s = patience_s
+        self._signs: dict[int, tuple[str, float, float]] = {}  # of threads: what they do, since when, until
+
+    def beat(self, what: str, most_s: float = 0.0) -> None:
+        """Show that the calling thread works; it has to again within `most_s`, or the usual time."""
+        now_s = time.monotonic()
+        self._signs[threading.get_ident()] = what, now_s, now_s + max(most_s, self.patience_s)
+
+    def rest(self) -> None:
+        """Show no more: the calling thread ends as it should."""
+        self._signs.pop(threading.get_ident(), None)
+
+    def work(self, what: str, most_s: float = 0.0) -> Work:
+        """Return a context manager for what has to end, within `most_s` or the usual time."""
+        return Work(self, what, most_s)
+
+    def doing(self) -> str:
+        """Say what the calling thread was last known to do; "" where nothing is expected of it."""
+        sign = self._signs.get(threading.get_ident())
+        return sign[0] if sign is not None else ""
+
+    def trouble(self) -> str:
+        """Say what stands still; "" where all works."""
+        now_s = time.monotonic()
+        for what, since_s, until_s in list(self._signs.values()):
+            if now_s > until_s:
+                return f"{what} stands still, for {now_s - since_s:.1f} s now"
+        return ""
+
+
+class Work:
+    """Something that a thread does: within the block it has to be done, and what was before goes on after."""
+
+    __slots__ = ("_life", "_most_s", "_outer", "_what")
+
+    def __init__(self, life: Life, what: str, most_s: float) -> None:
+        self._life, self._what, self._most_s = life, what, most_s
+
+    def __enter__(self) -> None:
+        self._outer = self._life.doing()
+        self._life.beat(self._what, self._most_s)
+
+    def __exit__(self, *_: object) -> None:
+        if self._outer:
+            self._life.beat(self._outer)
+        else:
+            self._life.rest()
+
+
+class Watch:
+    """Look after a node's life in a thread of its own, which never waits for anything else.
+
+    While all works `alive` is called; `hangs(trouble)` is called when something stands still, and again with
+    "" when it works again.
+    """
+
+    def __init__(self, life: Life, alive: Callable[[], None], hangs: Callable[[str], None]) -> None:
+        self._life, self._alive, self._hangs = life, alive, hangs
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="unitylink-ros-life", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        known = False
+        while not self._stop.wait(LOOK_S):
+            trouble = self._life.trouble()
+            if bool(trouble) != known:
+                known = bool(trouble)
+                self._hangs(trouble)
+            if not trouble:
+                self._alive()
+
+    def close(self) -> None:
+        self._stop.set()
+        self._thread.join()
