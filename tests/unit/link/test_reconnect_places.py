@@ -59,6 +59,16 @@ def test_what_cannot_be_opened_again_says_so(rig: Rig) -> None:
         connect(f"{rig.url}?reconnect=1", reconnect=True)
     with pytest.raises(UrlError, match="reconnect=2"):
         connect(f"{rig.url}?reconnect=2")
+    with connect(f"{rig.url}?reconnect=0", reconnect="auto") as link, Board() as board:
+        with connect(board.url, reconnect="auto") as once:
+            assert once.read(SCRATCH) == 0
+        rig.wire.cut_after("to the host", 0)
+        with pytest.raises(LinkError):
+            link.read(SCRATCH)
+        assert link.closed
+    with connect(rig.url, reconnect="auto") as link:
+        rig.wire.cut_after("to the host", 0)
+        until(lambda link=link: link.statistics().reconnections)
     with connect(rig.url, reconnect=False) as link:
         rig.wire.cut_after("to the host", 0)
         with pytest.raises(LinkError):  # nobody looks before somebody asks
