@@ -124,6 +124,7 @@ fuzz: $(VENV)/.built
 	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
+	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)
 
 sanitize: $(VENV)/.built
 	@tools/setup.sh system

@@ -11,6 +11,7 @@ from pathlib import Path
 from unitylink.board_configuration import BoardConfiguration, check_one_board
 from unitylink.errors import BoardError
 from unitylink.generate import generate
+from unitylink.generate.quoting import Vhdl
 from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import FOLDER, Leaf, Plan, component_ports, design_name, plan
 from unitylink.generate.vhdl.names import Names
@@ -101,18 +102,19 @@ class WordPort:
     """A word on pins: the port, its VHDL type, and the field it is."""
 
     name: str
-    type: str
-    path: str
+    type: Vhdl
+    path: Vhdl
     base: str
 
     @property
-    def to_pc(self) -> str:
-        return self.name if self.base in ("std_ulogic", "std_ulogic_vector") else f"{self.base}({self.name})"
+    def to_pc(self) -> Vhdl:
+        plain = self.base in ("std_ulogic", "std_ulogic_vector")
+        return Vhdl.of("{}", self.name) if plain else Vhdl.of("{}({})", self.base, self.name)
 
     @property
-    def from_pc(self) -> str:
-        field = f"from_pc.{self.path}"
-        return field if self.base in ("std_ulogic", "std_ulogic_vector") else f"std_ulogic_vector({field})"
+    def from_pc(self) -> Vhdl:
+        plain = self.base in ("std_ulogic", "std_ulogic_vector")
+        return Vhdl.of("from_pc.{}" if plain else "std_ulogic_vector(from_pc.{})", self.path)
 
 
 def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> Logic:
@@ -188,7 +190,8 @@ def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list
             others.append(leaf)
             continue
         width = leaf.part.high - leaf.part.low + 1
-        kind = "std_ulogic" if leaf.part.base == "std_ulogic" else f"std_ulogic_vector({width - 1} downto 0)"
+        vector = Vhdl.of("std_ulogic_vector({} downto 0)", width - 1)
+        kind = Vhdl("std_ulogic") if leaf.part.base == "std_ulogic" else vector
         ports.append(WordPort(names.claim(leaf.path), kind, leaf.path, leaf.part.base))
     return ports, others
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_sources, netlist, ports_of
 from unitylink.generate import write
+from unitylink.generate.quoting import Tcl
 
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
@@ -95,65 +97,80 @@ def _sites(ports: Sequence[Port], wishes: Sequence[str]) -> dict[str, str]:
     bits = {f"{p.name}[{n}]" if p.bits > 1 else p.name: "" for p in ports for n in range(p.bits)}
     for wish in wishes:
         name, _, site = wish.partition("=")
-        if name not in bits or not site:
+        if name not in bits or not re.fullmatch(r"[A-Za-z0-9_]+", site):
             raise BoardError(f"--pin {wish}: write PORT=SITE with one of {', '.join(bits)}")
         bits[name] = site
     return bits
 
 
 def _vivado(project: Project) -> dict[str, str]:
-    period = 1e9 / project.clock_hz
-    generics = " ".join(f"{name}={value}" for name, value in project.generics.items())
+    part, top, clock = Tcl.text(project.part), project.top, project.clock
+    given = Tcl(" ").join(Tcl.of("{}={}", name, value) for name, value in project.generics.items())
+    generics = Tcl.of(" -generic {{{}}}", given) if given else Tcl("")
     script = [
-        f"# vivado -mode batch -source {project.name}.tcl: makes the project and builds {project.top}.bit.",
-        f"create_project -force {project.name} vivado -part {project.part}",
-        *(f"read_vhdl -vhdl2008 {{{path}}}" for path in project.sources),
-        f"read_xdc {project.name}.xdc",
-        f"set_property top {project.top} [current_fileset]",
-        *([f"set_property generic {{{generics}}} [current_fileset]"] if generics else []),
-        f"synth_design -top {project.top} -part {project.part}"
-        + (f" -generic {{{generics}}}" if generics else ""),
-        "opt_design",
-        "place_design",
-        "route_design",
-        "report_utilization -file utilization.txt",
-        "report_timing_summary -file timing.txt",
-        "if {[get_property SLACK [get_timing_paths]] < 0} { error {too slow for its clock: timing.txt} }",
-        f"write_bitstream -force {project.top}.bit",
+        Tcl.of(
+            "# vivado -mode batch -source {}.tcl: makes the project and builds {}.bit.", project.name, top
+        ),
+        Tcl.of("create_project -force {} vivado -part {}", project.name, part),
+        *(Tcl.of("read_vhdl -vhdl2008 {}", Tcl.text(str(path))) for path in project.sources),
+        Tcl.of("read_xdc {}.xdc", project.name),
+        Tcl.of("set_property top {} [current_fileset]", top),
+        *([Tcl.of("set_property generic {{{}}} [current_fileset]", given)] if given else []),
+        Tcl.of("synth_design -top {} -part {}{}", top, part, generics),
+        Tcl("opt_design"),
+        Tcl("place_design"),
+        Tcl("route_design"),
+        Tcl("report_utilization -file utilization.txt"),
+        Tcl("report_timing_summary -file timing.txt"),
+        Tcl(
+            "if {[get_property SLACK [get_timing_paths]] < 0} { error {too slow for its clock: timing.txt} }"
+        ),
+        Tcl.of("write_bitstream -force {}.bit", top),
     ]
+    period = f"{1e9 / project.clock_hz:.3f}"
     constraints = [
-        "# Fill in PACKAGE_PIN from the board's documents, and the voltage; then take the # away.",
-        f"create_clock -name {project.clock} -period {period:.3f} [get_ports {{{project.clock}}}]",
+        Tcl("# Fill in PACKAGE_PIN from the board's documents, and the voltage; then take the # away."),
+        Tcl.of("create_clock -name {} -period {} [get_ports {}]", clock, period, Tcl.text(clock)),
     ]
     for bit, site in project.pins.items():
-        mark = "" if site else "# "
-        constraints.append(
-            f"{mark}set_property -dict {{PACKAGE_PIN {site or 'SITE'} IOSTANDARD LVCMOS33}} "
-            f"[get_ports {{{bit}}}]"
+        line = Tcl.of(
+            "set_property -dict {{PACKAGE_PIN {} IOSTANDARD LVCMOS33}} [get_ports {}]",
+            site or "SITE",
+            Tcl.text(bit),
         )
-    return {".tcl": "\n".join(script) + "\n", ".xdc": "\n".join(constraints) + "\n"}
+        constraints.append(line if site else Tcl.of("# {}", line))
+    return {".tcl": _lines(script), ".xdc": _lines(constraints)}
 
 
 def _quartus(project: Project) -> dict[str, str]:
-    period = 1e9 / project.clock_hz
     script = [
-        f"# quartus_sh -t {project.name}.tcl: makes the project and builds it.",
-        "load_package flow",
-        f"project_new -overwrite {project.name}",
-        f'set_global_assignment -name DEVICE "{project.part}"',
-        f"set_global_assignment -name TOP_LEVEL_ENTITY {project.top}",
-        "set_global_assignment -name VHDL_INPUT_VERSION VHDL_2008",
-        *(f'set_global_assignment -name VHDL_FILE "{path}"' for path in project.sources),
-        f"set_global_assignment -name SDC_FILE {project.name}.sdc",
-        *(f"set_parameter -name {name} {value}" for name, value in project.generics.items()),
-        "# Fill in the pins from the board's documents, then take the # away.",
+        Tcl.of("# quartus_sh -t {}.tcl: makes the project and builds it.", project.name),
+        Tcl("load_package flow"),
+        Tcl.of("project_new -overwrite {}", project.name),
+        Tcl.of("set_global_assignment -name DEVICE {}", Tcl.text(project.part)),
+        Tcl.of("set_global_assignment -name TOP_LEVEL_ENTITY {}", project.top),
+        Tcl("set_global_assignment -name VHDL_INPUT_VERSION VHDL_2008"),
+        *(
+            Tcl.of("set_global_assignment -name VHDL_FILE {}", Tcl.text(str(path)))
+            for path in project.sources
+        ),
+        Tcl.of("set_global_assignment -name SDC_FILE {}.sdc", project.name),
+        *(Tcl.of("set_parameter -name {} {}", name, value) for name, value in project.generics.items()),
+        Tcl("# Fill in the pins from the board's documents, then take the # away."),
     ]
     for bit, site in project.pins.items():
-        mark = "" if site else "# "
-        script.append(f'{mark}set_location_assignment PIN_{site or "SITE"} -to "{bit}"')
-    script += ["execute_flow -compile", "project_close"]
-    clock = f"create_clock -name {project.clock} -period {period:.3f} [get_ports {{{project.clock}}}]"
-    return {".tcl": "\n".join(script) + "\n", ".sdc": f"{clock}\nderive_clock_uncertainty\n"}
+        line = Tcl.of("set_location_assignment PIN_{} -to {}", site or "SITE", Tcl.text(bit))
+        script.append(line if site else Tcl.of("# {}", line))
+    script += [Tcl("execute_flow -compile"), Tcl("project_close")]
+    period = f"{1e9 / project.clock_hz:.3f}"
+    clock = Tcl.of(
+        "create_clock -name {} -period {} [get_ports {}]", project.clock, period, Tcl.text(project.clock)
+    )
+    return {".tcl": _lines(script), ".sdc": _lines([clock, Tcl("derive_clock_uncertainty")])}
+
+
+def _lines(lines: Sequence[Tcl]) -> str:
+    return Tcl("").join(Tcl.of("{}\n", line) for line in lines)
 
 
 VENDORS: Mapping[str, Callable[[Project], dict[str, str]]] = {"vivado": _vivado, "quartus": _quartus}

@@ -64,6 +64,10 @@ def generate(spec: Spec, only: str | None = None, configuration: Chosen = None) 
     `configuration` is what gateware the VHDL is, or the fields in which it differs from what the spec asks
     for.
     """
+    if not spec.source.isprintable():
+        raise BindingError(
+            f"the spec's file is called {spec.source!r}, which has characters that do not print; rename it"
+        )
     if only is not None and only not in ARTEFACTS:
         raise BindingError(f"no artefact is called {only!r}; there are: {', '.join(ARTEFACTS)}")
     files: dict[str, str] = {}
@@ -105,10 +109,14 @@ def write(
 
 
 def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
-    """Write {file name: text} into `folder` as `write` does."""
+    """Write {file name: text} into `folder` as `write` does.
+
+    `folder` may be a symbolic link. Below it none is followed: what is made for it stays in it.
+    """
     folder = Path(folder)
     changed = {}
     for name, text in files.items():
+        _refuse_links(folder, name)
         present = _present(folder / name)
         if present is not None and MARK not in present:
             raise BindingError(
@@ -124,6 +132,18 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
     except OSError as error:
         raise BindingError(f"cannot write to {folder}: {error.strerror or error}") from error
     return list(changed)
+
+
+def _refuse_links(folder: Path, name: str) -> None:
+    """Raise BindingError where a part of `name` is a symbolic link in `folder`."""
+    path = folder
+    for part in Path(name).parts:
+        path /= part
+        if path.is_symlink():
+            raise BindingError(
+                f"{path} is a symbolic link to {path.readlink()} and was not followed; "
+                "remove it or generate elsewhere with --out"
+            )
 
 
 def _present(path: Path) -> str | None:

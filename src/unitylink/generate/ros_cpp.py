@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +14,7 @@ from unitylink.spec.types import Field as BitField
 from unitylink.values import Quantity
 from unitylink.wire_hash import wire_hashes
 
+from .quoting import Cpp, Part
 from .ros_package import Package
 
 _COMMITTED = ("tosnet", "double_buffer")
@@ -34,7 +34,7 @@ class CppTopic:
     topic: Topic
     package: str
     message: str
-    statements: tuple[str, ...]
+    statements: tuple[Cpp, ...]
     group: int = -1
     stamped: bool = False
 
@@ -43,16 +43,16 @@ class CppTopic:
 class CppJoint:
     name: str
     values: tuple[int, int, int]  # of the table, -1: none
-    factors: tuple[str, str, str]
+    factors: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class CppRobot:
     spec: str
     gateware: tuple[str, ...]  # wire hashes
-    values: tuple[str, ...]  # initialisers
+    values: tuple[Cpp, ...]  # initialisers
     groups: tuple[CppGroup, ...]
-    units: tuple[str, ...]
+    units: tuple[Cpp, ...]
     data_bits: int
     published: tuple[CppTopic, ...]
     commanded: tuple[CppTopic, ...]
@@ -99,7 +99,7 @@ class _Cpp:
                 published.append(self._published(topic, group))
         joints = next((t for t in self.interface.commanded if t.form == JOINTS), None)
         return CppRobot(
-            _text(self.spec.source),
+            self.spec.source,
             tuple(f"0x{told:016X}U" for told in wire_hashes(self.spec, self.root.name)),
             tuple(self._value(element) for element in self.elements),
             tuple(self.groups),
@@ -111,9 +111,9 @@ class _Cpp:
             tuple(left_out),
         )
 
-    def _value(self, element: Element) -> str:
+    def _value(self, element: Element) -> Cpp:
         unit = self.units.index(element.link) if element.link in self.units else -1
-        where = (_text(element.path), f"0x{element.address:X}", element.words)
+        where = (Cpp.text(element.path), f"0x{element.address:X}", element.words)
         return _initialiser(where, Quantity.of(element), element.access in ("WRITE", "READWRITE"), unit)
 
     # Out
@@ -122,50 +122,48 @@ class _Cpp:
         package, _, message = topic.type.partition("/")
         at = {value: k for k, value in enumerate(self.groups[group].values)}
         raws = [at[self.index[path]] for path in topic.paths]
-        lines: list[str] = []
+        lines: list[Cpp] = []
         if topic.form == SCALAR:
-            packed = topic.packed
-            lines.append(f"message.data = {self._read(topic.paths[0], raws[0], packed)};")
+            lines.append(Cpp.of("message.data = {};", self._read(topic.paths[0], raws[0], topic.packed)))
         elif topic.form == RECORD:
             position = 0
             for field in self.interface.message(topic).fields:
                 for k in range(max(1, field.count)):
-                    target = f"message.{field.name}" + (f"[{k}]" if field.count else "")
+                    target = Cpp.of("message.{}[{}]" if field.count else "message.{}", field.name, k)
                     path = topic.paths[position]
                     if field.members:
                         lines += self._unpack(target, path, raws[position])
                     else:
-                        lines.append(f"{target} = {self._read(path, raws[position])};")
+                        lines.append(Cpp.of("{} = {};", target, self._read(path, raws[position])))
                     position += 1
         else:
             for joint in topic.joints:
-                lines.append(f"message.name.push_back({_text(joint.name)});")
+                lines.append(Cpp.of("message.name.push_back({});", Cpp.text(joint.name)))
             for part in ("position", "velocity", "effort"):
                 if any(getattr(joint, part) >= 0 for joint in topic.joints):
                     for joint in topic.joints:
-                        lines.append(
-                            f"message.{part}.push_back({self._joint_part(topic, joint, part, raws)});"
-                        )
+                        value = self._joint_part(topic, joint, part, raws)
+                        lines.append(Cpp.of("message.{}.push_back({});", part, value))
         stamped = topic.form == JOINTS or (topic.form == RECORD and self.interface.message(topic).stamped)
         return CppTopic(topic, package, message, tuple(lines), group, stamped)
 
-    def _joint_part(self, topic: Topic, joint: Any, part: str, raws: Sequence[int]) -> str:
+    def _joint_part(self, topic: Topic, joint: Any, part: str, raws: Sequence[int]) -> Cpp:
         at = getattr(joint, part)
         if at < 0:
-            return "unitylink::none"
-        value = self.index[topic.paths[at]]
-        return f"unitylink::number(values[{value}], raws[{raws[at]}]) * {getattr(joint, f'{part}_factor')!r}"
+            return Cpp("unitylink::none")
+        value, by = self.index[topic.paths[at]], getattr(joint, f"{part}_factor")
+        return Cpp.of("unitylink::number(values[{}], raws[{}]) * {}", value, raws[at], by)
 
-    def _read(self, path: str, raw: int, packed: bool = False) -> str:
-        element = self.elements[self.index[path]]
-        return _expression(f"values[{self.index[path]}]", f"raws[{raw}]", Quantity.of(element), packed)
+    def _read(self, path: str, raw: int, packed: bool = False) -> Cpp:
+        at = self.index[path]
+        value, bits = Cpp.of("values[{}]", at), Cpp.of("raws[{}]", raw)
+        return _expression(value, bits, Quantity.of(self.elements[at]), packed)
 
-    def _unpack(self, target: str, path: str, raw: int) -> list[str]:
+    def _unpack(self, target: Cpp, path: str, raw: int) -> Iterator[Cpp]:
         kind = self.elements[self.index[path]].type
-        return [
-            f"{target}.{name} = {_expression(_field(one), f'raws[{raw}] >> {one.low}', Quantity.of(one))};"
-            for name, one in zip(self._names(kind.name, path), kind.fields, strict=True)
-        ]
+        for name, one in zip(self._names(kind.name, path), kind.fields, strict=True):
+            bits = Cpp.of("raws[{}] >> {}", raw, one.low)
+            yield Cpp.of("{}.{} = {};", target, name, _expression(_field(one), bits, Quantity.of(one)))
 
     def _names(self, name: str, path: str) -> list[str]:
         for topic in (*self.interface.published, *self.interface.commanded):
@@ -182,14 +180,14 @@ class _Cpp:
 
     def _commanded(self, topic: Topic) -> CppTopic:
         package, _, message = topic.type.partition("/")
-        lines: list[str] = []
+        lines: list[Cpp] = []
         if topic.form == SCALAR:
-            lines.append(self._put(topic.paths[0], "message.data"))
+            lines.append(self._put(topic.paths[0], Cpp("message.data")))
         elif topic.form == RECORD:
             position = 0
             for field in self.interface.message(topic).fields:
                 for k in range(max(1, field.count)):
-                    source = f"message.{field.name}" + (f"[{k}]" if field.count else "")
+                    source = Cpp.of("message.{}[{}]" if field.count else "message.{}", field.name, k)
                     path = topic.paths[position]
                     if field.members:
                         lines += self._pack(source, path)
@@ -197,23 +195,27 @@ class _Cpp:
                         lines.append(self._put(path, source))
                     position += 1
         elif topic.form == JOINTS:
-            lines.append("joints(message);")
+            lines.append(Cpp("command.joint_state(message);"))
         else:
             for axis, path in zip(topic.axes, topic.paths, strict=True):
-                lines.append(self._put(path, f"message.{axis.replace('_', '.')}"))
+                lines.append(self._put(path, Cpp.of("message.{}", axis.replace("_", "."))))
         return CppTopic(topic, package, message, tuple(lines))
 
-    def _put(self, path: str, source: str) -> str:
-        return f"command.put({self.index[path]}, static_cast<double>({source}));"
+    def _put(self, path: str, source: Cpp) -> Cpp:
+        return Cpp.of("command.put({}, static_cast<double>({}));", self.index[path], source)
 
-    def _pack(self, source: str, path: str) -> list[str]:
+    def _pack(self, source: Cpp, path: str) -> Iterator[Cpp]:
         kind = self.elements[self.index[path]].type
-        lines = ["{", "  std::uint64_t packed = 0;"]
+        yield Cpp("{")
+        yield Cpp("  std::uint64_t packed = 0;")
         for name, one in zip(self._names(kind.name, path), kind.fields, strict=True):
-            mask, value = (1 << one.high - one.low + 1) - 1, f"static_cast<double>({source}.{name})"
-            lines.append(f"  command.pack({_field(one)}, {value}, {mask}U, {one.low}, packed);")
-        lines += [f"  command.put({self.index[path]}, static_cast<double>(packed));", "}"]
-        return lines
+            mask, value = (
+                (1 << one.high - one.low + 1) - 1,
+                Cpp.of("static_cast<double>({}.{})", source, name),
+            )
+            yield Cpp.of("  command.pack({}, {}, {}U, {}, packed);", _field(one), value, mask, one.low)
+        yield Cpp.of("  {}", self._put(path, Cpp("packed")))
+        yield Cpp("}")
 
     def _joints(self, topic: Topic) -> tuple[CppJoint, ...]:
         made = []
@@ -223,27 +225,23 @@ class _Cpp:
             factors = (joint.position_factor, joint.velocity_factor, joint.effort_factor)
             made.append(
                 CppJoint(
-                    _text(joint.name),
+                    joint.name,
                     (indices[0], indices[1], indices[2]),
-                    (repr(factors[0]), repr(factors[1]), repr(factors[2])),
+                    (factors[0], factors[1], factors[2]),
                 )
             )
         return tuple(made)
 
 
-def _text(text: str) -> str:
-    return json.dumps(text)
-
-
-def _real(number: float | None) -> str:
-    return "unitylink::none" if number is None else repr(float(number))
+def _real(number: float | None) -> Part:
+    return Cpp("unitylink::none") if number is None else float(number)
 
 
 def _true(flag: bool) -> str:
     return "true" if flag else "false"
 
 
-def _initialiser(where: tuple[str, str, int], quantity: Quantity, writable: bool, unit: int) -> str:
+def _initialiser(where: tuple[Part, Part, int], quantity: Quantity, writable: bool, unit: int) -> Cpp:
     kind = quantity.type
     low, high = quantity.minimum, quantity.maximum
     if kind.enum is not None and not kind.enum.open:
@@ -251,31 +249,31 @@ def _initialiser(where: tuple[str, str, int], quantity: Quantity, writable: bool
     scale = quantity.scale / (1 << kind.fraction)
     safe = float(quantity.safe) if quantity.safe is not None else None
     flags = (kind.signed, kind.kind == "float", writable, quantity.overflow == "saturate")
-    return (
-        f"{{{where[0]}, {where[1]}, {where[2]}, {kind.width}, {', '.join(map(_true, flags))}, {unit}, "
-        f"{_real(scale)}, {_real(quantity.offset)}, {_real(low)}, {_real(high)}, {_real(safe)}}}"
-    )
+    numbers = (_real(number) for number in (scale, quantity.offset, low, high, safe))
+    inside = Cpp(", ").join((*where, kind.width, *map(_true, flags), unit, *numbers))
+    return Cpp.of("{{{}}}", inside)
 
 
-def _field(one: BitField) -> str:
-    return f"unitylink::Value{_initialiser((_text(one.name), '0', 1), Quantity.of(one), False, -1)}"
+def _field(one: BitField) -> Cpp:
+    return Cpp.of("unitylink::Value{}", _initialiser((Cpp.text(one.name), 0, 1), Quantity.of(one), False, -1))
 
 
-def _expression(value: str, raw: str, quantity: Quantity, packed: bool = False) -> str:
+def _expression(value: Cpp, raw: Cpp, quantity: Quantity, packed: bool = False) -> Cpp:
     if quantity.type.kind == "bool":
-        return f"({raw} & 1U) != 0"
+        return Cpp.of("({} & 1U) != 0", raw)
     if (quantity.scaled or quantity.type.kind == "float") and not packed:
-        return f"unitylink::number({value}, {raw})"
-    return f"unitylink::whole({value}, {raw})"
+        return Cpp.of("unitylink::number({}, {})", value, raw)
+    return Cpp.of("unitylink::whole({}, {})", value, raw)
 
 
-def _unit(link: LinkBinding) -> str:
+def _unit(link: LinkBinding) -> Cpp:
     if link.kind != "tosnet":
-        return f"{{0x{link.base + link.size:X}, 0, 0, 0, 0}}"
+        return Cpp.of("{{0x{:X}, 0, 0, 0, 0}}", link.base + link.size)
     bits = (
         protocol.TOSNET_STATUS_COMMIT_PENDING_BIT,
         protocol.TOSNET_STATUS_COMMIT_ABORTED_BIT,
         protocol.TOSNET_STATUS_ONLINE_BIT,
         protocol.TOSNET_STATUS_SYSTEM_HALT_BIT,
     )
-    return f"{{0x{link.base + protocol.TOSNET_STATUS:X}, {', '.join(f'1U << {bit}' for bit in bits)}}}"
+    masks = Cpp(", ").join(Cpp.of("1U << {}", bit) for bit in bits)
+    return Cpp.of("{{0x{:X}, {}}}", link.base + protocol.TOSNET_STATUS, masks)

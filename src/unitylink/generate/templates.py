@@ -4,32 +4,76 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import jinja2
 from jinja2.bccache import Bucket
+from jinja2.runtime import Context
 
 from unitylink.resources import cache_folder
+
+from .quoting import Code, Part, language_of
+
+_CHECKS = 1  # raised when templates are compiled in another way: what is kept is not taken then
 
 
 @cache
 def environment(*folders: Path) -> jinja2.Environment:
-    """Return the templates of some folders; what they lack is an error, and nothing is escaped.
+    """Return the templates of some folders; what they lack is an error, and so is a text that is not quoted.
 
-    They make code, in which a planner lets nothing through that is not quoted or a name. Compiled they are
-    kept in the user's cache: compiling them takes longer than filling them in.
+    A template is of the language that its name tells. What it puts into its text is code of that language, a
+    number or a name; `{{ x | text }}` and `{{ x | remark }}` quote a text, as a literal and for a comment;
+    `{{ code("({})", n) if .. }}` is code that the template itself says. Compiled templates are kept in the
+    user's cache: compiling them takes longer than filling them in.
     """
-    return jinja2.Environment(
+    made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,
+        autoescape=False,  # a value that is not quoted is refused, and not escaped
+        finalize=_checked,
         bytecode_cache=_Kept(),
     )
+    made.filters.update(text=_text, remark=_remark, join=_joined)
+    made.globals.update(code=_code)
+    return made
+
+
+@jinja2.pass_context
+def _checked(context: Context, value: Part | jinja2.Undefined) -> Part:
+    if isinstance(value, jinja2.Undefined):  # of an `if` without `else`; a missing name raises in `str`
+        return str(value)
+    return _language(context).part(value)
+
+
+@jinja2.pass_context
+def _text(context: Context, text: str) -> Code:
+    return _language(context).text(text)
+
+
+@jinja2.pass_context
+def _remark(context: Context, text: str) -> Code:
+    return _language(context).remark(text)
+
+
+@jinja2.pass_context
+def _joined(context: Context, parts: Iterable[Part], between: str = "") -> Code:
+    """Join as jinja's own filter does, parts being checked; what stands between is the template's."""
+    return _language(context)(between).join(parts)
+
+
+@jinja2.pass_context
+def _code(context: Context, pattern: str, *parts: Part) -> Code:
+    return _language(context).of(pattern, *parts)
+
+
+def _language(context: Context) -> type[Code]:
+    return language_of(context.name or "")
 
 
 class _Kept(jinja2.BytecodeCache):
@@ -49,4 +93,4 @@ class _Kept(jinja2.BytecodeCache):
             fresh.replace(path)  # whoever reads meanwhile has the old one or the new one
 
     def _file(self, bucket: Bucket) -> Path:
-        return cache_folder("templates") / jinja2.__version__ / bucket.key
+        return cache_folder("templates") / f"{jinja2.__version__}-{_CHECKS}" / bucket.key

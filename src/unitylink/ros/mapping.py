@@ -22,7 +22,7 @@ from unitylink.values import Quantity, field_names
 from .field_types import SCALARS, comment, primitive
 from .interface import JOINTS, RECORD, SCALAR, TWIST, Constant, Field, Interface, Joint, Message, Topic
 from .joints import PARTS, JointValues, factor, joints_of
-from .names import constant_name, field_name, message_name, package_name, topic_name
+from .names import RESERVED_MESSAGES, constant_name, field_name, message_name, package_name, topic_name
 from .notes import TWIST_AXES, Note
 
 JOINT_STATES, JOINT_COMMANDS = "joint_states", "joint_commands"
@@ -223,6 +223,7 @@ class _Planner:
     def _claim(self, message: Message) -> Message:
         """Give a message its name: that of an equal one, else a free one (`JointFeedback2`)."""
         name, number = message.name, 1
+        name = f"{name}Bits" if name in RESERVED_MESSAGES else name
         while True:
             taken = self.messages.get(name.lower())
             message = replace(message, name=name)

@@ -8,13 +8,19 @@ import re
 
 # What a field may not be called: words of the languages that messages are compiled to, and our own fields.
 _CPP = """
-alignas alignof and asm auto bool break case catch char class concept const constexpr continue decltype
-default
-delete do double else enum explicit export extern false float for friend goto if inline int long mutable
-namespace new noexcept not nullptr operator or private protected public register requires return short signed
-sizeof static struct switch template this throw true try typedef typeid typename union unsigned using virtual
-void volatile wchar_t while xor
-"""
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class
+co_await co_return co_yield compl concept const const_cast consteval constexpr constinit continue decltype
+default delete do double dynamic_cast else enum explicit export extern false float for friend goto if inline
+int linux long mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public
+register reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch
+template this thread_local throw true try typedef typeid typename union unix unsigned using virtual void
+volatile wchar_t while xor xor_eq
+"""  # of C++20; linux and unix are macros of GCC
+# Of messages: in ROS 1 a type Header is that of std_msgs, and a service's header is called like a message's.
+_SERVICES = ("Read", "Write")
+RESERVED_MESSAGES = frozenset(
+    {"Header", *(name + end for name in _SERVICES for end in ("", "Request", "Response", "Event"))}
+)
 RESERVED_FIELDS = frozenset({"header", "sequence", "self", "serialize", "deserialize"})
 _WORDS = frozenset(_CPP.split()) | {word.lower() for word in keyword.kwlist}
 

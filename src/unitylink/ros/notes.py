@@ -49,6 +49,8 @@ class Note:
             value = bool(given) if known[key] is bool and given in (0, 1) else given
             if not isinstance(value, known[key]):
                 raise self.wrong(f"{key}={value!r} is no {known[key].__name__}")
+            if isinstance(value, str) and not value.isprintable():
+                raise self.wrong(f"{key}={value!r} has characters that do not print")
             self._options[key] = value
 
     def wrong(self, what: str) -> BindingError:

@@ -2,8 +2,8 @@
 """Finding and reading what a spec imports, and the constructors of the component library it uses.
 
 A file is named relative to the one that imports it, with `/` between folders. It is looked for in that file's
-folder, then in the folders of the search path. A name is never absolute and never leads up (`..`), so a spec
-reads nothing but what lies below those folders.
+folder, then in the folders of the search path. A name is never absolute and never leads up (`..`), and no
+symbolic link leads out, so a spec reads nothing but what lies below those folders.
 """
 
 from __future__ import annotations
@@ -89,12 +89,22 @@ class Importer:
             path = folder / name
             try:
                 if path.is_file():
-                    return path
+                    return self._inside(path, folders, node)
             except (OSError, ValueError):  # a name too long for the system
                 continue
         looked = ", ".join(f"`{folder}`" for folder in folders[:5])
         hint = f"it was looked for in {looked}; give further folders by --include or UNITYLINK_PATH"
         self.reporter.report("UL042", *place, f"there is no file `{name}`", hint)
+        return None
+
+    def _inside(self, path: Path, folders: Sequence[Path], node: ImportNode) -> Path | None:
+        """Return `path` unless a symbolic link has led out of the folders in which it is looked for."""
+        real = Path(os.path.realpath(path))
+        if any(real.is_relative_to(os.path.realpath(folder)) for folder in folders):
+            return path
+        message = f"`{node.file.value}` is a symbolic link that leads to `{real}`"
+        hint = f"give that folder by --include or UNITYLINK_PATH: `{real.parent}`"
+        self.reporter.report("UL044", node.file.start, node.file.end, message, hint)
         return None
 
     def _add(self, path: Path, node: ImportNode) -> None:

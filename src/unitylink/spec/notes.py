@@ -7,6 +7,7 @@ what its generics are, `@pin("pins", "out", 4)` and `@event("changed")` which po
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -18,6 +19,7 @@ from .syntax import AnnotationNode, Notes
 RESERVED = ("component", "generic", "pin", "event")
 _DIRECTIONS = ("in", "out", "inout")
 _MAX_BITS = 4096
+_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # of an entity, a port or a generic in VHDL
 
 
 def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> tuple[Annotation, ...]:
@@ -60,7 +62,13 @@ def component(
         texts = [
             v for a in node.arguments if a.key is None and isinstance(v := evaluator.value(a, names), str)
         ]
-        if kind == "component" and len(texts) == 1 and len(node.arguments) == 1:
+        keys = [a.key.text for a in node.arguments if a.key is not None]
+        wrong = next((name for name in (*texts[:1], *keys) if not _NAME.fullmatch(name)), None)
+        if wrong is not None:
+            message = f"{wrong!r} is no name of VHDL"
+            hint = "a letter first, then letters, digits and single `_` between them"
+            evaluator.reporter.report("UL098", node.name.start, node.name.end, message, hint)
+        elif kind == "component" and len(texts) == 1 and len(node.arguments) == 1:
             entity = texts[0]
         elif kind == "event" and len(texts) == 1 and len(node.arguments) == 1:
             events.append(texts[0])

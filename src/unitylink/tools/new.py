@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import keyword
 import re
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -16,7 +14,7 @@ from unitylink.optional import installation
 from .failure import Failure
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_MODULES = frozenset({"run", "show", "step", "url", "link", *sys.stdlib_module_names, "unitylink", "numpy"})
+_OWN = frozenset({"run", "show", "step", "url", "link"})  # names in the project's own script
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -81,9 +79,11 @@ def _template(file: str) -> str:
 
 
 def _check_name(name: str) -> None:
+    from unitylink.generate.python.modules import module_name
+
     if not _NAME.fullmatch(name):
         meant = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
         hint = f"; did you mean {meant}?" if _NAME.fullmatch(meant) else ""
         raise click.UsageError(f"'{name}' is no name: letters, digits and _, a letter first{hint}")
-    if keyword.iskeyword(name) or name in _MODULES:
+    if module_name(name) != name or name in _OWN:
         raise click.UsageError(f"'{name}' means something else in Python; did you mean {name}_robot?")

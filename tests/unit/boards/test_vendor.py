@@ -44,9 +44,9 @@ def test_vivado(tmp_path: Path) -> None:
 def test_quartus(tmp_path: Path) -> None:
     assert main(order(tmp_path, "quartus", "--pin", "lamp=L3")) == 0
     script = (tmp_path / "servo.tcl").read_text()
-    assert all(Path(path).is_file() for path in re.findall(r'VHDL_FILE "(.*)"', script))
-    assert 'set_location_assignment PIN_L3 -to "lamp"' in script
-    assert '# set_location_assignment PIN_SITE -to "servos[0]"' in script
+    assert all(Path(path).is_file() for path in re.findall(r"VHDL_FILE \{(.*)\}", script))
+    assert "set_location_assignment PIN_L3 -to {lamp}" in script
+    assert "# set_location_assignment PIN_SITE -to {servos[0]}" in script
     assert "-period 10.000" in (tmp_path / "servo.sdc").read_text()
 
 

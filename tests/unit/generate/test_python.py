@@ -19,8 +19,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unitylink.errors import BindingError
-from unitylink.generate import generate_python, stale, write
-from unitylink.generate.python.text import call, docstring, quoted
+from unitylink.generate import generate, generate_python, stale, write
+from unitylink.generate.python.modules import RESERVED, module_name
+from unitylink.generate.python.text import call, docstring
+from unitylink.generate.quoting import Python
 from unitylink.layer4_data import Node, ReadValue, Value, ValueGroup, load_spec_objects
 from unitylink.layer4_data.binding import BINDING_VERSION
 from unitylink.layer4_data.names import NODE_NAMES, python_names
@@ -36,7 +38,7 @@ _serial = count()
 
 def golden(spec: Path) -> Path:
     """Where the expected text stands: beside an example that ships it, else in tests/golden."""
-    beside = spec.with_suffix(".py")
+    beside = spec.with_name(f"{module_name(spec.stem)}.py")
     return beside if beside.exists() else GOLDEN / beside.name
 
 
@@ -197,14 +199,15 @@ def test_python_names_are_usable_and_distinct(names: list[str]) -> None:
 
 @given(st.text())
 def test_any_text_survives_quoting(text: str) -> None:
-    assert ast.literal_eval(quoted(text)) == text
+    assert ast.literal_eval(Python.text(text)) == text
 
 
 @given(st.lists(st.text(), min_size=1))
 def test_any_text_makes_a_docstring(paragraphs: list[str]) -> None:
-    if "".join("".join(p.split()) for p in paragraphs).isprintable() and any(p.strip() for p in paragraphs):
-        code = f"def f():\n    {docstring(4, *paragraphs, 'End.')}\n    return 1\n"
-        assert isinstance(ast.parse(code).body[0], ast.FunctionDef)
+    for last in ("End.", 'the arm is "parked"', ">>> once", '"', '""', "\\"):
+        code = f"def f():\n    {docstring(4, *paragraphs, last)}\n    return 1\n"
+        function = ast.parse(code).body[0]
+        assert isinstance(function, ast.FunctionDef) and len(function.body) == 2
 
 
 def test_long_calls_are_one_argument_a_line() -> None:
@@ -300,3 +303,39 @@ def test_one_long_line_of_documentation_is_as_a_formatter_leaves_it() -> None:
     two = docstring(4, "x" * 40 + " " + "y" * 40)
     assert two == f'"""{"x" * 40}\n    {"y" * 40}\n    """'
     assert docstring(4, "x " * 38 + "yy") == f'"""{"x " * 38}yy"""'
+
+
+@pytest.mark.parametrize(
+    "name", ["types", "json", "numpy", "conftest", "__main__", "tomllib", "imp", "class"]
+)
+def test_no_module_is_called_like_one_of_python(name: str) -> None:
+    """A `types.py` in a folder stops every Python that is started there."""
+    spec = spec_of(f"link {name}; public p() {{ @a = 0x0: READ(); }}")
+    assert list(generate(spec)) == [f"{name}_.py"]
+    assert (
+        f"from p_unitylink_node.{name}_ import P"
+        in generate(spec, "ros2")["ros2/p_unitylink/scripts/node.py"]
+    )
+
+
+def test_what_python_knows_is_reserved() -> None:
+    assert sys.stdlib_module_names <= RESERVED
+
+
+def test_links_below_the_folder_are_not_followed(tmp_path: Path) -> None:
+    """The folder itself may be one: that is what its owner has said."""
+    spec = spec_of("public p() { @a = 0x0: READ(); }")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    folder = tmp_path / "folder"
+    folder.symlink_to(elsewhere)
+    (path,) = write(spec, folder)
+    (elsewhere / "kept.py").write_text(path.read_text())
+    path.unlink()
+    path.symlink_to("kept.py")
+    with pytest.raises(BindingError, match=r"robot\.py is a symbolic link to kept\.py and was not followed"):
+        write(spec, folder)
+    (folder / "vhdl").symlink_to(tmp_path)
+    with pytest.raises(BindingError, match=r"vhdl is a symbolic link .* remove it or generate elsewhere"):
+        write(spec, folder, "vhdl")
+    assert {one.name for one in tmp_path.iterdir()} == {"elsewhere", "folder"}

@@ -18,10 +18,11 @@ from hypothesis import strategies as st
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError, ValueRangeError
 from unitylink.generate import generate, generate_vhdl
+from unitylink.generate.quoting import Vhdl
 from unitylink.generate.vhdl import blocks as plan_blocks
 from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
 from unitylink.generate.vhdl.blocks import WINDOW, blocks
-from unitylink.generate.vhdl.names import KEYWORDS, Names, remark
+from unitylink.generate.vhdl.names import KEYWORDS, Names
 from unitylink.settings import SETTINGS
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
@@ -60,7 +61,7 @@ def test_names_are_legal_and_distinct(texts: list[str]) -> None:
 
 @given(st.text())
 def test_remarks_stay_on_their_line(text: str) -> None:
-    said = remark(text)
+    said = Vhdl.remark(text)
     assert said.isascii() and (said.isprintable() or not said) and len(said) <= 200
 
 

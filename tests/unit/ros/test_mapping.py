@@ -182,3 +182,37 @@ def test_shapes_that_differ_have_messages_that_differ() -> None:
     found = topics(interface)
     assert found["a/feedback"] == found["d/feedback"] == "r_unitylink/CFeedback"
     assert found["b/feedback"] == "r_unitylink/CFeedback2"
+
+
+CPP_KEYWORDS = """
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class
+co_await co_return co_yield compl concept const const_cast consteval constexpr constinit continue decltype
+default delete do double dynamic_cast else enum explicit export extern false float for friend goto if inline
+int long mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public
+register reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch
+template this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile
+wchar_t while xor xor_eq
+"""  # [lex.key] and [lex.digraph] of C++20
+
+
+@pytest.mark.parametrize("word", CPP_KEYWORDS.split())
+def test_no_field_is_a_word_of_cpp(word: str) -> None:
+    assert field_name(word) == f"{word}_value"
+
+
+@pytest.mark.parametrize("name", ["header", "read", "writeRequest"])
+def test_no_message_is_what_ros_has(name: str) -> None:
+    """In ROS 1 a type Header is that of std_msgs, and a service Read makes the file of a message Read."""
+    text = f"bits {name}: u8 {{ a: u4 @ 3..0; }} public p() {{ @x = 0x0: {name} READ(PUBLISH(1,1)); }}"
+    spec = compile_text(text, "p.ul").spec
+    assert spec is not None
+    (packed, _) = plan_interface(spec).messages
+    assert packed.name == f"{name[0].upper()}{name[1:]}Bits"
+
+
+def test_what_does_not_print_is_no_name_of_ros() -> None:
+    text = 'public p() { @ros(frame="base\\nlink") @a = 0x0: READ(PUBLISH(1,1)); }'
+    spec = compile_text(text, "p.ul").spec
+    assert spec is not None
+    with pytest.raises(BindingError, match=r"p\.ul:1: `a`: @ros\(\.\.\): frame='base\\nlink' has characters"):
+        plan_interface(spec)

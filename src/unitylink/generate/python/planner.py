@@ -24,10 +24,12 @@ from unitylink.values import Quantity
 from unitylink.wire_hash import wire_hashes
 
 from ..kept import kept
+from ..quoting import Python, file_name
+from .modules import module_name, variable_name
 from .said import places as _places
 from .said import shown as _shown
 from .said import value_facts
-from .text import WIDTH, Call, call, docstring, quoted, repeated
+from .text import WIDTH, Argument, Call, call, docstring, repeated
 from .types import TypeClass, Types
 
 # Access in the spec -> class of layer 4, and the method of Node that makes one.
@@ -47,17 +49,17 @@ class Member:
     """An attribute of a class: its type, docstring, and the statement that makes it."""
 
     attribute: str
-    type: str
-    documentation: str
-    statement: str
+    type: Python
+    documentation: Python
+    statement: Python
 
 
 @dataclass(frozen=True)
 class Class:
     name: str
-    documentation: str
-    signature: str
-    start: tuple[str, ...]  # statements before the members'
+    documentation: Python
+    signature: Python
+    start: tuple[Python, ...]  # statements before the members'
     members: tuple[Member, ...]
 
 
@@ -66,8 +68,8 @@ class Table:
     """A module-level dict; values are already literals."""
 
     name: str
-    type: str
-    rows: tuple[tuple[str, str], ...]
+    type: Python
+    rows: tuple[tuple[Python, str], ...]
 
 
 @dataclass(frozen=True)
@@ -75,11 +77,11 @@ class Module:
     file: str
     source: str
     hash: str
-    documentation: str
-    check: str
+    documentation: Python
+    check: Python
     binding_version: int
-    imports: str
-    standard: tuple[str, ...]  # imports of the standard library
+    imports: Python
+    standard: tuple[Python, ...]  # imports of the standard library
     types: tuple[TypeClass, ...]
     tables: tuple[Table, ...]
     classes: tuple[Class, ...]
@@ -144,23 +146,23 @@ class _Planner:
         statements = [member.statement for item in classes for member in item.members]
         if self.types.classes or any("facts." in statement for statement in statements):
             imports.add("facts")
-        standard = ["from dataclasses import dataclass"] if spec.bits else []
+        standard = [Python("from dataclasses import dataclass")] if spec.bits else []
         package = f"{spec.package}." if spec.package else ""
         publics = ", ".join(f"`{name}`" for name in self.root_class.values())
         check = [
             "__file__",
-            f"source={quoted(spec.source)}",
-            "spec_hash=SPEC_HASH",
-            f"binding_version={BINDING_VERSION}",
+            Python.of("source={}", Python.text(spec.source)),
+            Python("spec_hash=SPEC_HASH"),
+            Python.of("binding_version={}", BINDING_VERSION),
         ]
         return Module(
-            file=f"{_module_name(spec.name)}.py",
-            source=_one_line(spec.source),
+            file=f"{module_name(spec.name)}.py",
+            source=file_name(spec.source),
             hash=spec.hash,
             documentation=docstring(
                 0, f"What the spec `{package}{spec.name}` describes; start with {publics}."
             ),
-            check=call(0, "binding.check", check),
+            check=call(0, Python("binding.check"), check),
             binding_version=BINDING_VERSION,
             imports=_imports(sorted(imports, key=lambda name: (name.islower(), name))),
             standard=tuple(standard),
@@ -172,20 +174,21 @@ class _Planner:
     def _tables(self, root: Instance) -> tuple[Table, ...]:
         addresses, names, gateware = self.table_names[root.name]
         digits = max([3, *(len(f"{element.address:X}") for element in root.walk())])
-        where = tuple((quoted(e.path), f"0x{e.address:0{digits}X}") for e in root.walk())
-        shown = tuple((quoted(i.path), quoted(i.display)) for i in _named(root) if i.display != i.path)
+        where = tuple((Python.text(e.path), f"0x{e.address:0{digits}X}") for e in root.walk())
+        named = [item for item in _named(root) if item.display != item.path]
+        shown = tuple((Python.text(item.path), Python.text(item.display)) for item in named)
         return (
-            Table(addresses, "dict[str, int]", where),
-            Table(names, "dict[str, str]", shown),
-            Table(gateware, "dict[str, tuple[int, ...]]", self._gateware(root)),
+            Table(addresses, Python("dict[str, int]"), where),
+            Table(names, Python("dict[str, str]"), shown),
+            Table(gateware, Python("dict[str, tuple[int, ...]]"), self._gateware(root)),
         )
 
     def _class_table(self) -> tuple[Table, ...]:
         names = self.types.names
-        rows = tuple((quoted(name), python) for name, python in names.items())
-        return (Table(self.class_table, "dict[str, type]", rows),) if rows else ()
+        rows = tuple((Python.text(name), python) for name, python in names.items())
+        return (Table(self.class_table, Python("dict[str, type]"), rows),) if rows else ()
 
-    def _gateware(self, root: Instance) -> tuple[tuple[str, str], ...]:
+    def _gateware(self, root: Instance) -> tuple[tuple[Python, str], ...]:
         """Return what hashes the gateware behind each link may have."""
         hashes: dict[str, dict[int, None]] = {}
         for ctrl, comm in dict.fromkeys((e.link.ctrl, e.link.comm) for e in root.walk()):
@@ -194,18 +197,20 @@ class _Planner:
                     dict.fromkeys(wire_hashes(self.spec, root.name, comm))
                 )
         return tuple(
-            (quoted(name), Call("", [f"0x{h:016X}" for h in told]).flat()) for name, told in hashes.items()
+            (Python.text(name), Call("", [f"0x{h:016X}" for h in told]).flat())
+            for name, told in hashes.items()
         )
 
-    def _links(self, root: Instance, attributes: Mapping[str, str]) -> str:
+    def _links(self, root: Instance, attributes: Mapping[str, str]) -> Python:
         """Return arguments that connect a public constructor to virtual boards, one behind each link."""
         boards = {device.link.name: device.comm for device in self.spec.devices if device.root == root.name}
         if len(boards) > 1:
-            chosen = [(link, f"{attributes[comm]}=" if comm else "") for link, comm in boards.items()]
+            chosen = [(link, attributes[comm] if comm else "") for link, comm in boards.items()]
         else:
             chosen = [(root.name if len(self.spec.boards) > 1 else "", "")]
         urls = [(f"sim:{self.spec.source}{f'?root={part}' if part else ''}", to) for part, to in chosen]
-        return ", ".join(f"{to}unitylink.connect({quoted(url)})" for url, to in urls)
+        connect = Python("unitylink.connect")
+        return Python(", ").join(Call(connect, [Python.text(url)], to).flat() for url, to in urls)
 
     def _root(self, root: Instance) -> Class:
         name = self.root_class[root.name]
@@ -218,55 +223,56 @@ class _Planner:
             4,
             f"The public interface `{root.name}`: {words} words.",
             f"{links} default{'s' if len(parameters) == 1 else ''} to `link`." if parameters else "",
-            f">>> {_module_name(root.name)} = {name}({self._links(root, attributes)})",
+            f">>> {variable_name(root.name)} = {name}({self._links(root, attributes)})",
         )
-        given = ", ".join(f"{quoted(p)}: {attributes[p]}" for p in root.parameters)
+        given = [Python.of("{}: {}", Python.text(p), attributes[p]) for p in root.parameters]
         tree = call(
             8,
-            "tree = Tree",
+            Python("tree = Tree"),
             [
                 "link",
-                f"{{{given}}}",
-                f"source={quoted(self.spec.source)}",
-                f"gateware={gateware}",
-                f"addresses={addresses}",
-                f"names={names}",
-                *([f"classes={self.class_table}"] if self.types.names else []),
+                Python.of("{{{}}}", Python(", ").join(given)),
+                Python.of("source={}", Python.text(self.spec.source)),
+                Python.of("gateware={}", gateware),
+                Python.of("addresses={}", addresses),
+                Python.of("names={}", names),
+                *([Python.of("classes={}", self.class_table)] if self.types.names else []),
             ],
         )
         signature = call(
             4,
-            "def __init__",
-            ["self", "link: Link", *(f"{p}: Link | None = None" for p in parameters)],
-            tail=" -> None:",
+            Python("def __init__"),
+            ["self", Python("link: Link"), *(Python.of("{}: Link | None = None", p) for p in parameters)],
+            tail=Python(" -> None:"),
         )
-        start = [tree, call(8, "super().__init__", ["tree", quoted(root.name)]), self._bind(root.link)]
+        called = call(8, Python("super().__init__"), ["tree", Python.text(root.name)])
+        start = [tree, called, self._bind(root.link)]
         return Class(name, documentation, signature, tuple(start), self._members([(root, root.link)]))
 
     def _part(self, name: str, places: list[tuple[Instance, LinkBinding]]) -> Class:
         instance, above = places[0]
         where = _places([f"`{place.path}`" for place, _ in places])
-        start = ["super().__init__(parent, name)"]
+        start = [Python("super().__init__(parent, name)")]
         if instance.link != above:
             start.append(self._bind(instance.link))
         return Class(
             name,
             docstring(4, f"The constructor `{instance.constructor}`, expanded as {where}."),
-            "def __init__(self, parent: Node, name: str) -> None:",
+            Python("def __init__(self, parent: Node, name: str) -> None:"),
             tuple(start),
             self._members(places),
         )
 
     @staticmethod
-    def _bind(link: LinkBinding) -> str:
-        arguments = [quoted(link.kind)]
+    def _bind(link: LinkBinding) -> Python:
+        arguments = [Python.text(link.kind)]
         if link.base:
-            arguments.append(f"base=0x{link.base:X}")
-        arguments += [f"ctrl={quoted(link.ctrl)}"] if link.ctrl is not None else []
-        arguments += [f"comm={quoted(link.comm)}"] if link.comm is not None else []
-        arguments += [f"size={link.size}"] if link.size else []
-        arguments += [f"link={quoted(link.link)}"] if link.link else []
-        return call(8, "self._bind", arguments)
+            arguments.append(Python.of("base=0x{:X}", link.base))
+        arguments += [Python.of("ctrl={}", Python.text(link.ctrl))] if link.ctrl is not None else []
+        arguments += [Python.of("comm={}", Python.text(link.comm))] if link.comm is not None else []
+        arguments += [Python.of("size={}", link.size)] if link.size else []
+        arguments += [Python.of("link={}", Python.text(link.link))] if link.link else []
+        return call(8, Python("self._bind"), arguments)
 
     def _members(self, places: list[tuple[Instance, LinkBinding]]) -> tuple[Member, ...]:
         """Plan the members of a class: parts and values in source order, then the groups of them."""
@@ -294,42 +300,49 @@ class _Planner:
         kinds = [self.shape_class[_shape(part, instance.link)] for part in own]
         text = docstring(4, parts[0].documentation, f"{_places([_shown(part) for part in parts])}.")
         if not own[0].array:
-            statement = call(8, f"self.{attribute} = {kinds[0]}", ["self", quoted(own[0].name)])
-            return Member(attribute, kinds[0], text, statement)
+            head = Python.of("self.{} = {}", attribute, kinds[0])
+            statement = call(8, head, ["self", Python.text(own[0].name)])
+            return Member(attribute, Python.of("{}", kinds[0]), text, statement)
         if len(set(kinds)) == 1:
-            made = Call(kinds[0], ["self", f'f"{own[0].array}[{{i}}]"'])
-            statement = repeated(8, f"self.{attribute} = tuple", made, len(own))
-            return Member(attribute, f"tuple[{kinds[0]}, ...]", text, statement)
-        each = [Call(kind, ["self", quoted(part.name)]) for kind, part in zip(kinds, own, strict=True)]
-        return Member(attribute, f"tuple[{', '.join(kinds)}]", text, call(8, f"self.{attribute} = ", each))
+            made = Call(kinds[0], ["self", _item_of(own[0].array)])
+            statement = repeated(8, Python.of("self.{} = tuple", attribute), made, len(own))
+            return Member(attribute, Python.of("tuple[{}, ...]", kinds[0]), text, statement)
+        each = [Call(kind, ["self", Python.text(part.name)]) for kind, part in zip(kinds, own, strict=True)]
+        statement = call(8, Python.of("self.{} = ", attribute), each)
+        return Member(attribute, Python.of("tuple[{}]", Python(", ").join(kinds)), text, statement)
 
     def _value(self, attribute: str, element: Element, count: int, here: list[SpecMember]) -> Member:
         elements = [item for item in here if isinstance(item, Element)]
         quantity = Quantity.of(element)
         cls, maker = VALUE_CLASSES_OF_ACCESS[element.access]
-        kind = f"{cls}[{self.types.python(quantity)}]"
-        arguments: list[str | Call] = [quoted(element.name)]
-        if element.array:
-            arguments = [f'f"{element.array}[{{i}}]"']
+        kind = Python.of("{}[{}]", cls, self.types.python(quantity))
+        name = _item_of(element.array) if element.array else Python.text(element.name)
+        arguments: list[Argument] = [name]
         if quantity == Quantity(INT32):
-            arguments.append("signed=True")
+            arguments.append(Python("signed=True"))
         elif quantity != Quantity(UINT32):
             arguments.append(self.types.quantity(quantity))
         if element.words > 1:
-            arguments.append(f"words={element.words}")
+            arguments.append(Python.of("words={}", element.words))
         if element.checked:
-            arguments.append("checked=True")
+            arguments.append(Python("checked=True"))
         if element.publish is not None and element.readable:
             arguments.append(_publish(element.publish))
             line = next((lines[element.path] for lines in self.lines.values() if element.path in lines), None)
             if line is not None and element.publish.trigger != "rate":
-                arguments.append(f"line={line}")
+                arguments.append(Python.of("line={}", line))
         documentation = docstring(4, element.documentation, value_facts(element, quantity, elements))
         if not element.array:
-            statement = call(8, f"self.{attribute} = self.{maker}", arguments)
+            statement = call(8, Python.of("self.{} = self.{}", attribute, maker), arguments)
             return Member(attribute, kind, documentation, statement)
-        statement = repeated(8, f"self.{attribute} = tuple", Call(f"self.{maker}", arguments), count)
-        return Member(attribute, f"tuple[{kind}, ...]", documentation, statement)
+        made = Call(Python.of("self.{}", maker), arguments)
+        statement = repeated(8, Python.of("self.{} = tuple", attribute), made, count)
+        return Member(attribute, Python.of("tuple[{}, ...]", kind), documentation, statement)
+
+
+def _item_of(array: str) -> Python:
+    """Return the name of item `i` of an array, as an expression."""
+    return Python.of('f"{}[{{i}}]"', array)
 
 
 def _arrays(instance: Instance) -> dict[str, list[int]]:
@@ -341,23 +354,22 @@ def _arrays(instance: Instance) -> dict[str, list[int]]:
     return found
 
 
-def _publish(publish: Publish) -> str | Call:
+def _publish(publish: Publish) -> Argument:
     if publish.trigger == "rate" and not publish.group:
-        return f"publish=({publish.mode}, {publish.divisor})"
-    facts = [str(publish.mode), str(publish.divisor)]
-    facts += [f"trigger={quoted(publish.trigger)}"] if publish.trigger != "rate" else []
-    facts += [f"event={quoted(publish.event)}"] if publish.event else []
-    facts += [f"group={quoted(publish.group)}"] if publish.group else []
-    return Call("facts.Publish", facts, "publish=")
+        return Python.of("publish=({}, {})", publish.mode, publish.divisor)
+    facts = [Python.of("{}", publish.mode), Python.of("{}", publish.divisor)]
+    facts += [Python.of("trigger={}", Python.text(publish.trigger))] if publish.trigger != "rate" else []
+    facts += [Python.of("event={}", Python.text(publish.event))] if publish.event else []
+    facts += [Python.of("group={}", Python.text(publish.group))] if publish.group else []
+    return Call("facts.Publish", facts, "publish")
 
 
 def _group(attribute: str, group: Group, instance: Instance) -> Member:
     paths = _relative(group, instance)
-    arguments = [quoted(group.name), *(quoted(path) for path in paths)]
+    arguments = [Python.text(text) for text in (group.name, *paths)]
     documentation = docstring(4, f"{len(paths)} words together: {_places(list(paths))}.")
-    return Member(
-        attribute, "ValueGroup", documentation, call(8, f"self.{attribute} = self._group", arguments)
-    )
+    statement = call(8, Python.of("self.{} = self._group", attribute), arguments)
+    return Member(attribute, Python("ValueGroup"), documentation, statement)
 
 
 def _shape(instance: Instance, above: LinkBinding) -> Hashable:
@@ -397,24 +409,15 @@ def _named(instance: Instance) -> Iterator[Instance | Element]:
             yield from _named(member)
 
 
-def _one_line(text: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in text)
-
-
 def _camel(name: str) -> str:
     """Return a class name: `servo_left` -> ServoLeft, `_2nd` -> N2nd."""
     joined = "".join(step[:1].upper() + step[1:] for step in name.split("_"))
     return joined if joined.isidentifier() else f"N{joined}"
 
 
-def _module_name(name: str) -> str:
-    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
-    plain = plain if plain.isidentifier() else f"n{plain}"
-    return f"{plain}_" if keyword.iskeyword(plain) else plain
-
-
-def _imports(names: list[str]) -> str:
-    line = f"from unitylink.layer4_data import {', '.join(names)}"
+def _imports(names: list[str]) -> Python:
+    line = Python.of("from unitylink.layer4_data import {}", Python(", ").join(names))
     if len(line) <= WIDTH:
         return line
-    return "from unitylink.layer4_data import (\n" + "".join(f"    {name},\n" for name in names) + ")"
+    rows = Python("").join(Python.of("    {},\n", name) for name in names)
+    return Python.of("from unitylink.layer4_data import (\n{})", rows)

@@ -1,118 +1,103 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Quoting and wrapping as a formatter would leave it, at 88 columns."""
+"""Docstrings and calls, wrapped as a formatter would leave them, at 88 columns."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Union
+
+from ..quoting import Python
 
 WIDTH = 88
 
 
-def quoted(text: str) -> str:
-    r"""Return a Python string literal, in double quotes unless single ones save escapes.
-
-    >>> print(quoted("joint 1"), quoted('say "x"'), quoted("a\\b\n"))
-    "joint 1" 'say "x"' "a\\b\n"
-    """
-    quote = "'" if text.count('"') > text.count("'") else '"'
-    if not text.isprintable() or "\\" in text or quote in text:
-        text = "".join(_escaped(character, quote) for character in text)
-    return f"{quote}{text}{quote}"
-
-
-def _escaped(character: str, quote: str) -> str:
-    if character in ("\\", quote):
-        return "\\" + character
-    if character.isprintable():
-        return character
-    return character.encode("unicode_escape").decode("ascii")
-
-
-def docstring(indent: int, *paragraphs: str) -> str:
+def docstring(indent: int, *paragraphs: str) -> Python:
     """Return a docstring, its first line without indent: one line where it fits, else wrapped.
 
     >>> print(docstring(4, "A lamp."))
     \"\"\"A lamp.\"\"\"
     """
-    clean = [text for paragraph in paragraphs if (text := _clean(paragraph))]
+    clean = [text for paragraph in paragraphs if (text := Python.said(paragraph))]
     if len(clean) == 1 and indent + len(clean[0]) + 6 <= WIDTH:
-        return f'"""{clean[0]}"""'
+        return Python(f'"""{clean[0]}"""')
     lines: list[str] = []
     for number, paragraph in enumerate(clean):
+        first = "" if number else '"""'
         if number:
             lines.append("")
         if paragraph.startswith(">>>"):
-            lines.append(paragraph)
+            lines.append(first + paragraph)
             continue
         # A line of its own for the quotes is for more than one line of text: a formatter would take it away.
         only = len(clean) == 1 and indent + len(paragraph) + 3 <= WIDTH
         room = WIDTH - indent - (3 if only else 0)
         lines += textwrap.wrap(
-            paragraph,
-            room,
-            initial_indent="" if number else '"""',
-            break_long_words=False,
-            break_on_hyphens=False,
+            paragraph, room, initial_indent=first, break_long_words=False, break_on_hyphens=False
         )
     if len(lines) == 1:  # one long word
-        return f'{lines[0]}"""'
-    return "\n".join(
-        (" " * indent + line if line and number else line) for number, line in enumerate(lines)
-    ) + ("\n" + " " * indent + '"""')
-
-
-def _clean(text: str) -> str:
-    """Keep text from ending the docstring or being read as an escape."""
-    if not text.isprintable():
-        text = "".join(c if c.isprintable() else " " for c in text)
-    return " ".join(text.replace("\\", "\\\\").replace('"""', "'''").split())
+        return Python(f'{lines[0]}"""')
+    return Python(
+        "\n".join((" " * indent + line if line and number else line) for number, line in enumerate(lines))
+        + ("\n" + " " * indent + '"""')
+    )
 
 
 @dataclass(frozen=True)
 class Call:
-    """`keyword=head(arguments)`; without a head a tuple."""
+    """`keyword=head(arguments)`; without a head a tuple. Head and keyword are names or Python."""
 
     head: str
-    arguments: Sequence[str | Call]
+    arguments: Sequence[Argument]
     keyword: str = ""
 
-    def flat(self) -> str:
-        inner = ", ".join(a if isinstance(a, str) else a.flat() for a in self.arguments)
-        alone = "," if not self.head and len(self.arguments) == 1 else ""
-        return f"{self.keyword}{self.head}({inner}{alone})"
+    def start(self) -> Python:
+        """Return what stands before the arguments."""
+        return Python.of("{}={}(" if self.keyword else "{}{}(", self.keyword, self.head)
+
+    def flat(self) -> Python:
+        inner = Python(", ").join(a if isinstance(a, str) else a.flat() for a in self.arguments)
+        alone = not self.head and len(self.arguments) == 1
+        return Python.of("{}{},)" if alone else "{}{})", self.start(), inner)
 
 
-def repeated(indent: int, head: str, each: Call, count: int) -> str:
+Argument = Union[str, Call]
+
+
+def repeated(indent: int, head: str, each: Call, count: int) -> Python:
     """Return `head(each for i in range(count))`, on as few lines as it fits.
 
-    >>> print(repeated(8, "self.leg = tuple", Call("Leg", ["self", 'f"leg[{i}]"']), 2))
+    >>> leg = Call("Leg", ["self", Python('f"leg[{i}]"')])
+    >>> print(repeated(8, Python("self.leg = tuple"), leg, 2))
     self.leg = tuple(Leg(self, f"leg[{i}]") for i in range(2))
     """
-    tail = f"for i in range({count})"
-    inside = f"{each.flat()} {tail}"
+    tail = Python.of("for i in range({})", count)
+    inside = Python.of("{} {}", each.flat(), tail)
     if indent + len(head) + len(inside) + 2 <= WIDTH:
-        return f"{head}({inside})"
-    room = " " * (indent + 4)
+        return Python.of("{}({})", head, inside)
+    room = Python.blanks(indent + 4)
     if len(room) + len(inside) > WIDTH:
-        inside = f"{call(indent + 4, each.head, each.arguments)}\n{room}{tail}"
-    return f"{head}(\n{room}{inside}\n{' ' * indent})"
+        inside = Python.of("{}\n{}{}", call(indent + 4, each.head, each.arguments), room, tail)
+    return Python.of("{}(\n{}{}\n{})", head, room, inside, Python.blanks(indent))
 
 
-def call(indent: int, head: str, arguments: Sequence[str | Call], tail: str = "") -> str:
+def call(indent: int, head: str, arguments: Sequence[Argument], tail: str = "") -> Python:
     """Return `head(arguments)` and `tail` on one line where it fits, else one argument a line.
 
-    >>> print(call(8, "self.led = self._write", ['"led"']))
+    >>> print(call(8, Python("self.led = self._write"), [Python.text("led")]))
     self.led = self._write("led")
     """
-    return _laid_out(indent, Call(head, arguments), tail).lstrip()
+    return _laid_out(indent, Call(head, arguments), tail, first=True)
 
 
-def _laid_out(indent: int, item: str | Call, tail: str) -> str:
-    space = " " * indent
-    line = f"{space}{item if isinstance(item, str) else item.flat()}{tail}"
-    if isinstance(item, str) or len(line) <= WIDTH:
-        return line
-    inner = "".join(_laid_out(indent + 4, argument, ",") + "\n" for argument in item.arguments)
-    return f"{space}{item.keyword}{item.head}(\n{inner}{space}){tail}"
+def _laid_out(indent: int, item: Argument, tail: str, *, first: bool = False) -> Python:
+    space = Python.blanks(indent)
+    margin = Python("") if first else space
+    flat = item if isinstance(item, str) else item.flat()
+    if isinstance(item, str) or indent + len(flat) + len(tail) <= WIDTH:
+        return Python.of("{}{}{}", margin, flat, tail)
+    inner = Python("").join(
+        Python.of("{}\n", _laid_out(indent + 4, argument, Python(","))) for argument in item.arguments
+    )
+    return Python.of("{}{}\n{}{}){}", margin, item.start(), inner, space, tail)

@@ -3,22 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from unitylink.spec.model import Spec
 from unitylink.spec.types import EnumType, Field, ValueType
 from unitylink.values import Quantity, field_names, member_names
 
-from .text import Call, call, docstring, quoted
+from ..quoting import Part, Python
+from .text import Argument, Call, call, docstring
 
 
 @dataclass(frozen=True)
 class TypeMember:
     """A line of an enumeration (`run = 1`) or of a record (`mode: Mode`), and what is said about it."""
 
-    text: str
-    documentation: str
+    text: Python
+    documentation: Python
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,10 @@ class TypeClass:
     """A class of the generated module that is no Node."""
 
     name: str
-    head: str  # decorators and the class line
-    documentation: str
+    head: Python  # decorators and the class line
+    documentation: Python
     members: tuple[TypeMember, ...]
-    constant: str  # the statement that describes it to the codec
+    constant: Python  # the statement that describes it to the codec
 
 
 @dataclass
@@ -55,19 +56,19 @@ class Types:
         self.names[name] = self.claim(self.camel(name))
         self.constants[name] = self.claim(f"_{name.upper().lstrip('_')}_TYPE")
 
-    def python(self, quantity: Quantity) -> str:
+    def python(self, quantity: Quantity) -> Python:
         """Return the Python type of a value."""
         kind = quantity.type
         if kind.kind == "enum" and kind.enum is not None:
             name = self.names[kind.enum.name]
-            return f"{name} | int" if kind.enum.open else name
+            return Python.of("{} | int" if kind.enum.open else "{}", name)
         if kind.kind == "bits":
-            return self.names[kind.name]
+            return Python.of("{}", self.names[kind.name])
         if kind.kind == "bool":
-            return "bool"
-        return "float" if quantity.scaled or kind.kind == "float" else "int"
+            return Python("bool")
+        return Python("float") if quantity.scaled or kind.kind == "float" else Python("int")
 
-    def expression(self, kind: ValueType) -> str | Call:
+    def expression(self, kind: ValueType) -> Argument:
         """Return what makes the type in the generated module."""
         if kind.kind == "enum" and kind.enum is not None:
             return self.constants[kind.enum.name]
@@ -75,42 +76,41 @@ class Types:
             return self.constants[kind.name]
         if kind.bus:
             return "facts.INT32" if kind.signed else "facts.UINT32"
-        fraction = [f"fraction={kind.fraction}"] if kind.fraction else []
-        return Call("facts.ValueType", [quoted(kind.kind), str(kind.width), *fraction])
+        fraction = [Python.of("fraction={}", kind.fraction)] if kind.fraction else []
+        return Call("facts.ValueType", [Python.text(kind.kind), str(kind.width), *fraction])
 
-    def quantity(self, quantity: Quantity, keyword: str = "quantity=") -> Call:
+    def quantity(self, quantity: Quantity, keyword: str = "quantity") -> Call:
         """Return what makes a quantity in the generated module."""
-        arguments: list[str | Call] = [self.expression(quantity.type)]
-        standard = Quantity()
-        for name in ("scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe"):
-            given = getattr(quantity, name)
-            if given != getattr(standard, name):
-                arguments.append(f"{name}={quoted(given) if isinstance(given, str) else repr(given)}")
+        names = ("scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe")
+        arguments = [self.expression(quantity.type), *_given(quantity, Quantity(), names)]
         return Call("facts.Quantity", arguments, keyword)
 
     def _enum(self, enum: EnumType) -> TypeClass:
         names = member_names(enum)
         name, constant = self.names[enum.name], self.constants[enum.name]
         members = [
-            TypeMember(f"{names[item.name]} = {item.value}", _said(item.documentation))
+            TypeMember(Python.of("{} = {}", names[item.name], item.value), _said(item.documentation))
             for item in enum.values
         ]
-        values = [Call("facts.EnumValue", [quoted(item.name), str(item.value)]) for item in enum.values]
-        described: list[str | Call] = [quoted(enum.name), str(enum.width), Call("", values)]
-        described += ["open=True"] if enum.open else []
-        arguments: list[str | Call] = [
-            '"enum"',
+        values = [
+            Call("facts.EnumValue", [Python.text(item.name), Python.of("{}", item.value)])
+            for item in enum.values
+        ]
+        described: list[Argument] = [Python.text(enum.name), str(enum.width), Call("", values)]
+        described += [Python("open=True")] if enum.open else []
+        arguments: list[Argument] = [
+            Python.text("enum"),
             str(enum.width),
-            Call("facts.EnumType", described, "enum="),
-            f"name={quoted(enum.name)}",
+            Call("facts.EnumType", described, "enum"),
+            Python.of("name={}", Python.text(enum.name)),
         ]
         other = "; other numbers stay numbers" if enum.open else ""
         return TypeClass(
             name,
-            f"class {name}(facts.Enumeration):",
+            Python.of("class {}(facts.Enumeration):", name),
             docstring(4, enum.documentation, f"The enumeration `{enum.name}` of {enum.width} bits{other}."),
             tuple(members),
-            call(0, f"{constant} = facts.ValueType", arguments),
+            call(0, Python.of("{} = facts.ValueType", constant), arguments),
         )
 
     def _bits(self, bits: ValueType) -> TypeClass:
@@ -118,38 +118,42 @@ class Types:
         name, constant = self.names[bits.name], self.constants[bits.name]
         members = [
             TypeMember(
-                f"{names[one.name]}: {self.python(Quantity.of(one))}",
+                Python.of("{}: {}", names[one.name], self.python(Quantity.of(one))),
                 _said(one.documentation, f"Bits {one.high} to {one.low}{_in_unit(one)}."),
             )
             for one in bits.fields
         ]
         fields = [self._field(one) for one in bits.fields]
-        arguments: list[str | Call] = [
-            '"bits"',
+        arguments: list[Argument] = [
+            Python.text("bits"),
             str(bits.width),
-            Call("", fields, "fields="),
-            f"name={quoted(bits.name)}",
+            Call("", fields, "fields"),
+            Python.of("name={}", Python.text(bits.name)),
         ]
         return TypeClass(
             name,
-            f"@dataclass(frozen=True)\nclass {name}:",
+            Python.of("@dataclass(frozen=True)\nclass {}:", name),
             docstring(4, bits.documentation, f"The packed value `{bits.name}` of {bits.width} bits."),
             tuple(members),
-            call(0, f"{constant} = facts.ValueType", arguments),
+            call(0, Python.of("{} = facts.ValueType", constant), arguments),
         )
 
     def _field(self, one: Field) -> Call:
-        arguments = [quoted(one.name), self.expression(one.type), str(one.low), str(one.high)]
-        standard = Field("", one.type, 0, 0)
-        for name in ("unit", "scale", "offset", "minimum", "maximum"):
-            given = getattr(one, name)
-            if given != getattr(standard, name):
-                arguments.append(f"{name}={quoted(given) if isinstance(given, str) else repr(given)}")
-        return Call("facts.Field", arguments)
+        place = [Python.text(one.name), self.expression(one.type), str(one.low), str(one.high)]
+        names = ("unit", "scale", "offset", "minimum", "maximum")
+        return Call("facts.Field", [*place, *_given(one, Field("", one.type, 0, 0), names)])
 
 
-def _said(*paragraphs: str) -> str:
-    return docstring(4, *paragraphs) if any(paragraphs) else ""
+def _given(thing: object, standard: object, names: Iterable[str]) -> Iterator[Python]:
+    """Yield `name=value` for what is not as by default."""
+    for name in names:
+        value: Part = getattr(thing, name)
+        if value != getattr(standard, name):
+            yield Python.of("{}={}", name, Python.text(value) if isinstance(value, str) else value)
+
+
+def _said(*paragraphs: str) -> Python:
+    return docstring(4, *paragraphs) if any(paragraphs) else Python("")
 
 
 def _in_unit(one: Field) -> str:

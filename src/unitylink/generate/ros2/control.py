@@ -9,7 +9,7 @@ from typing import Any
 from unitylink.ros.interface import JOINTS, Topic
 from unitylink.ros.joints import PARTS
 
-from ..python.text import quoted
+from ..quoting import Cpp
 from ..ros_package import Package, rendered
 
 
@@ -52,10 +52,15 @@ def control(package: Package, folder: str) -> dict[str, str]:
     return rendered(package, templates, "ros2", folder, **more)
 
 
-def _channels(topic: Topic, index: dict[str, int]) -> list[str]:
+def _channels(topic: Topic, index: dict[str, int]) -> list[Cpp]:
     return [
-        f"{{{quoted(joint.name)}, {quoted(part)}, {index[topic.paths[at]]}, "
-        f"{getattr(joint, f'{part}_factor')!r}}}"
+        Cpp.of(
+            "{{{}, {}, {}, {}}}",
+            Cpp.text(joint.name),
+            Cpp.text(part),
+            index[topic.paths[at]],
+            getattr(joint, f"{part}_factor"),
+        )
         for joint in topic.joints
         for part in PARTS
         if (at := getattr(joint, part)) >= 0

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from ..quoting import Vhdl
 from .words import WordMap
 
 WINDOW = 64  # addresses that may share a slave
@@ -20,11 +21,12 @@ class Block:
     words: int
     addresses: tuple[int, ...]  # those that exist; the others are holes
 
-    def writable(self, words: WordMap) -> str:
+    def writable(self, words: WordMap) -> Vhdl:
         """Return the generic of register_slave: a character an address."""
         exist = set(self.addresses)
-        return "".join(
-            "-" if address not in exist else "1" if address in words.write else "0"
+        hole, kept, given = Vhdl("-"), Vhdl("1"), Vhdl("0")
+        return Vhdl("").join(
+            hole if address not in exist else kept if address in words.write else given
             for address in range(self.base, self.base + self.words)
         )
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..quoting import Vhdl
 from .records import Leaf, Tree
 from .value_types import SLOT, slices
 
@@ -16,20 +17,21 @@ class Function:
 
     name: str
     parameter: str
-    takes: str
-    gives: str
+    takes: Vhdl
+    gives: Vhdl
     result: str
-    variable: str
-    lines: tuple[str, ...]
+    variable: Vhdl
+    lines: tuple[Vhdl, ...]
 
 
 def to_words(tree: Tree, words: int, data_bits: int) -> Function:
     """What the user's logic gives, as the vector of all words that the PC reads."""
-    lines = ["words := (others => '0');"]
+    lines = [Vhdl("words := (others => '0');")]
     for leaf in tree.leaves:
         lines += _to_words(leaf, data_bits)
     vector = _vector(SLOT * words)
-    return Function("to_words", "to_pc", tree.type, "std_ulogic_vector", "words", vector, tuple(lines))
+    gives = Vhdl("std_ulogic_vector")
+    return Function("to_words", "to_pc", tree.type, gives, "words", vector, tuple(lines))
 
 
 def from_words(tree: Tree, words: int, data_bits: int) -> Function:
@@ -40,30 +42,31 @@ def from_words(tree: Tree, words: int, data_bits: int) -> Function:
 
 def from_strobes(name: str, tree: Tree, words: int) -> Function:
     """A vector with a bit a word, as records."""
-    lines = tuple(f"strobes_of.{leaf.path} := strobes({leaf.index});" for leaf in tree.leaves)
+    lines = tuple(Vhdl.of("strobes_of.{} := strobes({});", leaf.path, leaf.index) for leaf in tree.leaves)
     return Function(name, "strobes", _vector(words), tree.type, "strobes_of", tree.type, lines)
 
 
-def _to_words(leaf: Leaf, data_bits: int) -> Iterator[str]:
+def _to_words(leaf: Leaf, data_bits: int) -> Iterator[Vhdl]:
     low, high = leaf.part.low, leaf.part.high
     for last, first, bit in slices(leaf.index, low, high, data_bits):
         if leaf.part.base == "std_ulogic":
-            yield f"words({first}) := to_pc.{leaf.path};"
+            yield Vhdl.of("words({}) := to_pc.{};", first, leaf.path)
         else:
             start = bit - low
             whole = last - first == high - low
-            inside = "" if whole else f"({start + last - first} downto {start})"
-            yield f"words({last} downto {first}) := std_ulogic_vector(to_pc.{leaf.path}{inside});"
+            inside = Vhdl("") if whole else Vhdl.of("({} downto {})", start + last - first, start)
+            value = Vhdl.of("std_ulogic_vector(to_pc.{}{})", leaf.path, inside)
+            yield Vhdl.of("words({} downto {}) := {};", last, first, value)
 
 
-def _from_words(leaf: Leaf, data_bits: int) -> str:
+def _from_words(leaf: Leaf, data_bits: int) -> Vhdl:
     places = list(slices(leaf.index, leaf.part.low, leaf.part.high, data_bits))
     if leaf.part.base == "std_ulogic":
-        return f"from_pc.{leaf.path} := words({places[0][1]});"
-    pieces = " & ".join(f"words({last} downto {first})" for last, first, _ in places)
-    value = pieces if len(places) == 1 else f"std_ulogic_vector'({pieces})"
-    return f"from_pc.{leaf.path} := {leaf.part.base}({value});"
+        return Vhdl.of("from_pc.{} := words({});", leaf.path, places[0][1])
+    pieces = Vhdl(" & ").join(Vhdl.of("words({} downto {})", last, first) for last, first, _ in places)
+    value = pieces if len(places) == 1 else Vhdl.of("std_ulogic_vector'({})", pieces)
+    return Vhdl.of("from_pc.{} := {}({});", leaf.path, leaf.part.base, value)
 
 
-def _vector(width: int) -> str:
-    return f"std_ulogic_vector({width - 1} downto 0)"
+def _vector(width: int) -> Vhdl:
+    return Vhdl.of("std_ulogic_vector({} downto 0)", width - 1)

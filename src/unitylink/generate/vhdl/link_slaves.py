@@ -8,27 +8,30 @@ from dataclasses import dataclass
 
 from unitylink.spec.model import Instance, Spec
 
-# Port of the entity -> direction, type ({high}: the highest bit of a word, {last}: the last word), and what
-# an input is where nobody drives it.
+from ..quoting import Part, Vhdl
+
+# Port of the entity -> direction, and what it is: a "bit", a "word" of the bus, the "place" of a word.
 _PINS = {
     "fifo": {
-        "to_pc_valid": ("in", "std_ulogic", "'0'"),
-        "to_pc_ready": ("out", "std_ulogic", ""),
-        "to_pc_data": ("in", "std_ulogic_vector({high} downto 0)", "(others => '0')"),
-        "from_pc_valid": ("out", "std_ulogic", ""),
-        "from_pc_ready": ("in", "std_ulogic", "'0'"),
-        "from_pc_data": ("out", "std_ulogic_vector({high} downto 0)", ""),
+        "to_pc_valid": ("in", "bit"),
+        "to_pc_ready": ("out", "bit"),
+        "to_pc_data": ("in", "word"),
+        "from_pc_valid": ("out", "bit"),
+        "from_pc_ready": ("in", "bit"),
+        "from_pc_data": ("out", "word"),
     },
     "double_buffer": {
-        "committed": ("out", "std_ulogic", ""),
-        "user_read_address": ("in", "natural range 0 to {last}", "0"),
-        "user_read_data": ("out", "std_ulogic_vector({high} downto 0)", ""),
-        "user_write_valid": ("in", "std_ulogic", "'0'"),
-        "user_write_ready": ("out", "std_ulogic", ""),
-        "user_write_address": ("in", "natural range 0 to {last}", "0"),
-        "user_write_data": ("in", "std_ulogic_vector({high} downto 0)", "(others => '0')"),
+        "committed": ("out", "bit"),
+        "user_read_address": ("in", "place"),
+        "user_read_data": ("out", "word"),
+        "user_write_valid": ("in", "bit"),
+        "user_write_ready": ("out", "bit"),
+        "user_write_address": ("in", "place"),
+        "user_write_data": ("in", "word"),
     },
 }
+# What an input is where nobody drives it.
+_IDLE = {"bit": Vhdl("'0'"), "word": Vhdl("(others => '0')"), "place": Vhdl("0")}
 # Accesses without which a side of a slave is of no use, and how the names of that side's ports begin.
 _NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("READ",)}
 
@@ -39,8 +42,8 @@ class Pin:
 
     name: str
     direction: str
-    type: str
-    default: str
+    type: Vhdl
+    default: Vhdl
     used: bool
 
 
@@ -70,21 +73,26 @@ class LinkSlave:
         """Its addresses."""
         return range(self.base, self.base + self.words)
 
-    def generics(self) -> dict[str, str]:
+    def generics(self) -> dict[str, Part]:
         """Return its generics, without `data_width`."""
         if self.kind == "double_buffer":
-            return {"words": str(self.size)}
-        return {"depth": str(self.size), "remind_clocks": "maximum(4, clock_hz / 50)"}
+            return {"words": self.size}
+        return {"depth": self.size, "remind_clocks": Vhdl("maximum(4, clock_hz / 50)")}
 
     def pins(self, data_bits: int) -> Iterator[Pin]:
         """Yield its ports for the user's logic; of a side that the spec never uses the inputs only."""
-        for name, (direction, kind, default) in _PINS[self.kind].items():
+        types = {
+            "bit": Vhdl("std_ulogic"),
+            "word": Vhdl.of("std_ulogic_vector({} downto 0)", data_bits - 1),
+            "place": Vhdl.of("natural range 0 to {}", self.size - 1),
+        }
+        for name, (direction, kind) in _PINS[self.kind].items():
             used = all(
                 not name.startswith(side) or self.accesses & set(needed) for side, needed in _NEEDED.items()
             )
-            if used or default:
-                text = kind.format(high=data_bits - 1, last=self.size - 1)
-                yield Pin(name, direction, text, default, used)
+            if used or direction == "in":
+                default = _IDLE[kind] if direction == "in" else Vhdl("")
+                yield Pin(name, direction, types[kind], default, used)
 
 
 def link_slaves(spec: Spec) -> tuple[LinkSlave, ...]:

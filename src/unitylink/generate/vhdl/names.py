@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names and texts of a spec as VHDL: whatever they are, they can neither break a file nor act in it."""
+"""Names of a spec as names of VHDL, whatever they are."""
 
 from __future__ import annotations
 
@@ -43,12 +43,3 @@ class Names:
 def identifier(text: str) -> str:
     """Return the name `text` has where nothing else is."""
     return Names().claim(text)
-
-
-def remark(text: str) -> str:
-    """Return text for the middle of a comment: one line of ASCII, at most 200 characters.
-
-    Tools obey comments that begin with a word of theirs (`synthesis translate_off`): begin none with this.
-    """
-    line = "".join(character if character.isprintable() else " " for character in text)
-    return " ".join(line.encode("ascii", "backslashreplace").decode().split())[:200]

@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.protocol import RS485_NODES_MAX
 
+from ..quoting import Vhdl
+
 _BUS_FIFO_BYTES = 256  # a chip gives and takes bursts
 _LINE_FIFO_BYTES = 16
-_DEPTHS = "rx_depth => fifo_bytes, tx_depth => fifo_bytes"
+_DEPTHS = Vhdl("rx_depth => fifo_bytes, tx_depth => fifo_bytes")
 
 
 @dataclass(frozen=True)
@@ -18,7 +21,7 @@ class Item:
     """A generic or a port: its name, the rest of its declaration, and the port of the entity it goes to."""
 
     name: str
-    declaration: str
+    declaration: Vhdl
     to: str = ""
 
 
@@ -27,21 +30,21 @@ class PhysicalLayer:
     """What the template says of a layer; an instance has the name of its entity in gateware/physical."""
 
     entity: str
-    what: str  # "a UART"
+    what: Vhdl  # "a UART"
     generics: tuple[Item, ...]  # of the top level; clock_hz is there anyway
-    generic_map: str  # of the entity
+    generic_map: Vhdl  # of the entity
     ports: tuple[Item, ...]
-    more: tuple[str, ...]  # of the entity's port map: what does not go to pins as it is
-    generics_manual: str
-    ports_manual: str
-    example: str  # a port map of a user's
+    more: tuple[Vhdl, ...]  # of the entity's port map: what does not go to pins as it is
+    generics_manual: Vhdl
+    ports_manual: Vhdl
+    example: Vhdl  # a port map of a user's
     example_generics: str = ""
-    signals: tuple[str, ...] = ()
-    statements: tuple[str, ...] = ()
+    signals: tuple[Vhdl, ...] = ()
+    statements: tuple[Vhdl, ...] = ()
 
     @property
-    def port_map(self) -> tuple[str, ...]:
-        return (*(f"{item.to} => {item.name}" for item in self.ports if item.to), *self.more)
+    def port_map(self) -> tuple[Vhdl, ...]:
+        return (*(Vhdl.of("{} => {}", item.to, item.name) for item in self.ports if item.to), *self.more)
 
 
 def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalLayer:
@@ -56,30 +59,35 @@ def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalL
 
 
 def _fifo(fifo_bytes: int) -> Item:
-    return Item("fifo_bytes", f"positive := {fifo_bytes}")
+    return Item("fifo_bytes", Vhdl.of("positive := {}", fifo_bytes))
 
 
-def _fifo_manual(fifo_bytes: int) -> str:
-    told = f"a power of two; tell the PC (link option fifo=) if it is not {fifo_bytes}."
-    return f"fifo_bytes: buffers each way,\n--           {told}"
+def _fifo_manual(fifo_bytes: int, before: str = "") -> Vhdl:
+    return Vhdl.of(
+        "{}fifo_bytes: buffers each way,\n"
+        "--           a power of two; tell the PC (link option fifo=) if it is not {}.",
+        before,
+        fifo_bytes,
+    )
 
 
 def _uart(fifo_bytes: int, baud_hz: int) -> PhysicalLayer:
     return PhysicalLayer(
         entity="uart",
-        what="a UART",
-        generics=(Item("baud_hz", f"positive := {baud_hz}"), _fifo(fifo_bytes)),
-        generic_map=f"clock_hz => clock_hz, baud_hz => baud_hz, {_DEPTHS}",
+        what=Vhdl("a UART"),
+        generics=(Item("baud_hz", Vhdl.of("positive := {}", baud_hz)), _fifo(fifo_bytes)),
+        generic_map=Vhdl.of("clock_hz => clock_hz, baud_hz => baud_hz, {}", _DEPTHS),
         ports=(
-            Item("rx_line", "in  std_ulogic", "rx_line"),
-            Item("tx_line", "out std_ulogic", "tx_line"),
+            Item("rx_line", Vhdl("in  std_ulogic"), "rx_line"),
+            Item("tx_line", Vhdl("out std_ulogic"), "tx_line"),
         ),
-        more=("line_break => open", "rx_error => rx_error"),
-        generics_manual="baud_hz: of the line, 8 data bits, 1 stop bit, no parity. "
-        + _fifo_manual(fifo_bytes),
-        ports_manual="rx_line, tx_line: asynchronous, idle high.",
-        example="rx_line => usb_rx, tx_line => usb_tx",
-        example_generics=", baud_hz => 3_000_000",
+        more=(Vhdl("line_break => open"), Vhdl("rx_error => rx_error")),
+        generics_manual=_fifo_manual(
+            fifo_bytes, Vhdl("baud_hz: of the line, 8 data bits, 1 stop bit, no parity. ")
+        ),
+        ports_manual=Vhdl("rx_line, tx_line: asynchronous, idle high."),
+        example=Vhdl("rx_line => usb_rx, tx_line => usb_tx"),
+        example_generics=Vhdl(", baud_hz => 3_000_000"),
     )
 
 
@@ -87,44 +95,45 @@ def _rs485(configuration: BoardConfiguration, baud_hz: int) -> PhysicalLayer:
     fifo_bytes = configuration.fifo or _BUS_FIFO_BYTES
     return PhysicalLayer(
         entity="rs485",
-        what="an RS-485 transceiver, as one of many nodes",
+        what=Vhdl("an RS-485 transceiver, as one of many nodes"),
         generics=(
-            Item("baud_hz", f"positive := {baud_hz}"),
-            Item("rs485_node", f"positive range 1 to {RS485_NODES_MAX} := {configuration.node}"),
+            Item("baud_hz", Vhdl.of("positive := {}", baud_hz)),
+            Item("rs485_node", Vhdl.of("positive range 1 to {} := {}", RS485_NODES_MAX, configuration.node)),
             _fifo(fifo_bytes),
         ),
-        generic_map=f"clock_hz => clock_hz, baud_hz => baud_hz, {_DEPTHS}",
+        generic_map=Vhdl.of("clock_hz => clock_hz, baud_hz => baud_hz, {}", _DEPTHS),
         ports=(
-            Item("rs485_rx", "in  std_ulogic", "rx_line"),
-            Item("rs485_tx", "out std_ulogic", "tx_line"),
-            Item("rs485_drive", "out std_ulogic", "drive"),
+            Item("rs485_rx", Vhdl("in  std_ulogic"), "rx_line"),
+            Item("rs485_tx", Vhdl("out std_ulogic"), "tx_line"),
+            Item("rs485_drive", Vhdl("out std_ulogic"), "drive"),
         ),
         more=(
-            "node => std_ulogic_vector(ieee.numeric_std.to_unsigned(rs485_node, 6))",
-            "rx_error => rx_error",
-            "tx_last => tx_last",
+            Vhdl("node => std_ulogic_vector(ieee.numeric_std.to_unsigned(rs485_node, 6))"),
+            Vhdl("rx_error => rx_error"),
+            Vhdl("tx_last => tx_last"),
         ),
-        generics_manual="baud_hz: of the pair. rs485_node: this one's number on it. "
-        + _fifo_manual(fifo_bytes),
-        ports_manual="rs485_rx, rs485_tx: RO and DI of the transceiver; rs485_drive: its DE and RE#.",
-        example="rs485_rx => ro, rs485_tx => di, rs485_drive => de",
-        example_generics=f", baud_hz => 3_000_000, rs485_node => {configuration.node}",
+        generics_manual=_fifo_manual(
+            fifo_bytes, Vhdl("baud_hz: of the pair. rs485_node: this one's number on it. ")
+        ),
+        ports_manual=Vhdl("rs485_rx, rs485_tx: RO and DI of the transceiver; rs485_drive: its DE and RE#."),
+        example=Vhdl("rs485_rx => ro, rs485_tx => di, rs485_drive => de"),
+        example_generics=Vhdl.of(", baud_hz => 3_000_000, rs485_node => {}", configuration.node),
     )
 
 
 def _spi(fifo_bytes: int) -> PhysicalLayer:
     names = {"sck": "in", "cs_n": "in", "mosi": "in", "miso": "out", "miso_drive": "out", "waiting": "out"}
-    ports = tuple(Item(f"spi_{name}", f"{way:<3} std_ulogic", name) for name, way in names.items())
+    ports = tuple(Item(f"spi_{name}", Vhdl.of("{:<3} std_ulogic", way), name) for name, way in names.items())
     return PhysicalLayer(
         entity="spi_slave",
-        what="an SPI master",
+        what=Vhdl("an SPI master"),
         generics=(_fifo(fifo_bytes),),
         generic_map=_DEPTHS,
         ports=ports,
-        more=("rx_error => rx_error", "tx_last => tx_last"),
+        more=(Vhdl("rx_error => rx_error"), Vhdl("tx_last => tx_last")),
         generics_manual=_fifo_manual(fifo_bytes),
-        ports_manual="spi_*: mode 0; spi_waiting is high while there is something for the PC.",
-        example=", ".join(f"{port.name} => {port.name}" for port in ports),
+        ports_manual=Vhdl("spi_*: mode 0; spi_waiting is high while there is something for the PC."),
+        example=_as_named(ports),
     )
 
 
@@ -136,30 +145,44 @@ def _ft245(configuration: BoardConfiguration, *, synchronous: bool) -> PhysicalL
     if synchronous:
         inputs.insert(0, "clkout")
         outputs.insert(0, "oe_n")
-    clock = "" if synchronous else "clock_hz => clock_hz, "
+    clock = Vhdl("" if synchronous else "clock_hz => clock_hz, ")
     entity_names = {"clkout": "chip_clock"}
-    pins = [Item(f"ft245_{name}", "in  std_ulogic", entity_names.get(name, name)) for name in inputs]
-    pins += [Item(f"ft245_{name}", "out std_ulogic", name) for name in outputs]
-    byte = "std_ulogic_vector(7 downto 0)"
+    pins = [Item(f"ft245_{name}", Vhdl("in  std_ulogic"), entity_names.get(name, name)) for name in inputs]
+    pins += [Item(f"ft245_{name}", Vhdl("out std_ulogic"), name) for name in outputs]
     pins += [
-        Item("ft245_data_in", f"in  {byte}", "data_in"),
-        Item("ft245_data_out", f"out {byte}", "data_out"),
-        Item("ft245_data_drive", f"out {byte}"),
+        Item("ft245_data_in", Vhdl("in  std_ulogic_vector(7 downto 0)"), "data_in"),
+        Item("ft245_data_out", Vhdl("out std_ulogic_vector(7 downto 0)"), "data_out"),
+        Item("ft245_data_drive", Vhdl("out std_ulogic_vector(7 downto 0)")),
     ]
+    mode = Vhdl("synchronous") if synchronous else Vhdl("asynchronous")
     return PhysicalLayer(
         entity=entity,
-        what=f"an FTDI chip in {'synchronous' if synchronous else 'asynchronous'} FT245 mode",
+        what=Vhdl.of("an FTDI chip in {} FT245 mode", mode),
         generics=(
-            Item("send_immediate", f"send_immediate_t := {configuration.send_immediate}"),
+            Item("send_immediate", Vhdl.of("send_immediate_t := {}", configuration.send_immediate)),
             _fifo(fifo_bytes),
         ),
-        generic_map=f"{clock}send_immediate => send_immediate, {_DEPTHS}",
+        generic_map=Vhdl.of("{}send_immediate => send_immediate, {}", clock, _DEPTHS),
         ports=tuple(pins),
-        more=("data_drive => data_drive", "tx_last => tx_last", "tx_publish => tx_publish"),
-        generics_manual=f"send_immediate: see {entity}.vhd. {_fifo_manual(fifo_bytes)}",
-        ports_manual="ft245_*: the chip's pins; data pin i belongs to ft245_data_out(i) while "
-        "ft245_data_drive(i) is high.\n--          ",
-        example=", ".join(f"{pin.name} => {pin.name}" for pin in pins),
-        signals=("data_drive : std_ulogic",),
-        statements=("ft245_data_drive <= (others => data_drive);", "rx_error <= no_receive_error;"),
+        more=(
+            Vhdl("data_drive => data_drive"),
+            Vhdl("tx_last => tx_last"),
+            Vhdl("tx_publish => tx_publish"),
+        ),
+        generics_manual=Vhdl.of("send_immediate: see {}.vhd. {}", entity, _fifo_manual(fifo_bytes)),
+        ports_manual=Vhdl(
+            "ft245_*: the chip's pins; data pin i belongs to ft245_data_out(i) while "
+            "ft245_data_drive(i) is high.\n--          "
+        ),
+        example=_as_named(pins),
+        signals=(Vhdl("data_drive : std_ulogic"),),
+        statements=(
+            Vhdl("ft245_data_drive <= (others => data_drive);"),
+            Vhdl("rx_error <= no_receive_error;"),
+        ),
     )
+
+
+def _as_named(items: Iterable[Item]) -> Vhdl:
+    """Return a port map in which signals are called as the ports."""
+    return Vhdl(", ").join(Vhdl.of("{} => {}", item.name, item.name) for item in items)

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
 
+from ..quoting import Part, Vhdl
 from .functions import Function
 from .physical import PhysicalLayer
 from .records import Tree
@@ -18,8 +19,8 @@ from .words import WordMap
 @dataclass(frozen=True)
 class Constant:
     name: str
-    type: str
-    value: str
+    type: Vhdl
+    value: Vhdl
     remark: str
 
 
@@ -28,7 +29,7 @@ class Given:
     """A setting of the core."""
 
     name: str
-    value: str
+    value: Vhdl
     remark: str
 
 
@@ -51,7 +52,7 @@ class Registers:
     span: str
     words: int
     writable: str
-    initial: tuple[str, ...]
+    initial: tuple[Vhdl, ...]
     snapshot: bool
     wires: tuple[Wire, ...]
     holes: tuple[range, ...]
@@ -67,11 +68,11 @@ class Tosnet:
 
     number: int
     configuration: TosnetConfiguration
-    master_registers: str
-    nodes: str
+    master_registers: Vhdl
+    nodes: Vhdl
     cycle_hz: int
-    read_addresses: str
-    write_addresses: str
+    read_addresses: Vhdl
+    write_addresses: Vhdl
     reads: tuple[Wire, ...]
     writes: tuple[Wire, ...]
 
@@ -81,7 +82,7 @@ class Range:
     """A line of the interconnect's address map."""
 
     number: int
-    base: str
+    base: Vhdl
     words: int
     remark: str
 
@@ -92,7 +93,7 @@ class Port:
 
     name: str
     direction: str
-    type: str
+    type: Vhdl
     pin: bool = True
 
 
@@ -104,7 +105,7 @@ class Placed:
     path: str
     span: str
     entity: str
-    generics: tuple[tuple[str, str], ...]
+    generics: tuple[tuple[str, Part], ...]
     pins: tuple[tuple[str, str], ...]  # its port, the design's
     events: tuple[tuple[str, tuple[int, ...]], ...]  # its port, the event lines
 
@@ -113,8 +114,8 @@ class Placed:
 class EventSource:
     """Event lines that are driven from outside: `number` is an index or a range."""
 
-    number: str
-    source: str
+    number: Vhdl
+    source: Vhdl
 
 
 @dataclass(frozen=True)

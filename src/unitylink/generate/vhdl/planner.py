@@ -13,10 +13,12 @@ from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number
 from unitylink.values import Codec, Quantity
 
+from ..quoting import Part as CodePart
+from ..quoting import Vhdl, file_name
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
 from .link_slaves import LinkSlave, link_slaves
-from .names import Names, identifier, remark
+from .names import Names, identifier
 from .physical import physical_layer
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
@@ -37,7 +39,7 @@ _PORTS += ["rs485_rx", "rs485_tx", "rs485_drive", "rs485_node"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc", "tripped"]
-_STROBE = FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
+_STROBE = FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
@@ -96,7 +98,7 @@ class _Planner:
         baud_hz = self.configuration.baud_hz or self._told_baud_hz() or _BAUD_HZ
         return Plan(
             name=identifier(self.spec.name),
-            source=remark(self.spec.source),
+            source=file_name(self.spec.source),
             hash=self.spec.hash,
             configuration=self.configuration,
             baud_hz=baud_hz,
@@ -174,17 +176,18 @@ class _Planner:
 
     def _component(self, number: int, part: PlacedComponent, ports: Names) -> Placed:
         component = part.component
-        own = {"clock_hz": "clock_hz", "data_width": self._data_width()}
-        given = {name: own.get(name, str(value)) for name, value in component.generics}
+        own: dict[str, CodePart] = {"clock_hz": "clock_hz", "data_width": self._data_width()}
+        given: dict[str, CodePart] = {name: own.get(name, value) for name, value in component.generics}
         pins = []
         for port, direction, bits in component.pins:
             name = ports.claim(f"{part.path}_{port}")
-            kind = "std_logic" if direction == "inout" else "std_ulogic"
-            self.ports.append(Port(name, direction, f"{kind}_vector({bits - 1} downto 0)" if bits else kind))
+            base = Vhdl("std_logic") if direction == "inout" else Vhdl("std_ulogic")
+            kind = Vhdl.of("{}_vector({} downto 0)", base, bits - 1) if bits else base
+            self.ports.append(Port(name, direction, kind))
             pins.append((port, name))
         return Placed(
             number=number,
-            path=remark(part.path),
+            path=part.path,
             span=_span(component.base, component.words),
             entity=component.entity,
             generics=tuple({**given, "data_width": own["data_width"]}.items()),
@@ -192,20 +195,20 @@ class _Planner:
             events=self._lines_of(part.root, {port: f"{part.local}.{port}" for port in component.events}),
         )
 
-    def _data_width(self) -> str:
-        return f"{identifier(self.spec.name)}_config_pkg.settings.data_bits"
+    def _data_width(self) -> Vhdl:
+        return Vhdl.of("{}_config_pkg.settings.data_bits", identifier(self.spec.name))
 
     def _link_slave(self, number: int, slave: LinkSlave, ports: Names) -> Placed:
-        pins = []
+        pins: list[tuple[str, str]] = []
         for pin in slave.pins(self.configuration.data_bits):
             name = ports.claim(f"{slave.path}_{pin.name}") if pin.used else pin.default
             pins.append((pin.name, name))
             if pin.used:
-                default = f" := {pin.default}" if pin.default else ""
-                self.ports.append(Port(name, pin.direction, pin.type + default, pin=False))
+                kind = Vhdl.of("{} := {}" if pin.default else "{}", pin.type, pin.default)
+                self.ports.append(Port(name, pin.direction, kind, pin=False))
         return Placed(
             number=number,
-            path=remark(slave.path),
+            path=slave.path,
             span=_span(slave.base, slave.words),
             entity=slave.entity,
             generics=tuple({**slave.generics(), "data_width": self._data_width()}.items()),
@@ -240,14 +243,15 @@ class _Planner:
         """Return the lines from outside, in as few assignments as there are runs of them."""
         inside = inside | {change.number for change in self._changes()}
         runs = _runs(set(range(self.configuration.groups)) - inside)
-        spans = [f"{run.stop - 1} downto {run.start}" for run in runs]
-        return tuple(EventSource(span, f"events({span})") for span in spans)
+        spans = [Vhdl.of("{} downto {}", run.stop - 1, run.start) for run in runs]
+        return tuple(EventSource(span, Vhdl.of("events({})", span)) for span in spans)
 
     def _event_lines(self, inside: set[int]) -> tuple[Constant, ...]:
         """Return a constant for every event line that the user's logic drives, and nothing `inside`."""
         names = Names()
+        kind, about = Vhdl("natural"), "index in events"
         return tuple(
-            Constant(f"{names.claim(group.event)}_event", "natural", str(group.number), "index in events")
+            Constant(f"{names.claim(group.event)}_event", kind, Vhdl.of("{}", group.number), about)
             for device in self.spec.devices
             for group in device.groups
             if group.trigger == "event" and "." not in group.event and group.number not in inside
@@ -257,14 +261,14 @@ class _Planner:
         """Return the address of each element, and the raw values it starts with and is safe with."""
         names, constants = Names(), []
         for path, element in self.spec.walk():
-            name, kind = names.claim(path), "unsigned(31 downto 0)"
+            name, kind = names.claim(path), Vhdl("unsigned(31 downto 0)")
             constants.append(Constant(f"{name}_address", kind, _hex(element.address), _facts(element)))
             for which, value in (("initial", element.initial), ("safe", element.safe)):
                 if value is not None:
                     width = width_of(element, self.configuration.data_bits)
-                    bits = format(self._raw(path, element, value), f"0{width}b")
-                    vector = f"std_ulogic_vector({width - 1} downto 0)"
-                    constants.append(Constant(f"{name}_{which}", vector, f'"{bits}"', f"raw, of {value:g}"))
+                    bits = Vhdl.of('"{}"', format(self._raw(path, element, value), f"0{width}b"))
+                    vector = Vhdl.of("std_ulogic_vector({} downto 0)", width - 1)
+                    constants.append(Constant(f"{name}_{which}", vector, bits, f"raw, of {value:g}"))
         return tuple(constants)
 
     def _raw(self, path: str, element: Element, value: Number) -> int:
@@ -273,7 +277,7 @@ class _Planner:
             return int(value)
         return Codec(path, Quantity.of(element), self.configuration.data_bits).encode(value)
 
-    def _initial(self, block: Block) -> tuple[str, ...]:
+    def _initial(self, block: Block) -> tuple[Vhdl, ...]:
         """Return the words a block of registers starts with, as `offset => word`; none where all are zero."""
         words = {}
         for path, element, initial in self.initialised:
@@ -281,7 +285,8 @@ class _Planner:
                 raw, bits = self._raw(path, element, initial), self.configuration.data_bits
                 for number, address in enumerate(element.addresses):
                     words[address - block.base] = raw >> number * bits & (1 << bits) - 1
-        return tuple(f'{offset} => x"{word:08X}"' for offset, word in sorted(words.items()) if word)
+        given = sorted((offset, word) for offset, word in words.items() if word)
+        return tuple(Vhdl.of('{} => x"{:08X}"', offset, word) for offset, word in given)
 
     def _registers(self, number: int, block: Block) -> Registers:
         offsets = [address - block.base for address in block.addresses]
@@ -317,15 +322,17 @@ class _Planner:
             return None
         reads = self._inside_tosnet(self.words.read)
         writes = self._inside_tosnet(self.words.write)
-        nodes = [f'(id => {node.id}, registers => x"{node.registers:02X}")' for node in tosnet.nodes]
+        nodes = [
+            Vhdl.of('(id => {}, registers => x"{:02X}")', node.id, node.registers) for node in tosnet.nodes
+        ]
         return Tosnet(
             number=0,
             configuration=tosnet,
-            master_registers=f'x"{tosnet.master_registers:02X}"',
-            nodes=_aggregate(nodes, "tosnet_no_nodes_c"),
+            master_registers=Vhdl.of('x"{:02X}"', tosnet.master_registers),
+            nodes=_aggregate(nodes, Vhdl("tosnet_no_nodes_c")),
             cycle_hz=round(1 / tosnet.cycle_s),
-            read_addresses=_aggregate(_offsets(reads, tosnet.base), "tosnet_no_addresses_c"),
-            write_addresses=_aggregate(_offsets(writes, tosnet.base), "tosnet_no_addresses_c"),
+            read_addresses=_aggregate(_offsets(reads, tosnet.base), Vhdl("tosnet_no_addresses_c")),
+            write_addresses=_aggregate(_offsets(writes, tosnet.base), Vhdl("tosnet_no_addresses_c")),
             reads=tuple(Wire(n, self.words.read[address], None) for n, address in enumerate(reads)),
             writes=tuple(Wire(n, None, self.words.write[address]) for n, address in enumerate(writes)),
         )
@@ -379,26 +386,23 @@ def _runs(numbers: set[int]) -> tuple[range, ...]:
     return tuple(range(start, end) for start, end in zip(starts, ends, strict=True))
 
 
-def _hex(address: int) -> str:
-    return f'x"{address:08X}"'
+def _hex(address: int) -> Vhdl:
+    return Vhdl.of('x"{:08X}"', address)
 
 
 def _span(base: int, words: int) -> str:
     return f"0x{base:03X}" if words == 1 else f"0x{base:03X} to 0x{base + words - 1:03X}"
 
 
-def _offsets(addresses: Iterable[int], base: int) -> list[str]:
-    return [f"16#{address - base:03X}#" for address in addresses]
+def _offsets(addresses: Iterable[int], base: int) -> list[Vhdl]:
+    return [Vhdl.of("16#{:03X}#", address - base) for address in addresses]
 
 
-def _aggregate(values: list[str], none: str) -> str:
+def _aggregate(values: list[Vhdl], none: Vhdl) -> Vhdl:
     """Return an aggregate, eight values a line where they are many."""
-    rows = [values[start : start + 8] for start in range(0, len(values), 8)]
-    lines = [
-        ", ".join(f"{8 * row + n} => {value}" for n, value in enumerate(rows[row]))
-        for row in range(len(rows))
-    ]
-    return f"({(',' + chr(10) + ' ' * 12).join(lines)})" if values else none
+    named = [Vhdl.of("{} => {}", number, value) for number, value in enumerate(values)]
+    rows = [Vhdl(", ").join(named[start : start + 8]) for start in range(0, len(named), 8)]
+    return Vhdl.of("({})", Vhdl(",\n            ").join(rows)) if rows else none
 
 
 def _facts(element: Element) -> str:
@@ -410,4 +414,4 @@ def _facts(element: Element) -> str:
         on = f"on {element.publish.event or element.publish.trigger}"
         facts.append(f"published {rate if element.publish.trigger == 'rate' else on}")
     shown = f": {element.display}" if element.display != element.path else ""
-    return remark(", ".join(facts) + shown)
+    return ", ".join(facts) + shown

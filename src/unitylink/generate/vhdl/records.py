@@ -9,7 +9,8 @@ from itertools import groupby
 
 from unitylink.spec.model import Element, Group, Instance, Member, Spec
 
-from .names import Names, remark
+from ..quoting import Vhdl
+from .names import Names
 from .value_types import Declaration, FieldType, Part
 
 
@@ -17,7 +18,7 @@ from .value_types import Declaration, FieldType, Part
 class Leaf:
     """A part of a value in the top record: `path` from there on ("j(1).cpos"), its word, its bits in it."""
 
-    path: str
+    path: Vhdl
     index: int
     part: Part
 
@@ -26,7 +27,7 @@ class Leaf:
 class Tree:
     """The record types of one direction, each behind those it uses; `type` is the top one, "" for none."""
 
-    type: str
+    type: Vhdl
     declarations: tuple[Declaration, ...]
     leaves: tuple[Leaf, ...]
 
@@ -38,7 +39,7 @@ def records(
     index_of: Callable[[Element], int],
     type_of: Callable[[Element], FieldType | None],
     *,
-    array_of: Callable[[str], str],
+    array_of: Callable[[Vhdl], str],
 ) -> Tree:
     """Plan the records of a direction; `type_of` an element is None where it has no field there, and
     `array_of` names the type of several values side by side."""
@@ -50,7 +51,7 @@ class _Item:
     """A field to be: its name, the text of its type, and its leaves from there on."""
 
     name: str
-    type: str
+    type: Vhdl
     remark: str
     leaves: tuple[Leaf, ...]
 
@@ -66,25 +67,25 @@ class _Maker:
         index_of: Callable[[Element], int],
         type_of: Callable[[Element], FieldType | None],
         *,
-        array_of: Callable[[str], str],
+        array_of: Callable[[Vhdl], str],
     ) -> None:
         self.direction = direction
         self.names = names
         self.index_of = index_of
         self.type_of = type_of
-        self.records: dict[tuple[str, tuple[tuple[str, str], ...]], str] = {}
+        self.records: dict[tuple[str, tuple[tuple[str, Vhdl], ...]], str] = {}
         self.array_of = array_of
-        self.arrays: dict[str, str] = {}
+        self.arrays: dict[Vhdl, str] = {}
         self.declarations: list[Declaration] = []
 
     def tree(self, spec: Spec) -> Tree:
         top = self.names.claim(f"{spec.name}_{self.direction}_t")
         items = self._items(spec.roots[0].members if len(spec.roots) == 1 else spec.roots)
         if not items:
-            return Tree("", (), ())
+            return Tree(Vhdl(""), (), ())
         self._declare(top, items)
         leaves = tuple(leaf for item in items for leaf in item.leaves)
-        return Tree(top, tuple(self.declarations), leaves)
+        return Tree(Vhdl.of("{}", top), tuple(self.declarations), leaves)
 
     def _items(self, members: tuple[Member, ...]) -> list[_Item]:
         scope = Names()
@@ -106,9 +107,11 @@ class _Maker:
         whole = [item for item in items if item is not None]
         if len(whole) == len(parts) and len({item.type for item in whole}) == 1:
             array_of = self.array_of if isinstance(parts[0], Element) else self._array_of
-            kind = f"{array_of(whole[0].type)}(0 to {len(whole) - 1})"
+            kind = Vhdl.of("{}(0 to {})", array_of(whole[0].type), len(whole) - 1)
             leaves = tuple(
-                _moved(leaf, f"{name}({number})") for number, item in enumerate(whole) for leaf in item.leaves
+                _moved(leaf, Vhdl.of("{}({})", name, number))
+                for number, item in enumerate(whole)
+                for leaf in item.leaves
             )
             return [_Item(name, kind, whole[0].remark, leaves)]
         named = [(scope.claim(part.name), item) for part, item in zip(parts, items, strict=True)]
@@ -118,10 +121,10 @@ class _Maker:
             if item is not None
         ]
 
-    def _array_of(self, record: str) -> str:
+    def _array_of(self, record: Vhdl) -> str:
         if record not in self.arrays:
             self.arrays[record] = self.names.claim(f"{record.removesuffix('_t')}_array_t")
-            self._say(f"type {self.arrays[record]} is array (natural range <>) of {record};")
+            self._say(Vhdl.of("type {} is array (natural range <>) of {};", self.arrays[record], record))
         return self.arrays[record]
 
     def _item(self, name: str, member: Element | Instance) -> _Item | None:
@@ -130,36 +133,36 @@ class _Maker:
             if kind is None:
                 return None
             index = self.index_of(member)
-            leaves = tuple(Leaf(f"{name}{part.path}", index, part) for part in kind.parts)
+            leaves = tuple(Leaf(Vhdl.of("{}{}", name, part.path), index, part) for part in kind.parts)
             about = _about(member) if self.direction in ("to_pc", "from_pc") else ""
             return _Item(name, kind.text, about, leaves)
         items = self._items(member.members)
         if not items:
             return None
-        leaves = tuple(_moved(leaf, name, ".") for item in items for leaf in item.leaves)
+        leaves = tuple(_moved(leaf, name, Vhdl(".")) for item in items for leaf in item.leaves)
         return _Item(name, self._record(member.constructor, items), "", leaves)
 
-    def _record(self, constructor: str, items: list[_Item]) -> str:
+    def _record(self, constructor: str, items: list[_Item]) -> Vhdl:
         shape = (constructor, tuple((item.name, item.type) for item in items))
         if shape not in self.records:
             self.records[shape] = self.names.claim(f"{constructor}_{self.direction}_t")
             self._declare(self.records[shape], items)
-        return self.records[shape]
+        return Vhdl.of("{}", self.records[shape])
 
     def _declare(self, name: str, items: list[_Item]) -> None:
         width = max(len(item.name) for item in items)
         fields = [
-            f"  {item.name.ljust(width)} : {item.type};{f' -- {item.remark}' if item.remark else ''}"
+            Vhdl.of("  {} : {};", item.name.ljust(width), item.type).with_remark(item.remark)
             for item in items
         ]
-        self._say(f"type {name} is record", *fields, "end record;")
+        self._say(Vhdl.of("type {} is record", name), *fields, Vhdl("end record;"))
 
-    def _say(self, *lines: str) -> None:
+    def _say(self, *lines: Vhdl) -> None:
         self.declarations.append(Declaration(lines))
 
 
 def _moved(leaf: Leaf, front: str, between: str = "") -> Leaf:
-    return Leaf(f"{front}{between}{leaf.path}", leaf.index, leaf.part)
+    return Leaf(Vhdl.of("{}{}{}", front, between, leaf.path), leaf.index, leaf.part)
 
 
 def _about(element: Element) -> str:
@@ -175,4 +178,4 @@ def _about(element: Element) -> str:
         facts.append(f"in {element.unit}")
     if element.documentation:
         facts.append(f'"{element.documentation}"')
-    return remark(", ".join(facts))
+    return ", ".join(facts)

@@ -9,6 +9,7 @@ from typing import Any
 from unitylink.board_configuration import BoardConfiguration
 from unitylink.settings import SETTINGS, Setting
 
+from ..quoting import Vhdl
 from .plan import Constant, Given
 
 CORE = tuple(setting for setting in SETTINGS.values() if "core" in setting.needed_by)
@@ -20,34 +21,39 @@ def settings_of(configuration: BoardConfiguration) -> tuple[Given, ...]:
     return tuple(Given(one.name, literal(one, getattr(configuration, one.name)), one.what) for one in told)
 
 
-def core_settings(changed: Mapping[str, Any]) -> str:
+def core_settings(changed: Mapping[str, Any]) -> Vhdl:
     """Return the expression of the settings that differ from the defaults only in `changed`.
 
     >>> core_settings({"groups": 4, "protocol": "framed"})
     'core_settings(groups => 4, protocol => protocol_framed)'
     """
-    inside = ", ".join(f"{name} => {literal(SETTINGS[name], value)}" for name, value in changed.items())
-    return f"core_settings({inside})" if inside else "core_settings"
+    inside = Vhdl(", ").join(
+        Vhdl.of("{} => {}", name, literal(SETTINGS[name], value)) for name, value in changed.items()
+    )
+    return Vhdl.of("core_settings({})", inside) if inside else Vhdl("core_settings")
 
 
 def safe_values_of(configuration: BoardConfiguration) -> Constant:
     """Return the table of the dead-man."""
     words = [
-        f'{n} => (x"{address:08X}", x"{word:08X}")'
+        Vhdl.of('{} => (x"{:08X}", x"{:08X}")', n, address, word)
         for n, (address, word) in enumerate(configuration.safe_words)
     ]
-    kind = f"safe_values_t(0 to {len(words) - 1})" if words else "safe_values_t(1 to 0)"
-    return Constant("safe_values", kind, f"({', '.join(words)})" if words else "no_safe_values", "")
+    if not words:
+        return Constant("safe_values", Vhdl("safe_values_t(1 to 0)"), Vhdl("no_safe_values"), "")
+    kind = Vhdl.of("safe_values_t(0 to {})", len(words) - 1)
+    return Constant("safe_values", kind, Vhdl.of("({})", Vhdl(", ").join(words)), "")
 
 
-def literal(setting: Setting, value: Any) -> str:
+def literal(setting: Setting, value: Any) -> Vhdl:
     """Return a value of a setting as VHDL writes it."""
     if setting.type == "switch":
-        return str(value).lower()
+        return Vhdl.of("{}", str(value).lower())
     if setting.type == "choice":
-        return f"{setting.name}_{value}"
+        return Vhdl.of("{}_{}", setting.name, value)
     if setting.type == "groups":
-        return f'x"{sum(1 << group for group in value):064X}"' if value else "(others => '0')"
+        mask = sum(1 << group for group in value)
+        return Vhdl.of('x"{:064X}"', mask) if value else Vhdl("(others => '0')")
     if setting.type in ("word", "hash"):
-        return f'x"{value:0{8 if setting.type == "word" else 16}X}"'
-    return str(value)
+        return Vhdl.of('x"{:08X}"' if setting.type == "word" else 'x"{:016X}"', value)
+    return Vhdl.of("{}", value)

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from unitylink.spec.model import Element
 from unitylink.spec.types import EnumType, ValueType
 
-from .names import Names, remark
+from ..quoting import Vhdl
+from .names import Names
 
 SLOT = 32  # bits of a word in the ports of the design, whatever the width of the bus
 
@@ -33,7 +34,7 @@ _ARRAYS = {
 class Part:
     """Bits `low` to `high` of a raw value: `path` behind the field's name, "" for the whole value."""
 
-    path: str
+    path: Vhdl
     base: str  # "std_ulogic", or the array type that std_ulogic_vector is converted to
     low: int
     high: int
@@ -43,7 +44,7 @@ class Part:
 class FieldType:
     """The type of a field of a record: as it is written, and its parts."""
 
-    text: str
+    text: Vhdl
     parts: tuple[Part, ...]
 
 
@@ -51,7 +52,7 @@ class FieldType:
 class Declaration:
     """A declaration in the package of the user: its lines."""
 
-    lines: tuple[str, ...]
+    lines: tuple[Vhdl, ...]
 
 
 class ValueTypes:
@@ -70,40 +71,40 @@ class ValueTypes:
 
     def _type(self, kind: ValueType, width: int) -> FieldType:
         if kind.kind == "bool":
-            return FieldType("std_ulogic", (Part("", "std_ulogic", 0, 0),))
+            return FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
         if kind.kind == "bits" and kind.fields:
             if kind not in self._declared:
                 self._declared[kind] = self._packed(kind)
             return self._declared[kind]
         base = _ARRAYS.get(kind.kind, "std_ulogic_vector")
-        part = Part("", base, 0, width - 1)
+        part = Part(Vhdl(""), base, 0, width - 1)
         if kind.enum is not None:
             if kind not in self._declared:
                 self._declared[kind] = FieldType(self._enumeration(kind.enum), (part,))
             return self._declared[kind]
-        return FieldType(f"{base}({width - 1} downto 0)", (part,))
+        return FieldType(Vhdl.of("{}({} downto 0)", base, width - 1), (part,))
 
-    def array_of(self, text: str) -> str:
+    def array_of(self, text: Vhdl) -> str:
         """Return the type of several such values side by side, `text` being that of one."""
         if text not in self._arrays:
             plain = re.sub(r"\((\d+) downto 0\)", lambda m: f"_{int(m[1]) + 1}", text).removesuffix("_t")
             self._arrays[text] = self.names.claim(f"{plain}_array_t")
-            self.declarations.append(
-                Declaration((f"type {self._arrays[text]} is array (natural range <>) of {text};",))
-            )
+            line = Vhdl.of("type {} is array (natural range <>) of {};", self._arrays[text], text)
+            self.declarations.append(Declaration((line,)))
         return self._arrays[text]
 
-    def _enumeration(self, enum: EnumType) -> str:
+    def _enumeration(self, enum: EnumType) -> Vhdl:
         """Numbers with names, and not a VHDL enumeration: what the PC writes may be none of them."""
         name = self.names.claim(f"{enum.name}_t")
-        lines = [f"subtype {name} is unsigned({enum.width - 1} downto 0);"]
+        lines = [Vhdl.of("subtype {} is unsigned({} downto 0);", name, enum.width - 1)]
         for value in enum.values:
             constant = self.names.claim(f"{enum.name}_{value.name}")
             number = format(value.value & (1 << enum.width) - 1, f"0{enum.width}b")
-            about = f" -- {value.value}: {remark(value.documentation)}" if value.documentation else ""
-            lines.append(f'constant {constant} : {name} := "{number}";{about}')
+            line = Vhdl.of('constant {} : {} := "{}";', constant, name, number)
+            about = f"{value.value}: {value.documentation}" if value.documentation else ""
+            lines.append(line.with_remark(about))
         self.declarations.append(Declaration(tuple(lines)))
-        return name
+        return Vhdl.of("{}", name)
 
     def _packed(self, kind: ValueType) -> FieldType:
         scope, parts, fields, constants = Names(), [], [], []
@@ -112,18 +113,18 @@ class ValueTypes:
             field_name = scope.claim(field.name)
             inner = self._type(field.type, field.high - field.low + 1)
             about = f"bit {field.low}" if field.low == field.high else f"bits {field.high} to {field.low}"
-            if field.documentation:
-                about += f": {remark(field.documentation)}"
-            fields.append(f"  {field_name} : {inner.text}; -- {about}")
+            about += f": {field.documentation}" if field.documentation else ""
+            fields.append(Vhdl.of("  {} : {};", field_name, inner.text).with_remark(about))
             for part in inner.parts:
                 low, high = part.low + field.low, part.high + field.low
-                parts.append(Part(f".{field_name}{part.path}", part.base, low, high))
+                parts.append(Part(Vhdl.of(".{}{}", field_name, part.path), part.base, low, high))
             for end, bit in (("low", field.low), ("high", field.high)):
                 constant = self.names.claim(f"{kind.name}_{field.name}_{end}")
-                constants.append(f"constant {constant} : natural := {bit};")
-        self.declarations.append(Declaration((f"type {name} is record", *fields, "end record;")))
+                constants.append(Vhdl.of("constant {} : natural := {};", constant, bit))
+        head, end = Vhdl.of("type {} is record", name), Vhdl("end record;")
+        self.declarations.append(Declaration((head, *fields, end)))
         self.declarations.append(Declaration(tuple(constants)))
-        return FieldType(name, tuple(parts))
+        return FieldType(Vhdl.of("{}", name), tuple(parts))
 
 
 def width_of(element: Element, data_bits: int) -> int:

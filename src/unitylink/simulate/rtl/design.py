@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Union
 
-import jinja2
-
 from unitylink.board_configuration import BoardConfiguration
+from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import design_name, generate_vhdl, plan, word_map
 from unitylink.spec.model import Spec
 
@@ -63,12 +62,7 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
 
 
 def _behind(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str, str]:
-    template = jinja2.Template(
-        (_HERE / "behind.vhd.jinja").read_text(encoding="utf-8"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    template = environment(_HERE).get_template("behind.vhd.jinja")
     text = template.render(plan=plan(spec, configuration), top=top, latency_ms=LATENCY_MS)
     made = {f"{top}.vhd": text}
     other_end = BEHIND[configuration.physical]

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How a text of a spec comes into a generated file: one class for each language, with its quoting functions.
+
+>>> Python.text('the "arm"')
+'\\'the "arm"\\''
+>>> language_of("ros2/node.cpp.jinja").__name__
+'Cpp'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import PurePosixPath
+from types import MappingProxyType
+
+from .code import Code, Part, UnquotedText, file_name, one_line
+from .cpp import Cpp
+from .python import Python
+from .scripts import CMake, Markdown, Message, Shell, Tcl, Yaml
+from .vhdl import Vhdl
+from .xml import Xacro, Xml
+
+__all__ = [
+    "LANGUAGES",
+    "CMake",
+    "Code",
+    "Cpp",
+    "Markdown",
+    "Message",
+    "Part",
+    "Python",
+    "Shell",
+    "Tcl",
+    "UnquotedText",
+    "Vhdl",
+    "Xacro",
+    "Xml",
+    "Yaml",
+    "file_name",
+    "language_of",
+    "one_line",
+]
+
+# How the name of a file ends -> what it is written in.
+LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
+    {
+        ".cpp": Cpp,
+        ".hpp": Cpp,
+        ".launch": Xml,
+        ".md": Markdown,
+        ".msg": Message,
+        ".py": Python,
+        ".sh": Shell,
+        ".srv": Message,
+        ".tcl": Tcl,
+        ".txt": CMake,
+        ".vhd": Vhdl,
+        ".xacro": Xacro,
+        ".xml": Xml,
+        ".yaml": Yaml,
+    }
+)
+
+
+@cache
+def language_of(name: str) -> type[Code]:
+    """Return the language of a file, or of the template of one; `Code` where it is none of the table."""
+    return LANGUAGES.get(PurePosixPath(name.removesuffix(".jinja")).suffix, Code)

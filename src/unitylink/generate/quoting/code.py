@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Text that is code: made of what generators say themselves, of names, of numbers, and of quoted texts.
+
+A text of a spec is none of these until the quoting function of a language has made it one. So what was not
+quoted cannot come into a file: putting it there raises UnquotedText.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from typing import SupportsIndex, TypeVar, Union
+
+# A name, a path in a spec or in ROS, digits; blanks behind it in a table. It acts in no language.
+_NAME = re.compile(r"[A-Za-z0-9_]+(?:\[[0-9]+\])?(?:[./][A-Za-z0-9_]+(?:\[[0-9]+\])?)* *", re.ASCII)
+_SHOWN = 60  # characters of a refused text
+
+Self = TypeVar("Self", bound="Code")
+Part = Union[str, int, float]
+
+
+class UnquotedText(TypeError):
+    """A text was put into code as it is: a mistake of a generator, found before anything is written."""
+
+
+class Code(str):
+    """Code of one language, which a subclass is for; `Code` itself is of none.
+
+    `Code("...")` is for what stands in our own sources, `of` for everything that is put together.
+
+    >>> from unitylink.generate.quoting import Cpp
+    >>> Cpp.of("names.push_back({});", Cpp.text('say "x"'))
+    'names.push_back("say \\\\"x\\\\"");'
+    >>> Cpp.of("names.push_back({});", 'say "x"')
+    Traceback (most recent call last):
+    ...
+    unitylink.generate.quoting.code.UnquotedText: 'say "x"' is neither quoted for Cpp nor a name
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def of(cls: type[Self], pattern: str, *parts: Part, **named: Part) -> Self:
+        """Return `pattern`, filled in as by `str.format`; each part is code, a number or a name."""
+        checked = {key: cls.part(value) for key, value in named.items()}
+        return cls(pattern.format(*map(cls.part, parts), **checked))
+
+    @classmethod
+    def part(cls, value: Part) -> Part:
+        """Return what may become part of code of this language as it is; raise UnquotedText for all else."""
+        if isinstance(value, cls):
+            return value
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+            return value
+        if isinstance(value, str) and not isinstance(value, Code) and (not value or _NAME.fullmatch(value)):
+            return value
+        shown = value[:_SHOWN] if isinstance(value, str) else value
+        raise UnquotedText(
+            f"{str.__repr__(shown) if isinstance(shown, str) else repr(shown)} is neither "
+            f"quoted for {cls.__name__} nor a name"
+        )
+
+    @classmethod
+    def text(cls: type[Self], text: str) -> Self:
+        """Return a text as a literal of the language."""
+        raise UnquotedText(f"{cls.__name__} has no literals of texts")
+
+    @classmethod
+    def remark(cls: type[Self], text: str) -> Self:
+        """Return a text for the middle of a comment that ends with its line."""
+        return cls(one_line(text))
+
+    def join(self: Self, parts: Iterable[Part]) -> Self:
+        return type(self)(str.join(self, [str(self.part(part)) for part in parts]))
+
+    def ljust(self: Self, width: SupportsIndex, fill: str = " ") -> Self:
+        return type(self)(str.ljust(self, width, fill))
+
+
+def one_line(text: str) -> str:
+    """Return a text on one line: what does not print (ends of lines, what turns the direction) is a blank.
+
+    >>> one_line("one\\ntwo\\u202e  three")
+    'one two three'
+    """
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def file_name(name: str) -> str:
+    """Return a file's name as marks show it: of letters, digits and a few signs that act in no language.
+
+    A comment can do more than say something: one near a file's begin chooses the encoding of Python, or sets
+    up an editor.
+
+    >>> file_name("arm-2.ul"), file_name("x coding:utf-7 --> .ul")
+    ('arm-2.ul', 'x coding_utf-7 _-_ .ul')
+    """
+    plain = "".join(c if c.isalnum() or c in "._- " else "_" for c in name)
+    return re.sub("-(?=-)", "_", plain)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Texts as XML, and as what some readers of XML make of it."""
+
+from __future__ import annotations
+
+import re
+from typing import TypeVar
+
+from .code import Code, one_line
+
+Self = TypeVar("Self", bound="Xml")
+
+_ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&apos;"}
+
+
+class Xml(Code):
+    """XML."""
+
+    __slots__ = ()
+
+    @classmethod
+    def text(cls: type[Self], text: str) -> Self:
+        """Return a text for an element or, between quotes, for an attribute, on one line.
+
+        XML cannot say characters that control something, not even escaped.
+
+        >>> print(Xml.text('a "b" <c>'))
+        a &quot;b&quot; &lt;c&gt;
+        """
+        return cls("".join(_ESCAPES.get(c, c) for c in one_line(text)))
+
+    @classmethod
+    def remark(cls: type[Self], text: str) -> Self:
+        """Return a text for the middle of a comment, in which XML has no two dashes.
+
+        >>> print(Xml.remark("a --> b"), Xml.remark("---"))
+        a - -> b - - -
+        """
+        return cls(re.sub("-(?=-)", "- ", one_line(text)))
+
+
+class Xacro(Xml):
+    """XML for xacro, which evaluates `${..}` as Python and `$(..)` as a command of its own."""
+
+    __slots__ = ()
+
+    @classmethod
+    def text(cls: type[Self], text: str) -> Self:
+        """Return a text for an attribute that xacro leaves as it is.
+
+        >>> print(Xacro.text("${exit()} $(find x) 5$"))
+        $${exit()} $$(find x) 5$
+        """
+        return cls(re.sub(r"(\$+)(?=[{(])", r"$\1", Xml.text(text)))

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Code is put together of what generators say, of names, numbers and quoted texts, and of nothing else."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+from unitylink.generate import quoting
+from unitylink.generate.quoting import LANGUAGES, Code, Cpp, Python, UnquotedText, Vhdl, language_of
+from unitylink.generate.templates import environment
+
+SOURCES = Path(quoting.__file__).parents[2]  # of the package unitylink
+GENERATORS = [
+    path
+    for folder in ("generate", "boards", "simulate/rtl")
+    for path in sorted((SOURCES / folder).rglob("*.py"))
+    if "quoting" not in path.parts
+]
+TEMPLATES = [
+    path
+    for folder in ("generate", "boards", "simulate/rtl")
+    for path in sorted((SOURCES / folder).rglob("*.jinja"))
+]
+CLASSES = {language.__name__ for language in LANGUAGES.values()} | {"Code"}
+# What writes quotes of its own around texts that it has quoted.
+MAKERS = {"docstring"}
+
+
+def is_said(node: ast.expr) -> bool:
+    """Does our own source say this text, all of it?"""
+    if isinstance(node, ast.IfExp):
+        return is_said(node.body) and is_said(node.orelse)
+    return isinstance(node, ast.Constant)
+
+
+@pytest.mark.parametrize("path", GENERATORS, ids=lambda path: path.name)
+def test_code_is_made_of_what_the_source_says(path: Path) -> None:
+    """`Cpp("..")` and the pattern of `Cpp.of("..", x)` are constants: what is not goes through a check."""
+    tree = ast.parse(path.read_text("utf-8"))
+    makers = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n.name in MAKERS]
+    quoted = {id(inner) for maker in makers for inner in ast.walk(maker)}
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call) or not node.args or id(node) in quoted:
+            continue
+        function = node.func
+        makes = isinstance(function, ast.Name) and function.id in CLASSES
+        fills = (
+            isinstance(function, ast.Attribute)
+            and function.attr == "of"
+            and isinstance(function.value, ast.Name)
+            and function.value.id in CLASSES
+        )
+        if makes or fills:
+            assert is_said(node.args[0]), f"{path}:{node.lineno}: code of a text that is not in the source"
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+def test_templates_are_of_a_language_and_say_their_code(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert language_of(path.name) is not Code, "no language is known by this ending"
+    for call in re.findall(r"\bcode\(([^)]*)", text):
+        assert re.match(r"""("[^"]*"|'[^']*')(,|$|\s)|"[^"]*$""", call), (
+            f"code({call}: write a text of its own"
+        )
+    assert "|safe" not in text and "| safe" not in text
+
+
+@pytest.mark.parametrize("text", ['a"b', "a b", "a\n", "--", "x;", "", "é"])
+def test_a_template_refuses_what_is_not_quoted(text: str, tmp_path: Path) -> None:
+    (tmp_path / "x.cpp.jinja").write_text("{{ text }}")
+    (tmp_path / "y.cpp.jinja").write_text("{{ text | text }} // {{ text | remark }}")
+    templates = environment(tmp_path)
+    if text:  # nothing is nothing in every language
+        with pytest.raises(UnquotedText):
+            templates.get_template("x.cpp.jinja").render(text=text)
+        with pytest.raises(UnquotedText):
+            templates.get_template("x.cpp.jinja").render(text=Python.text(text))
+    assert templates.get_template("x.cpp.jinja").render(text=Cpp.text(text)) == Cpp.text(text)
+    assert templates.get_template("y.cpp.jinja").render(text=text).startswith('"')
+
+
+@pytest.mark.parametrize("value", [True, None, float("nan"), float("inf"), b"x", ["x"], "x y", Vhdl("x")])
+def test_what_is_neither_code_nor_name_nor_number_is_no_part(value: object) -> None:
+    with pytest.raises(UnquotedText):
+        Cpp.of("{}", value)  # type: ignore[arg-type]
+    with pytest.raises(UnquotedText):
+        Cpp(", ").join([value])  # type: ignore[list-item]
+
+
+def test_parts_are_names_numbers_paths_and_code() -> None:
+    assert Cpp.of("{}({:#x}, {})", "a.b", 16, Cpp("x + 1")) == "a.b(0x10, x + 1)"
+    assert type(Cpp(", ").join(["a", "leg[2].hip", "a/b"])) is Cpp
+    assert type(Cpp("a").ljust(3)) is Cpp and Cpp("a").ljust(3) == "a  "
+
+
+def test_what_formatting_makes_of_code_is_none() -> None:
+    """An f-string checks nothing, so what it gives is not taken."""
+    with pytest.raises(UnquotedText):
+        Cpp.of("{}", f"{Cpp('x = 1;')}")
+
+
+@pytest.mark.parametrize("module", ["code", "cpp", "python", "scripts", "vhdl", "xml"])
+def test_the_examples_of_the_docstrings(module: str) -> None:
+    failed, tried = doctest.testmod(__import__(f"{quoting.__name__}.{module}", fromlist=["x"]))
+    assert failed == 0 and (tried or module == "vhdl")
