@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import struct
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ from unitylink.board_configuration import BoardConfiguration
 
 SAFE = [(0x10, 1), (0x11, 0xFFFFFFFF)]  # of replay_tb
 TICKS = 3
-OK, DENIED = 0, p.REPLY_STATUS_DENIED
+OK, ERROR, DENIED = 0, p.REPLY_STATUS_BUS_ERROR, p.REPLY_STATUS_DENIED
 TRIP, DEAD, WRITTEN, VALUE = "p", "k", "u", "v"
 
 Step = tuple[str, Any]
@@ -156,13 +157,18 @@ def check_trips(times: Sequence[tuple[str, int, int]], tick: int, access: int, l
         assert behind[-1][0] <= tripped + bound, "the bound of dead_man.vhd"
 
 
-def cut(host: Host, name: str, tick: int, moment: int) -> None:
-    """A session in which the host falls silent at a moment of its traffic, and the one behind it."""
+def begin(host: Host, ticks: int = TICKS) -> None:
+    """A session that publishes, with a dead-man."""
     host.open()
     host.say(host.group(), 200)
     host.say(host.exchange_group(), 200)
     host.say(host.control(p.CONTROL_PUBLISH, 1))
-    host.say(host.control(p.CONTROL_DEADMAN_TICKS, TICKS), 300)
+    host.say(host.control(p.CONTROL_DEADMAN_TICKS, ticks), 300)
+
+
+def cut(host: Host, name: str, tick: int, moment: int) -> None:
+    """A session in which the host falls silent at a moment of its traffic, and the one behind it."""
+    begin(host)
     host.do(("dead", moment + 1))
     for data in host.traffic():
         host.say(data)
@@ -202,3 +208,127 @@ def test_a_host_that_dies_at_any_moment(rtl: Any, physical: str) -> None:
     for moment in moments:
         told = replies(host, answers, str(moment))
         assert told[:5] == [*safe, (DENIED, ""), (OK, ""), (OK, "")], f"dead from clock {moment} on"
+
+
+# A host that takes nothing: clocks of a tick, how late a byte may come in, and until it says nothing more.
+DEAF = {"none": (600, 60, 10_000), "ft245_async": (1000, 400, 20_000), "ft245_sync": (800, 400, 12_000)}
+FRAMES_UNHEARD = 16  # so many more are taken behind an answer that waits
+
+
+@pytest.mark.parametrize("physical", DEAF)
+def test_a_host_that_hears_nothing_lives_while_it_is_heard(rtl: Any, physical: str) -> None:
+    """Its posts are executed; behind requests, whose answers wait, there is room for some frames more."""
+    tick, late, life = DEAF[physical]
+    host = Host(physical)
+    begin(host)
+    host.do(("deaf", 1), ("dead", life))
+    before = len(host.steps)
+    posts = 80
+    for number in range(posts):
+        host.say(host.post(0x30, number), 30)
+    for _ in range(40):
+        host.say(host.ask(p.REQUEST_KIND_READ, (0x11, 2)), 30)
+    host.do(("wait", TICKS * tick), ("dead", 0), ("deaf", 0))
+    host.open()
+    host.mark("again")
+    host.say(host.ask(p.REQUEST_KIND_READ_CONTROL, (p.CONTROL_PUBLISH_OVERRUNS, 2), (1, 1)))
+    host.say(host.control(p.CONTROL_ARM, 1) + host.write(0x20, 4))
+    host.settle()
+    answers = play(rtl, host, tick)
+    check_trips(rtl.times, tick, access=2, late=late)
+
+    ((silent, _),), ((tripped, _),) = edges(rtl.times, DEAD), edges(rtl.times, TRIP)
+    said = [clock for kind, clock, _ in rtl.times if kind == "i" and clock < silent]
+    said = said[sum(kind == "send" for kind, _ in host.steps[:before]) :]
+    left = [clock for kind, clock, _ in rtl.times if kind == "b" and said[0] <= clock < silent]
+    assert not left, "it is deaf"
+    executed = [word for clock, at, word in written(rtl.times) if at == 0x30 and clock < tripped]
+    assert executed == list(range(posts))
+    assert said[posts] - said[0] > (TICKS + 1) * tick, "it lives longer than a silence may be"
+    assert len(said) >= posts + FRAMES_UNHEARD
+    assert (TICKS - 1) * tick <= tripped - said[-1] <= TICKS * tick + late, "until it is not heard any more"
+    overruns, *others = replies(host, answers, "again")
+    assert overruns[0] == OK and int(overruns[1], 16) > 0, "publishes without room are counted"
+    assert others == [(OK, ""), (OK, "")]
+
+
+PLACES = range(0x40, 0x46)  # what is written when it trips
+WORDS = [(at, number) for number, at in enumerate(PLACES, 1)]
+COUNT = len(PLACES)
+
+
+def _write(host: Host) -> bytes:
+    return host.write(*WORDS[0])
+
+
+def _write_list(host: Host) -> bytes:
+    words = tuple(f for at, word in WORDS for f in ((at, 2), (word, 4)))
+    return host.ask(p.REQUEST_KIND_LIST, (0, 1), (p.LIST_OPERATION_WRITE, 1), (COUNT, 1), *words)
+
+
+def _exchange(host: Host) -> bytes:
+    return host.ask(p.REQUEST_KIND_EXCHANGE, (0, 1), *((word, 4) for _, word in WORDS))
+
+
+def _posts(host: Host) -> bytes:
+    return b"".join(host.post(at, word) for at, word in WORDS)
+
+
+def of_trips(times: Sequence[tuple[str, int, int]]) -> list[list[tuple[int, int]]]:
+    """What was written before each trip, and behind the one before."""
+    trips: list[list[tuple[int, int]]] = [[]]
+    for _, at, word in written(times):
+        trips[-1].append((at, word))
+        if trips[-1][-2:] == SAFE:
+            trips[-1:] = [trips[-1][:-2], []]
+    assert trips.pop() == [], "behind the last one nothing is"
+    return trips
+
+
+# Of each request: clocks of a tick, about as many as it takes to come in and be executed; replies it may get.
+CAUGHT = {
+    _write: (61, {OK: 1, DENIED: 0}),
+    _write_list: (241, {OK: COUNT, ERROR: None, DENIED: 0}),
+    _exchange: (181, {OK: COUNT, ERROR: None, DENIED: 0}),
+    _posts: (121, {OK: None}),
+}
+
+
+@pytest.mark.parametrize("what", CAUGHT)
+def test_what_a_trip_catches_is_told_as_it_went(rtl: Any, what: Callable[[Host], bytes]) -> None:
+    """At whatever clock it trips: what the replies say was written, was, and no more."""
+    tick, expected = CAUGHT[what]
+    rounds = range(20)
+    host = Host()
+    for number in rounds:
+        host.open()
+        members = tuple(f for at in PLACES for f in ((at, 2), (4, 1)))
+        define = host.ask(p.REQUEST_KIND_DEFINE_EXCHANGE, (0, 1), (COUNT, 1), (0, 1), *members)
+        host.say(define + host.control(p.CONTROL_ARM, 1), 200 + 7 * number)
+        host.mark(f"{number}")
+        host.say(host.control(p.CONTROL_DEADMAN_TICKS, 1) + what(host), 3 * tick)
+        host.mark(f"{number} behind it")
+        host.say(host.ask(p.REQUEST_KIND_SYNC))
+        host.settle()
+    answers = play(rtl, host, tick, bus_waits=4)
+    made = of_trips(rtl.times)
+    assert len(made) == len(rounds)
+    seen = set()
+    for number, words in zip(rounds, made, strict=True):
+        assert words == WORDS[: len(words)]
+        _, *told = replies(host, answers, f"{number}")
+        ((_, sync),) = replies(host, answers, f"{number} behind it")
+        executed, failed, first, status = struct.unpack(">HHHB", bytes.fromhex(sync))
+        if what is _posts:
+            told = [(OK, "")]
+            assert (executed, failed) == (COUNT, COUNT - len(words))
+            assert not failed or (first, status) == (len(words), DENIED)
+        ((status, data),) = told
+        count = expected[status]
+        if status == ERROR:
+            assert len(words) < COUNT
+            assert data == (f"{len(words):04x}" if what is _write_list else ""), "`done`"
+        assert count is None or len(words) == count
+        seen.add((status, len(words)))
+    assert {status for status, _ in seen} == set(expected), "each reply has come"
+    assert what is _write or any(0 < count < COUNT for _, count in seen), "a trip in the middle, too"

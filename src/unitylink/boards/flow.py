@@ -23,7 +23,7 @@ from .fit import remedies
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
-from .pins import Pinout, assign_pins, lines_of
+from .pins import TRIPPED, Pinout, assign_pins, lines_of
 from .pll import pll_of
 from .report import Area, Report, budget_of, forget
 from .wrapper import NAME, constraints, has_reset, wrapper
@@ -66,7 +66,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     configuration = board.configuration(spec, order.protocol, order.settings)
     write(spec, folder, "vhdl", configuration)
     budgets = budgets_of(spec, configuration, clock_hz, baud_hz)
-    logic = logic_of(spec, order, configuration)
+    logic = logic_of(spec, order, configuration, pin_for_trips=bool(board.roles.get(TRIPPED)))
     tell(logic.whence)
     tell(f"GHDL makes a netlist of {logic.top}")
     generics = {"clock_hz": clock_hz, "baud_hz": baud_hz}

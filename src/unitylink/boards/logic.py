@@ -18,9 +18,9 @@ from unitylink.generate.vhdl.names import Names
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 
-from .pins import role_of, wished_names
+from .pins import OPEN, TRIPPED, role_of, wished_names
 
-_PORTS = ("clock", "reset", "rx_line", "tx_line", "clock_hz", "baud_hz", "to_pc", "from_pc", "link")
+_PORTS = ("clock", "reset", "rx_line", "tx_line", "clock_hz", "baud_hz", "to_pc", "from_pc", "link", TRIPPED)
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,14 @@ def spec_of(wanted: Wanted) -> Spec:
     return part
 
 
-def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> Logic:
+def logic_of(
+    spec: Spec, wanted: Wanted, configuration: BoardConfiguration, *, pin_for_trips: bool = False
+) -> Logic:
     """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
 
-    Where the link is no UART, a NAME_board.vhd that names none of its ports is for other boards.
+    Where the link is no UART, a NAME_board.vhd that names none of its ports is for other boards. What is made
+    here has the port `tripped` where a pin is wished for it, or the board has one (`pin_for_trips`). Raises
+    BoardError, also where the gateware has nothing that trips.
     """
     name = f"{design_name(spec)}_board.vhd"
     beside = Path(wanted.spec_file).with_name(name)
@@ -93,7 +97,16 @@ def logic_of(spec: Spec, wanted: Wanted, configuration: BoardConfiguration) -> L
         if uart or re.search(rf"\b({names})\b", _plain(beside), re.IGNORECASE):
             return own_logic([beside], None, generics)
         passed_over = (f"{beside.name} is not used, as it is not for {design.layer.what}: --logic takes it",)
-    logic = pin_logic(design, component_ports(spec), wished_names(wanted.pins), wanted.folder / FOLDER / name)
+    wished = wished_names(wanted.pins)
+    if pin_for_trips or TRIPPED in wished:
+        wished |= {TRIPPED}
+        watches = configuration.protocol != "classic" and configuration.deadman
+        if not watches and f"{TRIPPED}={OPEN}" not in wanted.pins:
+            raise BoardError(
+                "the pin for tripped would never tell of a trip: this gateware has no dead-man; build it "
+                f"with frames and deadman=true, or say --pin {TRIPPED}={OPEN}"
+            )
+    logic = pin_logic(design, component_ports(spec), wished, wanted.folder / FOLDER / name)
     return replace(logic, generics=frozenset(generics), notices=passed_over + logic.notices)
 
 
@@ -147,6 +160,8 @@ def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> 
 def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: Path) -> Logic:
     """Write into `path` an entity that puts the words on pins whose name tells one or is `wished`; return it.
 
+    `tripped` is a port of it if that is wished.
+
     Words without a pin are there for the PC: a WRITE reads back, a READ is 0, which a notice says.
     """
     names = Names((*_PORTS, *(item.name for item in design.layer.ports)))
@@ -166,6 +181,7 @@ def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: 
             outputs=outputs,
             quiet=quiet,
             components=design.pins,
+            tripped=TRIPPED in wished,
         )
     )
     path.write_text(text, encoding="utf-8")
@@ -185,7 +201,7 @@ def _words(leaves: Sequence[Leaf], names: Names, wished: set[str]) -> tuple[list
     """Divide the leaves into those that go to pins and the others."""
     ports, others = [], []
     for leaf in leaves:
-        plain = Names().claim(leaf.path)
+        plain = Names(_PORTS).claim(leaf.path)
         if plain not in wished and role_of(plain) is None:
             others.append(leaf)
             continue

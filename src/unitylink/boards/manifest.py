@@ -27,7 +27,7 @@ FAMILIES = ("ice40", "ecp5")
 PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # those that `build` can put on pins
 CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # which an FTDI chip gives in synchronous mode
 # What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
-ROLES = ("leds", "buttons", "pwm", "encoder", "io")
+ROLES = ("leds", "buttons", "pwm", "encoder", "io", "tripped")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
 
 

@@ -17,6 +17,7 @@ CLOCKS = ("clock", "clk")
 RESETS = ("reset", "rst")
 RECEIVES = ("rx_line", "usb_rx", "rx", "uart_rx")
 TRANSMITS = ("tx_line", "usb_tx", "tx", "uart_tx")
+TRIPPED = "tripped"  # what the dead-man says: both a port and the role of its pin
 OPEN = "-"  # instead of a pin: none, and that is meant
 _SITE = "site:"  # before a pin of the chip that the manifest does not name
 # A word of a port's name -> what its pins must be good for. With or without an s at the end.
@@ -87,7 +88,11 @@ def role_of(name: str, component: str = "") -> str | None:
 
     >>> role_of("left_motors"), role_of("drive_pins", "pwm"), role_of("limit_switch"), role_of("trips")
     ('pwm', 'pwm', 'io', None)
+    >>> role_of("tripped")
+    'tripped'
     """
+    if name == TRIPPED:
+        return TRIPPED
     for word in [*component.lower().split("_"), *name.lower().split("_")]:
         for known in (word, word.removesuffix("s")):
             if known in _WORDS:
@@ -137,6 +142,11 @@ def assign_pins(
         for number in range(line.bits):
             if (line.name, number) not in done and free:
                 pinout.pins[line.name][number] = _take(board, free.pop(0), line.name, taken)
+    pinout.notices += [
+        f"{pin}: nothing drives it, for the design has no port {TRIPPED}"
+        for pin in board.roles.get(TRIPPED, ())
+        if TRIPPED not in names
+    ]
     pinout.notices += [text for line in lines if (text := _left_open(line, pinout.pins[line.name]))]
     return pinout
 

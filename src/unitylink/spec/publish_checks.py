@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from .. import protocol
 from .budget import budget
 from .diagnostics import Reporter
-from .latency import BITS_PER_BYTE
+from .latency import BITS_PER_BYTE, publishes_of
 from .model import Device, Element, Instance, Link, SubscriptionGroup
 from .publishing import devices
 
@@ -35,6 +35,7 @@ def _check_device(device: Device, classic: bool, reporter: Reporter) -> None:
     told = False
     for group in device.groups:
         _check_size(group, classic, reporter)
+        _check_whole(group, device.link.data_bits, reporter)
         before, count = count, count + -(-len(group.addresses) // _USABLE_2012)
         if classic and before <= protocol.GROUPS_2012 < count and not told:
             told = True
@@ -73,6 +74,17 @@ def _check_size(group: SubscriptionGroup, classic: bool, reporter: Reporter) -> 
         message = f"{count}; a group of the 2012 gateware holds {_USABLE_2012}"
         hint = "there they come as several groups, no longer as one snapshot; use several rates, or mode 2"
         _report(reporter, "UL064", _beyond(group, _USABLE_2012), message, hint)
+
+
+def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -> None:
+    """Report what no frame can carry: of a rate there may be several publishes, which are of one tick."""
+    words = len(group.addresses)
+    most = publishes_of(words, data_bits, "framed")[0]
+    if group.trigger == "rate" or not most < words <= protocol.GROUP_SIZE_MAX:
+        return
+    message = f"{words} words publish `{group.name}`; a frame carries {most}"
+    hint = "what one event publishes is not divided: publish less of it, or at a rate"
+    _report(reporter, "UL065", _beyond(group, most), message, hint)
 
 
 def _beyond(group: SubscriptionGroup, words: int) -> Element:

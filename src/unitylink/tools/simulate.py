@@ -59,7 +59,10 @@ def command(
     as_json: bool,
     **settings: int | str | None,
 ) -> None:
-    """Serve a virtual board of a spec until Ctrl-C: the classic gateware, bit by bit, and a plant that moves.
+    """Serve a virtual board of a spec until Ctrl-C: a model of the gateware, and a plant that moves.
+
+    The model speaks both protocols. It gives the same replies as the VHDL, byte for byte; when, it is true to
+    for the classic protocol only.
 
     What the board is built with, docs/settings.md explains.
 

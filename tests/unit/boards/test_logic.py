@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -37,7 +39,7 @@ def wanted(folder: Path, **more: object) -> Wanted:
     return Wanted(spec_file=str(folder / "arm.ul"), folder=folder / "out", **more)  # type: ignore[arg-type]
 
 
-def logic(order: Wanted, **configuration: str) -> Logic:
+def logic(order: Wanted, **configuration: Any) -> Logic:
     spec = load(order.spec_file)
     return logic_of(spec, order, BoardConfiguration.for_spec(spec, **configuration))
 
@@ -70,6 +72,40 @@ def test_words_on_pins_are_synthesised(tmp_path: Path) -> None:
         "level": (True, 1),
         "j1_led": (False, 2),
     }
+
+
+SAFE = """
+public arm() {
+   @lamp = 0x40: bool WRITE(SAFE=0);
+   @tripped = 0x41: bool READ();
+}
+"""
+
+
+@pytest.mark.parametrize("pins", [("tripped=P1A1",), ()])
+def test_the_dead_man_on_a_pin(tmp_path: Path, pins: tuple[str, ...]) -> None:
+    """By a wish, or as the board has a pin for it; a word of that name is another."""
+    order = wanted(tmp_path, pins=(*pins, "tripped_2=BTN1"))
+    Path(order.spec_file).write_text(SAFE, encoding="utf-8")
+    spec = load(order.spec_file)
+    configuration = BoardConfiguration.for_spec(spec, protocol="framed")
+    write(spec, order.folder, "vhdl", configuration)
+    made = logic_of(spec, order, configuration, pin_for_trips=not pins)
+    sources = [*design_sources(spec, order.folder), *made.sources]
+    verilog = netlist(made.top, sources=sources, assertions=False)
+    ports = {port.name: (port.is_input, port.bits) for port in ports_of(verilog, made.top)}
+    assert ports["tripped"] == ports["lamp"] == (False, 1) and ports["tripped_2"] == (True, 1)
+    module = verilog[verilog.index(f"module {made.top}") :]
+    assert re.search(r"\.tripped\((\w+)\)", module[: module.index("endmodule")]), "it comes from the link"
+
+
+@pytest.mark.parametrize("without", [{"protocol": "classic"}, {"protocol": "framed", "deadman": False}])
+def test_a_pin_that_would_never_tell_of_a_trip(tmp_path: Path, without: dict[str, Any]) -> None:
+    with pytest.raises(BoardError, match=r"no dead-man; .* or say --pin tripped=-"):
+        logic(wanted(tmp_path, pins=("tripped=P1A1",)), **without)
+    order = wanted(tmp_path, pins=("tripped=-",))
+    (order.folder / "vhdl").mkdir(parents=True)
+    assert "tripped => tripped" in logic(order, **without).sources[0].read_text("utf-8")
 
 
 def test_own_vhdl_beside_the_spec(tmp_path: Path) -> None:

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from unitylink.boards import load_board
-from unitylink.boards.manifest import ROLES
 from unitylink.boards.pins import Line, Pinout, assign_pins, lines_of
 from unitylink.boards.wrapper import constraints, wrapper
 from unitylink.errors import BoardError
@@ -33,6 +34,16 @@ def test_names_tell_pins_and_wishes_go_first() -> None:
         "x[1]": "BTN2",
     }
     assert given.notices == []
+
+
+def test_the_board_s_pin_for_trips() -> None:
+    drivers = replace(BOARD, roles={**BOARD.roles, "tripped": ("P1B1",)})
+    line = (Line("tripped", "out", 1),)
+    assert pins(assign_pins(drivers, line, [])) == {"tripped": "P1B1"}
+    assert pins(assign_pins(BOARD, line, ["tripped=P1A1"])) == {"tripped": "P1A1"}
+    assert assign_pins(drivers, (), []).notices == [
+        "P1B1: nothing drives it, for the design has no port tripped"
+    ]
 
 
 def test_what_has_no_pin_is_said() -> None:
@@ -77,13 +88,16 @@ def test_a_site_without_a_name() -> None:
     assert "set_io -pullup yes SITE_P16 P16" in constraints(board, given)
 
 
+NAMES = {"leds": "led", "buttons": "key", "pwm": "motor", "encoder": "encoder", "io": "io"}
+
+
 @given(
-    st.lists(st.tuples(st.sampled_from(sorted(BOARD.pins)), st.sampled_from(ROLES)), max_size=8), st.data()
+    st.lists(st.tuples(st.sampled_from(sorted(BOARD.pins)), st.sampled_from(sorted(NAMES))), max_size=8),
+    st.data(),
 )
 def test_no_pin_is_given_twice(wanted: list[tuple[str, str]], data: st.DataObject) -> None:
-    names = {"leds": "led", "buttons": "key", "pwm": "motor", "encoder": "encoder", "io": "io"}
     lines = [
-        Line(f"{names[role]}_{n}", "in", data.draw(st.integers(1, 4))) for n, (_, role) in enumerate(wanted)
+        Line(f"{NAMES[role]}_{n}", "in", data.draw(st.integers(1, 4))) for n, (_, role) in enumerate(wanted)
     ]
     wishes = [f"{line.name}={pin}" for line, (pin, _) in zip(lines, wanted, strict=True)][:3]
     try:

@@ -12,7 +12,15 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from unitylink import DeviceMismatch, LinkBusy, LinkClosed, ValueRangeError, connect
+from unitylink import (
+    BusError,
+    DeviceMismatch,
+    LinkBusy,
+    LinkClosed,
+    ProtocolError,
+    ValueRangeError,
+    connect,
+)
 from unitylink.simulate import Board, BoardConfiguration
 
 
@@ -118,6 +126,23 @@ def test_narrow_words_are_written_by_corrected_gateware_only(data_bits: int, fak
     assert old.log.count("") == 1  # asked once
     assert "W" not in old.log
     old.close()
+
+
+def test_what_a_bus_timeout_on_2012_gateware_may_do_is_told() -> None:
+    configuration = BoardConfiguration(
+        protocol="classic", published_2012=True, silent_ranges=((0, 0), (0xF0, 0xFF))
+    )
+    with Board(configuration=configuration) as board, connect(options(board.url, "timeout=5")) as link:
+        board.registers[5] = 9
+        with pytest.raises(BusError, match="will write 0 to the address that its next read or write names"):
+            link.write(0xF5, 1)
+        with pytest.raises(ProtocolError, match="behind a bus timeout"):
+            link.read(5, repeat=False)
+        assert board.registers[5] == 0, "and it did"
+        link.write(5, 9)  # as the error says
+        with pytest.raises(BusError, match="2012") as refused:
+            link.write(0xF5, 1)
+        assert refused.value.address == 0xF5
 
 
 @pytest.mark.parametrize(

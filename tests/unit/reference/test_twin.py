@@ -115,6 +115,46 @@ def test_the_dead_man_at_its_tick() -> None:
     assert denied[0] == p.DEVICE_KIND_REPLY + p.REPLY_STATUS_DENIED
 
 
+def test_safe_values_that_nobody_takes_are_written_at_each_tick_until_it_is_armed() -> None:
+    settings = Settings(safe=((0x10, 0), (SILENT[0], 1), (0x11, 0xFFFF)))
+    twin = twin_of(settings)
+    tick = settings.clock_hz // settings.base_hz
+    open_session(twin)
+    deadman = field((0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (3, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(EPOCH))
+    twin.run_until((twin.clock // tick + 3) * tick)
+    for _ in range(3):
+        twin.set(0x10, 9)  # as a slave does that has not heard
+        twin.set(0x11, 9)
+        twin.run_until(twin.clock + tick - 1)
+        assert twin.get(0x10) == twin.get(0x11) == 9
+        twin.run_until(twin.clock + 1)
+        assert (twin.get(0x10), twin.get(0x11)) == (0, 0xFFFF)
+    read = field((1, 2), (p.CONTROL_DEADMAN_TRIPS, 2), (1, 1))
+    told = ask(twin, Frame(p.REQUEST_KIND_READ_CONTROL, read).encode(EPOCH))
+    (frame,) = [Frame.decode(piece, EPOCH) for piece in Borders().feed(told)]
+    assert frame is not None and frame.payload[4:] == field((1, 4)), "one trip"
+    open_session(twin, 2)
+    arm = field((0, 2), (p.CONTROL_ARM, 2), (1, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, arm).encode(EPOCH))
+    twin.set(0x10, 9)
+    twin.run_until(twin.clock + 2 * tick)
+    assert twin.get(0x10) == 9
+
+
+def test_safe_values_that_are_taken_or_refused_are_written_once() -> None:
+    settings = Settings(safe=((0x10, 0), (ERRORS[0], 1)))
+    twin = twin_of(settings)
+    tick = settings.clock_hz // settings.base_hz
+    open_session(twin)
+    deadman = field((0, 2), (p.CONTROL_DEADMAN_TICKS, 2), (3, 4))
+    ask(twin, Frame(p.REQUEST_KIND_WRITE_CONTROL, deadman).encode(EPOCH))
+    twin.run_until((twin.clock // tick + 3) * tick)
+    twin.set(0x10, 9)
+    twin.run_until(twin.clock + 2 * tick)
+    assert twin.get(0x10) == 9
+
+
 def test_publishes_carry_sequence_and_clock() -> None:
     settings = Settings()
     twin = twin_of(settings)

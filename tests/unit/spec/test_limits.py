@@ -7,6 +7,7 @@ import pytest
 
 from unitylink.spec import compile_text, format_text, render
 from unitylink.spec.diagnostics import KEPT, SHOWN
+from unitylink.spec.latency import publishes_of
 
 
 def codes(text: str) -> set[str]:
@@ -93,3 +94,24 @@ def test_long_line_is_shown_around_the_caret() -> None:
 def test_formatter_of_a_long_text() -> None:
     text = "public a() {\n" + "".join(f"   @r{i} = 0x{i:X}: READ();\n" for i in range(5000)) + "}\n"
     assert format_text(text) == text
+
+
+def _on_change(count: int, head: str = "") -> str:
+    words = "".join(f"   @x{i} = 0x{i:X}: READ(PUBLISH(on change));\n" for i in range(count))
+    return f"{head}public a() {{\n{words}}}\n"
+
+
+@pytest.mark.parametrize(("head", "most"), [("", 60), ("link l (DATA=16);\n", 121)])
+def test_what_one_event_publishes_is_one_frame(head: str, most: int) -> None:
+    fits = compile_text(_on_change(most, head))
+    assert fits.spec is not None
+    (device,) = fits.spec.devices
+    assert publishes_of(len(device.groups[0].addresses), device.link.data_bits, "framed") == [most]
+    beyond = compile_text(_on_change(most + 1, head))
+    told = [one for one in beyond.diagnostics if one.code == "UL065"]
+    assert beyond.spec is None and [one.span.line for one in told] == [most + 2 + bool(head)]
+    assert f"{most + 1} words publish `on change`; a frame carries {most}" in told[0].message
+
+
+def test_of_a_rate_there_may_be_several_frames() -> None:
+    assert compile_text(_on_change(61).replace("on change", "1,10")).spec is not None

@@ -32,21 +32,31 @@ class DeadMan final : public Bus {
     ticks_ = ticks;
     feed(now);
   }
-  void arm() noexcept { tripped_ = false; }
+  void arm() noexcept { tripped_ = missed_ = false; }
   // An intact frame of the session has come in.
   void feed(Clock now) noexcept { fed_at_ = now; }
 
-  // Every output that has a safe value gets it, whatever the bus says to that.
   void trip(Clock now) {
     tripped_ = tripped_in_session_ = true;
     ticks_ = 0;
-    for (const SafeValue& safe : configuration_.safe_words) {
-      static_cast<void>(bus_.write(safe.address & configuration_.address_mask(), safe.value, now));
-    }
+    make_safe(now);
   }
 
-  // The tick at which it trips if nothing comes.
-  [[nodiscard]] Clock due() const noexcept { return running() ? (fed_at_ / period_ + ticks_) * period_ : never; }
+  // Every output that has a safe value gets it. Where nobody answered one, all are written anew at the next tick; one that
+  // is refused stays as it is.
+  void make_safe(Clock now) {
+    missed_ = false;
+    for (const SafeValue& safe : configuration_.safe_words) {
+      const BusStatus status = bus_.write(safe.address & configuration_.address_mask(), safe.value, now);
+      missed_ = missed_ || status == BusStatus::silent;
+    }
+    again_at_ = (now / period_ + 1) * period_;
+  }
+
+  // The tick at which it trips if nothing comes, or has to make safe what it could not.
+  [[nodiscard]] Clock due() const noexcept {
+    return running() ? (fed_at_ / period_ + ticks_) * period_ : missed_ ? again_at_ : never;
+  }
 
   // The bus, as the applications see it.
   BusReply read(std::uint32_t address, Clock now) override { return bus_.read(address, now); }
@@ -65,6 +75,8 @@ class DeadMan final : public Bus {
   Clock fed_at_ = never;
   bool tripped_ = false;
   bool tripped_in_session_ = false;
+  bool missed_ = false;  // nobody answered a safe value
+  Clock again_at_ = never;
 };
 
 }  // namespace unitylink::device

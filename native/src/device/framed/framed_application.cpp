@@ -99,7 +99,9 @@ Clock FramedApplication::next_clock(bool port_free) const noexcept {
 }
 
 void FramedApplication::step(Clock now, bool port_free, Clock limit) {
-  if (bus_.due() <= now) {
+  if (bus_.due() <= now && bus_.tripped()) {
+    bus_.make_safe(now);
+  } else if (bus_.due() <= now) {
     trip(now);
   } else if (sending() && physical_.room() == 0) {
     at_ = std::max(at_, now);
