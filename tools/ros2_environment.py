@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An environment with ROS 2 that sees this checkout: `python tools/ros2_environment.py FOLDER REQUIREMENTS`.
+"""An environment with ROS 2 that sees this checkout: `python tools/ros2_environment.py FOLDER LOCK`.
 
-REQUIREMENTS are wheels of ROS 2's own packages, which PyPI has; `tools/setup.sh ros2` gives those of
-pyproject.toml. It is apart from .venv because ROS 2 wants older versions of what the tests use. A second run
-with the same requirements changes nothing. Prints the environment's Python.
+LOCK names wheels of ROS 2's own packages, which PyPI has, with their hashes: tools/locks/jazzy.txt. The
+environment is apart from .venv because ROS 2 wants older versions of what the tests use. A second run with
+the same lock changes nothing. Prints the environment's Python.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import sysconfig
 from pathlib import Path
 
 
-def make(folder: Path, requirements: str) -> Path:
+def make(folder: Path, lock: Path) -> Path:
     """Make the environment, or leave it as it is if it was made so; return its Python."""
     python, stamp = folder / "bin" / "python3", folder / "made-of.txt"
-    made_of = f"{sys.executable} {sys.version}\n{requirements}"
+    made_of = f"{sys.executable} {sys.version}\n{lock.read_text()}"
     if stamp.exists() and stamp.read_text() == made_of:
         return python
     subprocess.run([sys.executable, "-m", "venv", "--clear", folder], check=True)
     quiet = [python, "-m", "pip", "--quiet", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*quiet, "install", *requirements.split()], check=True)
+    subprocess.run([*quiet, "install", "--require-hashes", "-r", lock], check=True)
     (site,) = (folder / "lib").glob("python3*/site-packages")
     here = next(path for path in sys.path if path.endswith("site-packages"))
     (site / "unitylink.pth").write_text(f"import site; site.addsitedir({here!r})\n")
@@ -47,4 +47,4 @@ def _place(folder: Path, python: Path) -> None:
 
 
 if __name__ == "__main__":
-    print(make(Path(sys.argv[1]).absolute(), Path(sys.argv[2]).read_text()))
+    print(make(Path(sys.argv[1]).absolute(), Path(sys.argv[2])))

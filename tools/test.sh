@@ -57,15 +57,11 @@ native() {
   "$bin/unitylink" faults --messages 200000 --jobs 2 --protocol classic | tail -n 1
   "$bin/python" tools/mutants.py --sample 3
 }
-recordings() {                            # of the 2012 gateware
-  "$bin/unitylink" conformance tests/conformance/classic-transcripts.json | tail -n 3
-  "$bin/unitylink" conformance tests/conformance/classic-transcripts.json --rtl | tail -n 3
-}
 
 mkdir -p "$logs"
 beside system library
 join
-beside sources native packages ros2 recordings
+beside sources native packages ros2
 join
 say "tests"
 rm -rf build/coverage

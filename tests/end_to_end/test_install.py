@@ -147,7 +147,11 @@ class TestWheel:
         (sdist,) = wheels.glob("*.tar.gz")
         # The core's sources are those of this checkout, byte by byte, which were compiled to run this test.
         compiled = ROOT / (ROOT / ".venv" / ".compiled").read_text("utf-8").strip()
-        settings = {"cmake.define.UNITYLINK_OBJECTS": compiled, "cmake.build-type": "Debug"}
+        settings = {
+            "cmake.define.UNITYLINK_OBJECTS": compiled,
+            "cmake.build-type": "Debug",
+            "cmake.define.CMAKE_CXX_FLAGS_DEBUG": "-O0",
+        }
         options = [f"--config-settings={name}={value}" for name, value in settings.items()]
         call(
             "venv/bin/pip", "install", "--quiet", "--no-deps", "--force-reinstall", *options, sdist, cwd=fresh
