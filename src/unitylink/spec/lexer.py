@@ -53,6 +53,7 @@ _MASTER = re.compile(
 )
 
 _ESCAPE = re.compile(r"\\(u[0-9A-Fa-f]{4}|.?)", re.DOTALL)
+_LINE_END = re.compile(r"[\r\n]")
 _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'": "'", "\\": "\\"}
 
 
@@ -75,6 +76,30 @@ class Tokens:
     truncated: bool = False  # text is missing: a comment or the token limit swallowed the rest
 
 
+class _Said:
+    """The `///` comments of a text, of which many lines may belong to one token; each is looked at once."""
+
+    def __init__(self, text: str, tokens: Tokens) -> None:
+        self.text = text
+        self.tokens = tokens
+        self.lines: dict[tuple[bool, int], list[str]] = {}
+        self.line = (-1, -1)  # where a token ends, and the line that it stands in
+
+    def take(self, word: str, start: int, token_end: int) -> None:
+        """Note a comment; `token_end` is where the token before it ends, -1 if there is none."""
+        if token_end != self.line[0]:
+            end = _LINE_END.search(self.text, token_end)
+            self.line = token_end, end.start() if end is not None else len(self.text)
+        behind = token_end >= 0 and start <= self.line[1]
+        key = behind, len(self.tokens.kinds) - behind
+        self.lines.setdefault(key, []).append(word[3:].strip())
+
+    def end(self) -> None:
+        for (behind, token), lines in self.lines.items():
+            table = self.tokens.trailing if behind else self.tokens.documentation
+            table[token] = "\n".join(lines)
+
+
 def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
     """Return the tokens of `source`, the reporter's first if none is given; report what is no token."""
     source = source or reporter.sources.first
@@ -82,6 +107,7 @@ def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
     tokens = Tokens()
     kinds, texts, starts, ends = tokens.kinds, tokens.texts, tokens.starts, tokens.ends
     position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
+    said = _Said(text, tokens)
     open_bracket = -1  # where a bracket that UL-spec does not have was reported
     for match in _MASTER.finditer(text, position):
         kind = match.lastgroup
@@ -102,7 +128,7 @@ def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
         elif kind == "comment":
             tokens.comments.append((start, end))
             if word.startswith("///") and word[3:4] != "/":
-                _document(tokens, word, text[ends[-1] - base : start - base] if ends else "\n")
+                said.take(word, start - base, ends[-1] - base if ends else -1)
             if len(kinds) + len(tokens.comments) < MAX_TOKENS:
                 continue
             _report_too_many(reporter, tokens, start, end)
@@ -133,21 +159,12 @@ def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
         if len(kinds) + len(tokens.comments) >= MAX_TOKENS:
             _report_too_many(reporter, tokens, start, end)
             break
+    said.end()
     kinds.extend(["end"] * _LOOKAHEAD)
     texts.extend([""] * _LOOKAHEAD)
     starts.extend([base + len(text)] * _LOOKAHEAD)
     ends.extend([base + len(text)] * _LOOKAHEAD)
     return tokens
-
-
-def _document(tokens: Tokens, word: str, before: str) -> None:
-    """Note the text of a `///` comment; `before` stands between it and the token before it."""
-    behind = "\n" not in before and "\r" not in before
-    table, key = (
-        (tokens.trailing, len(tokens.kinds) - 1) if behind else (tokens.documentation, len(tokens.kinds))
-    )
-    line = word[3:].strip()
-    table[key] = f"{table[key]}\n{line}" if key in table else line
 
 
 def _report_too_many(reporter: Reporter, tokens: Tokens, start: int, end: int) -> None:

@@ -306,3 +306,23 @@ def test_a_physical_layer_is_of_vhdl_only(tmp_path: Path) -> None:
     assert "--physical: of VHDL only; add --only vhdl" in found.output
     found = CliRunner().invoke(command, [*arguments, "usb", "--only", "vhdl"])
     assert isinstance(found.exception, ValueRangeError)
+
+
+def component(entity: str, port: str) -> str:
+    return (
+        f'@component("{entity}") @pin("{port}", "out") own(): @base[1] {{ @x = base: WRITE(); }} '
+        "public p() { slaves: own() @ 0x10; }"
+    )
+
+
+def test_a_port_is_called_like_nothing_in_the_design() -> None:
+    """The design has a signal slaves_m2s, and ports and signals are declared in one region."""
+    design = generate_vhdl(spec_of(component("own", "m2s"), "p.ul"))["vhdl/p_design.vhd"]
+    assert re.search(r"^    slaves_m2s_2 +: out std_ulogic;$", design, re.MULTILINE)
+    assert "m2s => slaves_m2s_2," in design
+
+
+@pytest.mark.parametrize(("entity", "port"), [("process", "x"), ("own", "Signal")])
+def test_no_entity_and_no_port_is_a_word_of_vhdl(entity: str, port: str) -> None:
+    with pytest.raises(BindingError, match=r"vhdl: slaves: (process|Signal) is a word of VHDL or Verilog"):
+        generate_vhdl(spec_of(component(entity, port), "p.ul"))

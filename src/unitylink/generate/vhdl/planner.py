@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any, Union
 
 from unitylink.board_configuration import BoardConfiguration
@@ -18,7 +21,7 @@ from ..quoting import Vhdl, file_name
 from .blocks import Block, blocks
 from .functions import from_strobes, from_words, to_words
 from .link_slaves import LinkSlave, link_slaves
-from .names import Names, identifier
+from .names import KEYWORDS, Names, identifier
 from .physical import physical_layer
 from .plan import Change, Constant, EventSource, Placed, Plan, Port, Range, Registers, Tosnet, Wire
 from .records import Tree, records
@@ -30,7 +33,7 @@ from .words import PlacedComponent, components_of, tosnet_range, word_map
 _ONLY_ON_THE_TWIN = ("bus_error_ranges", "silent_ranges")
 # Of a UART, where neither configuration nor spec say.
 _BAUD_HZ = 3_000_000
-# Ports that every design or top level may have.
+# Ports that every design or top level may have; their templates' own words are no names of ports either.
 _PORTS = ["clock", "reset", "user_reset", "events", "clock_hz", "baud_hz", "fifo_bytes", "rx_line", "tx_line"]
 _PORTS += ["send_immediate", "ft245_clkout", "ft245_rxf_n", "ft245_txe_n", "ft245_oe_n", "ft245_rd_n"]
 _PORTS += ["ft245_wr_n", "ft245_siwu_n", "ft245_data_in", "ft245_data_out", "ft245_data_drive"]
@@ -39,6 +42,7 @@ _PORTS += ["rs485_rx", "rs485_tx", "rs485_drive", "rs485_node"]
 _PORTS += ["rx_valid", "rx_ready", "rx_data", "rx_error"]
 _PORTS += ["tx_valid", "tx_ready", "tx_data", "tx_last", "tx_publish"]
 _PORTS += ["read_words", "write_words", "written", "was_read", "to_pc", "from_pc", "tripped"]
+_TEMPLATES = ("design.vhd.jinja", "top.vhd.jinja")
 _STROBE = FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
 
@@ -90,7 +94,7 @@ class _Planner:
         plain = blocks(addresses, others)
         numbered = list(enumerate(parts, first + len(plain)))
         slaves = list(enumerate(self.slaves, first + len(plain) + len(parts)))
-        ports = Names(_PORTS)
+        ports = Names(_reserved_ports())
         components = (
             *(self._component(number, part, ports) for number, part in numbered),
             *(self._link_slave(number, slave, ports) for number, slave in slaves),
@@ -176,6 +180,11 @@ class _Planner:
 
     def _component(self, number: int, part: PlacedComponent, ports: Names) -> Placed:
         component = part.component
+        for name in (component.entity, *(port for port, _, _ in component.pins), *component.events):
+            if name.lower() in KEYWORDS:
+                raise BindingError(
+                    f"vhdl: {part.path}: {name} is a word of VHDL or Verilog; name it otherwise"
+                )
         own: dict[str, CodePart] = {"clock_hz": "clock_hz", "data_width": self._data_width()}
         given: dict[str, CodePart] = {name: own.get(name, value) for name, value in component.generics}
         pins = []
@@ -339,6 +348,13 @@ class _Planner:
 
     def _inside_tosnet(self, indices: Mapping[int, int]) -> list[int]:
         return [address for address in indices if address in self.in_tosnet]
+
+
+@cache
+def _reserved_ports() -> frozenset[str]:
+    """Return what no port of a component may be called: signals, labels and types of the design around it."""
+    texts = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in _TEMPLATES]
+    return frozenset([*_PORTS, *(word for text in texts for word in re.findall(r"[a-z]\w*", text))])
 
 
 def _check(configuration: BoardConfiguration) -> None:
