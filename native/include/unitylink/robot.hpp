@@ -5,10 +5,11 @@
 //     unitylink::Robot robot(table, options, on_publish, say);
 //     robot.set(values, numbers, count);      // from any thread: written soon, together, or refused whole
 //
-// Header-only on the C ABI (unitylink.h), C++17. Threads: one that keeps the link and writes, one per published group.
-// read_newest() and write_newest() are for one real-time thread: they neither allocate, lock, wait nor throw.
-// Loss: publishes stop, what is set is refused, the gateware's dead-man makes the outputs safe where it has one; when the device is back its
-// safe values are written before anything else.
+// Header-only on the C ABI (unitylink.h), C++17. Threads: one that keeps the link and writes, one per published group, one that looks whether they work.
+// read_newest(), write_newest() and alive() are for one real-time thread: they neither allocate, lock, wait nor throw.
+// Loss: publishes stop, what is set is refused, the gateware's dead-man makes the outputs safe where it has one. Layer 2 opens the line again
+// (reconnect=1); when the device is back its safe values are written before anything else.
+// Life: a program that calls alive() has to call it again within a second, until rest(): else, or where a thread of the robot hangs, the dead-man trips.
 #pragma once
 
 #include <unitylink.h>
@@ -25,7 +26,9 @@
 #include <vector>
 
 #include "unitylink/robot_device.hpp"
+#include "unitylink/robot_life.hpp"
 #include "unitylink/robot_outputs.hpp"
+#include "unitylink/robot_publishes.hpp"
 #include "unitylink/robot_table.hpp"
 #include "unitylink/triple_buffer.hpp"
 
@@ -42,14 +45,14 @@ struct RobotOptions {
 
 class Robot {
  public:
-  // `raws` are those of the group's values, in order; `time_s` is of CLOCK_MONOTONIC.
-  using OnPublish = std::function<void(std::size_t group, double time_s, const std::uint64_t* raws)>;
+  using OnPublish = Publishes::OnPublish;
   using Say = std::function<void(int level, const std::string& message)>;  // 0 information, 1 warning, 2 error
 
   Robot(const Table& table, RobotOptions options, OnPublish on_publish, Say say)
-      : table_(table), options_(std::move(options)), on_publish_(std::move(on_publish)), say_(std::move(say)), armed(options_.armed),
-        wanted_(table.value_count), newest_(table.value_count), written_(table.value_count), outputs_(table) {
+      : table_(table), options_(std::move(options)), say_(std::move(say)), armed(options_.armed),
+        wanted_(table.value_count), written_(table.value_count), outputs_(table), publishes_(table, std::move(on_publish), life_) {
     sem_init(&wake_, 0, 0);
+    life_.start();
     keeper_ = std::thread([this] { keep(); });
   }
   Robot(const Robot&) = delete;
@@ -61,6 +64,14 @@ class Robot {
     sem_destroy(&wake_);
   }
 
+  // The program works, says the thread that sets, or the one that answers services; see above.
+  enum Thread : std::uint8_t { setting, answering };
+  void alive(Thread thread = setting) noexcept { (thread == setting ? program_ : answerer_).beat(); }
+  void rest() noexcept {
+    program_.rest();
+    answerer_.rest();
+  }
+
   // Have values written soon, together; false, with the reason, where one cannot be: then none is.
   bool set(const std::uint16_t* values, const double* numbers, std::size_t count, std::string& why) {
     const std::lock_guard<std::mutex> lock(setting_);
@@ -68,7 +79,7 @@ class Robot {
     std::vector<std::uint64_t> raws(count);
     for (std::size_t i = 0; i < count; ++i) {
       if (!encode(table_.values[values[i]], numbers[i], raws[i])) {
-        why = std::string(table_.values[values[i]].path) + ": " + std::to_string(numbers[i]) + " is out of its limits; nothing was written";
+        why = std::string(table_.values[values[i]].path) + ": " + shown(numbers[i]) + " is none of its values, or out of its limits; nothing was written";
         ++refused;
         return false;
       }
@@ -81,7 +92,7 @@ class Robot {
 
   // The real-time thread's set(): a number that cannot be written is left out and counted as refused.
   bool write_newest(const std::uint16_t* values, const double* numbers, std::size_t count) noexcept {
-    if (!up || !armed) return false;
+    if (!up || !armed || hanging_) return false;
     for (std::size_t i = 0; i < count; ++i) {
       std::uint64_t raw = 0;
       if (encode(table_.values[values[i]], numbers[i], raw)) {
@@ -97,16 +108,14 @@ class Robot {
 
   // The newest published numbers of the values, each group's of one moment; false while the link is down.
   bool read_newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
-    newest_.update();
-    const auto& raws = newest_.front();
-    for (std::size_t i = 0; i < count; ++i) numbers[i] = number(table_.values[values[i]], raws[values[i]]);
+    publishes_.newest(values, numbers, count);
     return up;
   }
 
   // Write the safe values now, and forget what was to be written.
   bool make_safe(std::string& said) {
     const std::lock_guard<std::mutex> lock(link_mutex_);
-    if (link_ == nullptr) return said = state(), false;
+    if (!up) return said = state(), false;
     forget();
     if (device_.tripped()) return said = "the outputs are safe already: the dead-man has tripped", true;
     return outputs_.write_safe(said);
@@ -115,8 +124,9 @@ class Robot {
   // Take set-points from now on; without `on` take none, and write the safe values.
   bool arm(bool on, std::string& said) {
     if (on) {
+      if (hanging_) return said = state(), false;
       const std::lock_guard<std::mutex> lock(link_mutex_);
-      if (link_ != nullptr && !device_.arm()) return said = failure(), false;
+      if (up && !device_.arm()) return said = failure(), false;
       armed = true;
       return said = "armed: commands are taken", true;
     }
@@ -130,7 +140,7 @@ class Robot {
   bool read(const std::string& path, double& found, std::string& why) {
     const std::lock_guard<std::mutex> lock(link_mutex_);
     const Value* value = find(path, why);
-    if (value == nullptr || link_ == nullptr) return why = value == nullptr ? why : state(), false;
+    if (value == nullptr || !up) return why = value == nullptr ? why : state(), false;
     std::uint64_t raw = 0;
     if (!outputs_.read_raw(*value, raw)) return why = failure(), false;
     found = number(*value, raw);
@@ -148,30 +158,29 @@ class Robot {
   int health(Facts& facts) {
     const std::pair<const char*, std::uint64_t> counted[] = {
         {"commands accepted", accepted}, {"commands refused", refused}, {"writes", writes}, {"writes failed", failed},
-        {"publishes taken", publishes},  {"links lost", losses},        {"armed", armed ? 1 : 0}};
+        {"publishes taken", publishes()},  {"links lost", losses},        {"armed", armed ? 1 : 0}};
     for (const auto& [name, count] : counted) facts.emplace_back(name, std::to_string(count));
-    if (!up) return 2;
+    if (!up || hanging_) return 2;
     const std::lock_guard<std::mutex> lock(link_mutex_);
-    if (link_ == nullptr) return 2;
     facts.emplace_back("gateware", gateware_);
     device_.tell(facts);
     return !armed || device_.tripped() || refused > 0 || failed > 0 ? 1 : 0;
   }
   std::string state() const {
     const std::lock_guard<std::mutex> lock(state_mutex_);
-    return state_;
+    return trouble_.empty() ? state_ : trouble_;
   }
+  std::uint64_t publishes() const noexcept { return publishes_.taken; }
   const Table& table() const noexcept { return table_; }
 
  private:
   const Table& table_;
   const RobotOptions options_;
-  const OnPublish on_publish_;
   const Say say_;
 
  public:
   std::atomic<bool> up{false}, armed;
-  std::atomic<std::uint64_t> accepted{0}, refused{0}, writes{0}, failed{0}, publishes{0}, losses{0};
+  std::atomic<std::uint64_t> accepted{0}, refused{0}, writes{0}, failed{0}, losses{0};
 
  private:
   struct Wanted {
@@ -189,9 +198,9 @@ class Robot {
     sem_post(&wake_);
   }
   bool ready(std::string& why) {
-    if (up && armed) return true;
+    if (up && armed && !hanging_) return true;
     ++refused;
-    why = up ? "a command was not taken: the robot is not armed (service arm)" : "a command was not taken: " + state();
+    why = up && !hanging_ ? "a command was not taken: the robot is not armed (service arm)" : "a command was not taken: " + state();
     return false;
   }
   const Value* find(const std::string& path, std::string& why) const {
@@ -211,30 +220,41 @@ class Robot {
     say_(level, state);
   }
 
+  void hangs(const std::string& trouble) {
+    {
+      const std::lock_guard<std::mutex> lock(state_mutex_);
+      trouble_ = trouble;
+    }
+    hanging_ = !trouble.empty();
+    say_(hanging_ ? 2 : 1, hanging_ ? trouble + ": no commands are taken, and the dead-man is not kept from tripping" : "all threads work again");
+  }
+  static std::string shown(double number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", number);
+    return text;
+  }
+
   // ---- the link
 
+  // With reconnect=1 where the URL does not say. What cannot be opened again is opened anew here.
+  static std::string lasting(const std::string& url) {
+    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0) return url;
+    return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
+  }
+
   void keep() {
-    bool again = false;
-    while (!stop_) {
+    for (bool again = false; !stop_; wait_s(options_.retry_s)) {
       ul_link* link = nullptr;
-      if (ul_open(options_.url.c_str(), &link) != UL_OK) {
+      if (ul_open(lasting(options_.url).c_str(), &link) != UL_OK) {
         become(1, "waiting for the device: " + failure());
-        wait_s(options_.retry_s);
         continue;
       }
-      link_mutex_.lock();
-      link_ = link;
-      link_mutex_.unlock();
-      const std::string trouble = begin(again);
+      const std::string trouble = begin(link, again);
       if (trouble.empty()) {
         again = true;
-        become(0, "connected to " + options_.url);
-        up = true;
-        const std::string lost = serve();
-        up = false;
+        const std::string ended = serve();
         if (!stop_) {
-          ++losses;
-          become(2, "the link is lost: " + lost);
+          fall(ended);
         } else if (options_.safe_at_exit && accepted > 0) {
           std::string said;
           make_safe(said);
@@ -242,14 +262,13 @@ class Robot {
       } else {
         become(1, "waiting for the device: " + trouble);
       }
+      up = false;
+      life_.serve(nullptr);
       ul_close(link);
-      for (auto& thread : readers_) thread.join();
-      readers_.clear();
-      link_mutex_.lock();
+      publishes_.join();
+      const std::lock_guard<std::mutex> lock(link_mutex_);
       link_ = nullptr;
-      link_mutex_.unlock();
       ul_free(link);
-      if (!trouble.empty()) wait_s(options_.retry_s);
     }
   }
 
@@ -258,8 +277,18 @@ class Robot {
     while (!stop_ && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 
-  std::string begin(bool again) {
+  void rise() {
+    become(0, "connected to " + options_.url);
+    up = true;
+  }
+  void fall(const std::string& why) {
+    if (up.exchange(false)) ++losses;
+    become(2, "the link is lost: " + why);
+  }
+
+  std::string begin(ul_link* link, bool again) {
     const std::lock_guard<std::mutex> lock(link_mutex_);
+    link_ = link;
     ul_configuration configuration{};
     configuration.size = sizeof configuration;
     ul_get_configuration(link_, &configuration);
@@ -268,106 +297,79 @@ class Robot {
     if (ul_check_spec(link_, table_.spec, table_.gateware, table_.gateware_count, &unverified) != UL_OK) return failure();
     gateware_ = *unverified == '\0' ? "verified" : std::string("not verified: ") + unverified;
     if (*unverified != '\0') say_(1, gateware_);
-    base_hz_ = configuration.base_hz != 0 ? static_cast<double>(configuration.base_hz) : 1000.0;
-    outputs_.open(link_);
-    forget();
     bool writable = false, safe = false;
     for (std::size_t i = 0; i < table_.value_count; ++i) {
       writable = writable || table_.values[i].writable;
       safe = safe || (table_.values[i].writable && !std::isnan(table_.values[i].safe));
     }
     if (!device_.open(link_, options_.deadman_s, safe)) return failure();
+    if (std::string trouble = make_fit(again); !trouble.empty()) return trouble;
+    if (!device_.tripped() && !again && writable && !device_.lacking().empty()) {
+      say_(0, device_.lacking() + ": outputs stay when the link is lost; back again, they are made safe first");
+    }
+    if (!publishes_.start(link_)) return failure();
+    if (life_.serve(link_) != UL_OK) return failure();
+    rise();
+    return "";
+  }
+
+  // Arms a gateware that has tripped, where the robot is armed; then writes the safe values of a device that is `old`: what it was told before is old, too.
+  std::string make_fit(bool old) {
+    outputs_.open(link_);
+    forget();
     if (device_.tripped() && armed) {
       if (!device_.arm()) return failure();
       say_(1, "the dead-man had tripped and made the outputs safe; they are armed again");
     }
+    generation_ = device_.generation();  // a loss from here on: all of it once more
     if (device_.tripped()) {
       say_(1, "the dead-man has tripped: the outputs are safe until the service arm is called");
-    } else if (!again && writable && !device_.lacking().empty()) {
-      say_(0, device_.lacking() + ": outputs stay when the link is lost; back again, they are made safe first");
-    } else if (again) {
+    } else if (old) {
       std::string said;
       if (!outputs_.write_safe(said)) return said;
       say_(1, "the device is back; " + said + "; commands of before are forgotten");
     }
-    last_s_ = now_s();
-    for (std::size_t group = 0; group < table_.group_count; ++group) {
-      const auto& wanted = table_.groups[group];
-      std::vector<std::uint32_t> addresses;
-      for (std::size_t i = 0; i < wanted.count; ++i) {
-        const auto& value = table_.values[wanted.values[i]];
-        for (std::uint32_t word = 0; word < value.words; ++word) addresses.push_back(value.address + word);
-      }
-      std::uint32_t subscription = 0;
-      if (!wanted.polled) {
-        ul_subscription_options options{};
-        options.size = sizeof options;
-        options.divisor = wanted.divisor;
-        options.on_event = wanted.divisor == 0 ? 1 : 0;
-        options.verify = 1;
-        options.ring = 4096;
-        if (ul_subscribe(link_, addresses.data(), addresses.size(), &options, &subscription) != UL_OK) return failure();
-      }
-      readers_.emplace_back([this, group, addresses, subscription] { follow(group, addresses, subscription); });
-    }
     return "";
   }
 
-  // A group's thread: drain, decode, hand on.
-  void follow(std::size_t group, const std::vector<std::uint32_t>& addresses, std::uint32_t subscription) {
-    const auto& wanted = table_.groups[group];
-    std::vector<double> times(64);
-    std::vector<std::uint32_t> words(times.size() * addresses.size());
-    std::vector<std::uint64_t> raws(wanted.count);
-    auto due = std::chrono::steady_clock::now();
-    while (true) {
-      std::size_t taken = 0;
-      if (wanted.polled) {
-        due += std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * wanted.divisor / base_hz_));
-        std::this_thread::sleep_until(due);
-        if (stop_) return;
-        const auto status = ul_read_many(link_, addresses.data(), addresses.size(), words.data(), 0, nullptr);
-        if (status == UL_CLOSED) return;
-        times[0] = now_s();
-        taken = status == UL_OK ? 1 : 0;
-      } else {
-        if (ul_wait_publish(link_, subscription, 100'000'000) == UL_CLOSED) return;
-        if (ul_drain(link_, subscription, times.data(), words.data(), times.size(), &taken) != UL_OK) return;
-      }
-      for (std::size_t i = 0; i < taken; ++i) {
-        const std::uint32_t* word = words.data() + i * addresses.size();
-        for (std::size_t k = 0; k < wanted.count; ++k) {
-          const auto& value = table_.values[wanted.values[k]];
-          raws[k] = 0;
-          for (unsigned part = 0; part < value.words; ++part) raws[k] |= static_cast<std::uint64_t>(*word++) << part * table_.data_bits;
-        }
-        {
-          const std::lock_guard<std::mutex> lock(newest_mutex_);
-          for (std::size_t k = 0; k < wanted.count; ++k) newest_copy_[wanted.values[k]] = raws[k];
-          std::copy(newest_copy_.begin(), newest_copy_.end(), newest_.back().begin());
-          newest_.publish();
-        }
-        ++publishes;
-        last_s_ = now_s();
-        on_publish_(group, times[i], raws.data());
-      }
-    }
-  }
-
-  // The keeper's thread while the link is up: write what is wanted, look whether the device is there. Returns why it is lost.
+  // The keeper's thread while there is a link: write what is wanted, see how the line does. Returns why the link has ended.
   std::string serve() {
-    double checked_s = now_s();
-    double asked_s = now_s(), silent_s = 0.0;
-    while (!stop_) {
+    double checked_s = now_s(), silent_s = 0.0;
+    bool made_safe = false;
+    for (; !stop_; writer_.rest()) {
       timespec until{};
       clock_gettime(CLOCK_REALTIME, &until);
       until.tv_nsec += 50'000'000;
       if (until.tv_nsec >= 1'000'000'000) until.tv_nsec -= 1'000'000'000, ++until.tv_sec;
       sem_timedwait(&wake_, &until);
       while (sem_trywait(&wake_) == 0) {}  // newest wins: one write for all that was set
+      writer_.beat();
       const std::lock_guard<std::mutex> lock(link_mutex_);
+      if (const ul_status line = ul_wait_up(link_, 0); line != UL_OK) {
+        if (line != UL_DOWN) return failure();
+        fall(failure());
+        continue;
+      }
       const double now = now_s();
-      if (wanted_.update() && up) {
+      if (up && hanging_ && !made_safe && !device_.tripped()) {  // while the link still takes it: not all gateware has a dead-man
+        std::string said;
+        made_safe = outputs_.write_safe(said);
+        forget();
+      }
+      made_safe = made_safe && hanging_;
+      const bool look = now - checked_s > 0.1;
+      checked_s = look ? now : checked_s;
+      if (up && (device_.generation() != generation_ || (look && device_.has_tripped()))) fall("the device does not hold any more what was written to it");
+      if (!up) {
+        silent_s = 0.0;
+        if (!look) continue;
+        if (!device_.renew()) continue;  // whether the line is gone is for layer 2 to say
+        if (const std::string trouble = make_fit(true); trouble.empty()) {
+          rise();
+        } else {
+          become(2, "the link is lost: " + trouble);
+        }
+      } else if (wanted_.update()) {
         silent_s = now;
         if (write_wanted()) {
           ++writes;
@@ -380,19 +382,9 @@ class Robot {
         outputs_.write_safe(said);
         say_(1, "no command came for command_timeout: " + said);
       }
-      if (now - last_s_ > 0.5 && now - asked_s > 0.5) {
-        asked_s = now;
-        std::uint32_t word = 0;
-        if (table_.value_count > 0 && ul_read(link_, probe(), &word, nullptr) != UL_OK) return failure();
-      }
-      if (now - checked_s > 0.1) {
-        checked_s = now;
-        if (std::string changed = device_.check(); !changed.empty()) return changed;
-      }
     }
     return "";
   }
-  std::uint32_t probe() const noexcept { return table_.group_count > 0 ? table_.values[table_.groups[0].values[0]].address : table_.values[0].address; }
 
   // ---- writing, with the mutex held
 
@@ -414,26 +406,29 @@ class Robot {
     for (int tries = 0; tries < 3 && !stop_; ++tries) {  // the link is up, and it is still what is wanted
       if (outputs_.burst(changed)) return true;
       ++failed;
+      if (device_.generation() != generation_ || ul_wait_up(link_, 0) != UL_OK) return false;  // nothing of before a loss is written after it
     }
     return false;
   }
   TripleBuffer<Wanted> wanted_;           // what is set -> the keeper
-  TripleBuffer<std::uint64_t> newest_;    // what is published -> the real-time thread
   std::vector<Wanted> setting_copy_ = std::vector<Wanted>(table_.value_count);
-  std::vector<std::uint64_t> newest_copy_ = std::vector<std::uint64_t>(table_.value_count);
   std::vector<std::uint64_t> written_;
   Outputs outputs_;
   Device device_;
+  std::uint64_t generation_ = 0;  // of the device that was made fit for commands
   std::string gateware_ = "not verified: there is no link";
-  std::mutex setting_, link_mutex_, newest_mutex_;
+  std::mutex setting_, link_mutex_;
   mutable std::mutex state_mutex_;
-  std::string state_ = "waiting for the device";
+  std::string state_ = "waiting for the device", trouble_;
   ul_link* link_ = nullptr;
   sem_t wake_{};
   std::atomic<bool> stop_{false};
-  std::atomic<double> last_s_{0.0};
-  double base_hz_ = 1000.0;
-  std::vector<std::thread> readers_;
+  std::atomic<bool> hanging_{false};
+  Life life_{[this](const std::string& trouble) { hangs(trouble); }};
+  Sign& program_ = life_.expect("the program's thread", Life::patience_s);
+  Sign& answerer_ = life_.expect("the thread that answers services", Life::device_s);
+  Sign& writer_ = life_.expect("the thread that writes commands", Life::device_s);
+  Publishes publishes_;
   std::thread keeper_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a node asks of the device itself: its dead-man, whether it was reset, what it counts. On classic gateware: nothing.
+// What a node asks of the device itself: its dead-man, what it counts, and whether it still holds what was written. On classic gateware: only the last.
 #pragma once
 
 #include <unitylink.h>
@@ -27,9 +27,15 @@ class Device {
     wanted_s_ = silence_s;
     safe_ = safe;
     framed_ = std::string(ul_protocol(link)) == "framed";
-    std::uint32_t features = 0, state = 0;
+    std::uint32_t features = 0;
     if (framed_ && !control(protocol::control::features, features)) return false;
     has_one_ = (features & protocol::control_value::feature_deadman) != 0;
+    return renew();
+  }
+
+  // Find out how the dead-man stands, and start it where it does not run. False: ul_last_error_text().
+  bool renew() {
+    std::uint32_t state = 0;
     if (has_one_ && !control(protocol::control::arm, state)) return false;
     tripped_ = (state & tripped_bit) != 0;
     return start();
@@ -47,15 +53,17 @@ class Device {
     return start();
   }
 
-  // Why the outputs are no longer what was written; empty while they are.
-  std::string check() {
-    if (!framed_ || tripped_) return "";
+  // Whether the outputs have become safe by themselves since it was found out the last time. What is not answered is for the link to judge.
+  bool has_tripped() {
     std::uint32_t state = 0;
-    if (lacking_.empty()) {
-      if (!control(protocol::control::arm, state)) return ul_last_error_text();
-      if ((state & tripped_bit) != 0) return "the dead-man has tripped: nothing came for too long, the outputs are safe";
-    }
-    return sessions() == sessions_ ? "" : "the device was reset, or another program has opened it";
+    return lacking_.empty() && !tripped_ && control(protocol::control::arm, state) && (state & tripped_bit) != 0;
+  }
+
+  // Another number each time the device may not hold any more what was written to it.
+  std::uint64_t generation() const {
+    ul_statistics counted{};
+    counted.size = sizeof counted;
+    return ul_get_statistics(link_, &counted) == UL_OK ? counted.restarts + counted.reconnections : 0;
   }
 
   // For the diagnostics: how the dead-man stands, and the device's counters.
@@ -80,7 +88,6 @@ class Device {
 
   bool start() {
     std::uint32_t state = 0, ticks = 0;
-    sessions_ = sessions();
     lacking_ = has_one_ ? "" : "this gateware has no dead-man";
     if (!has_one_ || tripped_) return true;
     if (!control(protocol::control::arm, state) || !control(protocol::control::deadman_ticks, ticks)) return false;
@@ -93,17 +100,11 @@ class Device {
     return running || !lacking_.empty() || ul_set_dead_man(link_, static_cast<std::uint64_t>(1e9 * silence_s_), nullptr) == UL_OK;
   }
   bool control(std::uint32_t address, std::uint32_t& value) { return ul_read_control(link_, address, &value, 1, nullptr) == UL_OK; }
-  std::uint64_t sessions() const {
-    ul_statistics counted{};
-    counted.size = sizeof counted;
-    return ul_get_statistics(link_, &counted) == UL_OK ? counted.sessions : 0;
-  }
 
   ul_link* link_ = nullptr;
   bool framed_ = false, has_one_ = false, tripped_ = false, safe_ = false;
   double wanted_s_ = 0.0, silence_s_ = 0.0;
   std::string lacking_ = "there is no link";
-  std::uint64_t sessions_ = 0;
 };
 
 }  // namespace unitylink

@@ -13,7 +13,9 @@
 
 namespace unitylink {
 
-// A value of the spec. Its number is raw * scale + offset in its unit; NaN says that there is no limit, no safe value.
+// A value of the spec. Its number is raw * scale + offset in its unit, or, where that is written with whole numbers, (raw * multiplier + added) / divisor: 1254 * 0.01 is
+// 12.540000000000001, and 1254 / 100 is 12.54. NaN says that there is no limit, no safe value. Limits of a float are numbers in its unit, of all others
+// raw ones: what has been read can be written again.
 struct Value {
   const char* path;
   std::uint32_t address;
@@ -24,7 +26,10 @@ struct Value {
   bool writable;
   bool saturate;        // beyond the limits: the limit is written
   std::int8_t unit;     // of `Table::units`, -1: takes effect when it is written
-  double scale, offset, minimum, maximum, safe;
+  double scale, offset;
+  double multiplier, added, divisor;  // divisor 0: there are no such whole numbers
+  double minimum, maximum, safe;
+  std::uint64_t members;  // of a closed enumeration below 64: a bit for each of its numbers; 0: all within the limits
 };
 
 // Values which the gateware publishes together; `divisor` 0: on an event. `polled` ones the PC reads at `divisor`.
@@ -76,44 +81,47 @@ inline double number(const Value& value, std::uint64_t raw) noexcept {
     } else {
       std::memcpy(&real, &raw, sizeof real);
     }
-    return real * value.scale + value.offset;
+    return value.scale == 1.0 && value.offset == 0.0 ? real : real * value.scale + value.offset;  // -0 stays -0
   }
-  if (!value.is_signed) return static_cast<double>(static_cast<std::uint64_t>(whole(value, raw))) * value.scale + value.offset;
-  return static_cast<double>(whole(value, raw)) * value.scale + value.offset;
+  const std::int64_t signed_raw = whole(value, raw);
+  const double exact = value.is_signed ? static_cast<double>(signed_raw) : static_cast<double>(static_cast<std::uint64_t>(signed_raw));
+  return value.divisor != 0.0 ? (exact * value.multiplier + value.added) / value.divisor : exact * value.scale + value.offset;
 }
 
-// The raw number of what is to be written; false, and `raw` as it was, where it cannot be.
-inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexcept {
-  if (std::isnan(wanted)) return false;
+// The raw number of a float; false where there is none.
+inline bool encode_float(const Value& value, double wanted, std::uint64_t& raw) noexcept {
   const bool low = wanted < value.minimum, high = wanted > value.maximum;  // false for a limit that is NaN
   if ((low || high) && !value.saturate) return false;
-  if (low) wanted = value.minimum;
-  if (high) wanted = value.maximum;
-  double scaled = (wanted - value.offset) / value.scale;
-  if (value.is_float) {
-    const double most = value.width == 32 ? static_cast<double>(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
-    if (!(std::fabs(scaled) <= most)) {  // no set-point is infinite, nor becomes so in 32 bits
-      if (!value.saturate) return false;
-      scaled = std::copysign(most, scaled);
-    }
-    if (value.width == 32) {
-      const auto single = static_cast<float>(scaled);
-      std::uint32_t word = 0;
-      std::memcpy(&word, &single, sizeof word);
-      raw = word;
-    } else {
-      std::memcpy(&raw, &scaled, sizeof raw);
-    }
-    return true;
+  double scaled = ((low ? value.minimum : high ? value.maximum : wanted) - value.offset) / value.scale;
+  const double most = value.width == 32 ? static_cast<double>(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
+  if (!(std::fabs(scaled) <= most)) {  // no set-point is infinite, nor becomes so in 32 bits
+    if (!value.saturate) return false;
+    scaled = std::copysign(most, scaled);
   }
-  const double rounded = std::nearbyint(scaled);
+  if (value.width == 32) {
+    const auto single = static_cast<float>(scaled);
+    std::uint32_t word = 0;
+    std::memcpy(&word, &single, sizeof word);
+    raw = word;
+  } else {
+    std::memcpy(&raw, &scaled, sizeof raw);
+  }
+  return true;
+}
+
+// The raw number of what is to be written; false, and `raw` as it was, where it cannot be. The same as in Python.
+inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexcept {
+  if (std::isnan(wanted)) return false;
+  if (value.is_float) return encode_float(value, wanted, raw);
+  const double rounded = std::nearbyint((wanted - value.offset) / value.scale);
+  const bool unscaled = value.scale == 1.0 && value.offset == 0.0;
+  if (unscaled && (rounded != wanted || std::isinf(wanted))) return false;  // half a step is a mistake, not a wish
   const double top = std::ldexp(1.0, value.is_signed ? value.width - 1 : value.width);
   const double bottom = value.is_signed ? -top : 0.0;
-  double fitting = rounded;
-  if (rounded < bottom || rounded >= top) {
-    if (!value.saturate) return false;
-    fitting = rounded < bottom ? bottom : std::nextafter(top, 0.0);
-  }
+  const bool low = rounded < bottom || rounded < value.minimum, high = rounded >= top || rounded > value.maximum;
+  if ((low || high) && !value.saturate) return false;
+  if (value.members != 0 && (value.members >> static_cast<unsigned>(rounded) & 1U) == 0) return false;
+  const double fitting = low ? std::fmax(bottom, value.minimum) : high ? std::fmin(std::nextafter(top, 0.0), value.maximum) : rounded;
   const std::uint64_t bits = fitting < 0.0 ? static_cast<std::uint64_t>(static_cast<std::int64_t>(fitting)) : static_cast<std::uint64_t>(fitting);
   raw = value.width == 64 ? bits : bits & ((std::uint64_t{1} << value.width) - 1U);
   return true;

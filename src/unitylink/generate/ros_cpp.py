@@ -11,7 +11,8 @@ from unitylink import protocol
 from unitylink.ros.interface import JOINTS, RECORD, SCALAR, Topic
 from unitylink.spec.model import Element, Instance, LinkBinding, Spec
 from unitylink.spec.types import Field as BitField
-from unitylink.values import Quantity
+from unitylink.spec.types import ValueType
+from unitylink.values import Codec, Quantity
 from unitylink.wire_hash import wire_hashes
 
 from .quoting import Cpp, Part
@@ -243,15 +244,33 @@ def _true(flag: bool) -> str:
 
 def _initialiser(where: tuple[Part, Part, int], quantity: Quantity, writable: bool, unit: int) -> Cpp:
     kind = quantity.type
-    low, high = quantity.minimum, quantity.maximum
-    if kind.enum is not None and not kind.enum.open:
-        low, high = min(v.value for v in kind.enum.values), max(v.value for v in kind.enum.values)
+    codec = Codec(str(where[0]), quantity, kind.width)
     scale = quantity.scale / (1 << kind.fraction)
+    ratio = codec.ratio if quantity.scaled and codec.ratio is not None else (0, 0, 0)
     safe = float(quantity.safe) if quantity.safe is not None else None
     flags = (kind.signed, kind.kind == "float", writable, quantity.overflow == "saturate")
-    numbers = (_real(number) for number in (scale, quantity.offset, low, high, safe))
-    inside = Cpp(", ").join((*where, kind.width, *map(_true, flags), unit, *numbers))
+    numbers = (_real(number) for number in (scale, quantity.offset, *ratio, *_limits(codec), safe))
+    inside = Cpp(", ").join((*where, kind.width, *map(_true, flags), unit, *numbers, _members(kind)))
     return Cpp.of("{{{}}}", inside)
+
+
+def _members(kind: ValueType) -> Cpp:
+    """Return a bit for each number of a closed enumeration; 0 where the limits have to do."""
+    numbers = {value.value for value in kind.enum.values} if kind.enum is not None else set()
+    whole = kind.enum is None or kind.enum.open or any(not 0 <= number < 64 for number in numbers)
+    return Cpp.of("0x{:X}U", 0 if whole else sum(1 << number for number in numbers))
+
+
+def _limits(codec: Codec) -> tuple[float | None, float | None]:
+    """Return what is narrower than the type: of a float numbers in its unit, of others raw numbers."""
+    quantity, kind = codec.quantity, codec.quantity.type
+    if kind.kind == "float":
+        return quantity.minimum, quantity.maximum
+    if kind.enum is not None and not kind.enum.open:
+        numbers = [value.value for value in kind.enum.values]
+        return min(numbers), max(numbers)
+    low, high = -codec.sign, codec.mask ^ codec.sign
+    return (codec.low if codec.low > low else None), (codec.high if codec.high < high else None)
 
 
 def _field(one: BitField) -> Cpp:

@@ -74,7 +74,8 @@ class Codec:
             )
         if quantity.overflow not in ("error", "saturate"):
             raise ValueRangeError(f"{name}: overflow is {quantity.overflow!r}; choose error or saturate")
-        self._ratio = _ratio(quantity, self.width)
+        self.ratio = _ratio(quantity, self.width)
+        """(a, b, c) so that a value is (number * a + b) / c; None where scale and offset are no such numbers."""
         plain = kind.kind in ("int", "uint") and not quantity.scaled
         self.integer_sign: int | None = self.sign if plain else None
         self.low, self.high = -self.sign, self.mask ^ self.sign  # of the number as the type reads it
@@ -164,15 +165,15 @@ class Codec:
         self._encode = self._encode_scaled if scaled else self._encode_whole
         self._decode = self._decode_whole
         if scaled:
-            self._decode = self._decode_scaled if self._ratio is None else self._decode_ratio
+            self._decode = self._decode_scaled if self.ratio is None else self._decode_ratio
 
     def _nearest(self, value: float) -> int:
         return round((value - self.quantity.offset) / self._factor) if self.quantity.scaled else round(value)
 
     def _real(self, number: int) -> float:
-        if self._ratio is None:
+        if self.ratio is None:
             return number * self._factor + self.quantity.offset
-        multiplier, added, divisor = self._ratio
+        multiplier, added, divisor = self.ratio
         return (number * multiplier + added) / divisor
 
     def _encode_whole(self, value: Any) -> int:
@@ -199,7 +200,7 @@ class Codec:
         return self._real((raw ^ self.sign) - self.sign)
 
     def _decode_ratio(self, raw: int) -> float:
-        multiplier, added, divisor = self._ratio  # type: ignore[misc]  # there is one
+        multiplier, added, divisor = self.ratio  # type: ignore[misc]  # there is one
         return (((raw ^ self.sign) - self.sign) * multiplier + added) / divisor
 
     def _within(self, number: int, value: Any) -> int:
@@ -374,9 +375,9 @@ class Codec:
             numbers = raws.astype(np.int64)
         if not quantity.scaled:
             return numbers
-        if self._ratio is None:
+        if self.ratio is None:
             return np.asarray(numbers * self._factor + quantity.offset)
-        multiplier, added, divisor = self._ratio
+        multiplier, added, divisor = self.ratio
         return np.asarray((numbers.astype(np.float64) * multiplier + added) / divisor)
 
 

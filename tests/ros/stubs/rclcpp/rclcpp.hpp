@@ -34,6 +34,14 @@ class ServiceBase {
   using SharedPtr = std::shared_ptr<ServiceBase>;
 };
 class TimerBase {};
+enum class CallbackGroupType { MutuallyExclusive, Reentrant };
+class CallbackGroup {
+ public:
+  using SharedPtr = std::shared_ptr<CallbackGroup>;
+};
+struct SubscriptionOptions {
+  CallbackGroup::SharedPtr callback_group;
+};
 class Node {
  public:
   using SharedPtr = std::shared_ptr<Node>;
@@ -41,7 +49,7 @@ class Node {
   template <typename M>
   typename Publisher<M>::SharedPtr create_publisher(const std::string&, const QoS&) { return std::make_shared<Publisher<M>>(); }
   template <typename M, typename F>
-  SubscriptionBase::SharedPtr create_subscription(const std::string&, const QoS&, F&&) {
+  SubscriptionBase::SharedPtr create_subscription(const std::string&, const QoS&, F&&, const SubscriptionOptions&) {
     static_assert(std::is_invocable_v<F, std::shared_ptr<const M>>);
     return std::make_shared<SubscriptionBase>();
   }
@@ -51,14 +59,23 @@ class Node {
     return std::make_shared<ServiceBase>();
   }
   template <typename F>
-  std::shared_ptr<TimerBase> create_wall_timer(std::chrono::seconds, F&&) { return std::make_shared<TimerBase>(); }
+  std::shared_ptr<TimerBase> create_wall_timer(std::chrono::milliseconds, F&&, CallbackGroup::SharedPtr = nullptr) { return std::make_shared<TimerBase>(); }
+  CallbackGroup::SharedPtr create_callback_group(CallbackGroupType) { return std::make_shared<CallbackGroup>(); }
   template <typename T>
   T declare_parameter(const std::string&, const T& standard) { return standard; }
   Logger get_logger() const { return {"unitylink"}; }
   std::shared_ptr<Clock> get_clock() { return std::make_shared<Clock>(); }
   const char* get_fully_qualified_name() const { return "/unitylink"; }
 };
-inline void spin(const Node::SharedPtr&) {}
+struct ExecutorOptions {};
+namespace executors {
+class MultiThreadedExecutor {
+ public:
+  MultiThreadedExecutor(const ExecutorOptions&, std::size_t) {}
+  void add_node(const Node::SharedPtr&) {}
+  void spin() {}
+};
+}  // namespace executors
 }  // namespace rclcpp
 #define RCLCPP_WARN RCLCPP_INFO
 #define RCLCPP_FATAL RCLCPP_INFO
