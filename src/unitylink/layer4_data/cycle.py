@@ -91,7 +91,7 @@ class Cycle:
             raise error.with_item(self.group.path)  # noqa: B904  the same error, now with its name
         for value, raw in self._raw.items():
             if raw is not None:
-                value.take(raw)
+                value.wrote(raw)
         words = {part.link: read for part, read in zip(self._parts, fetched, strict=True)}
         return self.group.taken(words)
 

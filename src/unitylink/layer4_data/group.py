@@ -220,7 +220,7 @@ class ValueGroup:
                     timeout_s=timeout_s,
                 )
                 for value, raw in items:
-                    value.take(raw)
+                    value.wrote(raw)
 
         try:
             send(batched)  # here, for a batch is its thread's
@@ -248,7 +248,7 @@ class ValueGroup:
                 timeout_s=timeout_s,
             )
             for value, raw in items:
-                value.take(raw)
+                value.wrote(raw)
 
         try:
             await _all(send(hardware) for hardware in writes)

@@ -236,8 +236,8 @@ class Node:
             yield self
 
     def record(self) -> Recording:
-        """Keep what is published within a `with` block."""
-        return Recording(self.publisher)
+        """Keep what is published and what set-points are written within a `with` block."""
+        return Recording(self.publisher, self._all().writes.values())
 
     def _all(self) -> ValueGroup:
         if self._whole is None:

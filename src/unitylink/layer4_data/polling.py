@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 
 class Poller:
-    """Read a plan's words at its rate and deliver them; a read that fails is logged and counted as lost.
+    """Read a plan's words at its rate and deliver them; a read that fails is counted as lost.
 
+    The first that fails is logged, and that it works again: not each while a line is gone.
     A poll that comes too late is skipped and counted, not made up for. The time delivered is the middle of
     the read.
     """
@@ -43,6 +44,7 @@ class Poller:
         link, addresses = self._plan.link, self._plan.addresses
         atomic = 1 < len(addresses) <= link.configuration.read_many
         checked, period_s = self._plan.checked, 1 / self._plan.rate_hz
+        failed = 0  # polls, since it last worked
         due = time.monotonic()
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             started = link.now_s()
@@ -55,8 +57,13 @@ class Poller:
                 return
             except LinkError as error:
                 self.lost += 1
-                logger.warning("%s: %s", self._plan.values[0].path, error)
+                failed += 1
+                if failed == 1:
+                    logger.warning("%s: %s", self._plan.values[0].path, error)
             else:
+                if failed:
+                    logger.warning("%s: polled again, %d failed", self._plan.values[0].path, failed)
+                    failed = 0
                 self._deliver((started + link.now_s()) / 2, words)
             due += period_s
             late = int((time.monotonic() - due) / period_s)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was published, kept for a plot or a file."""
+"""What was published and written, kept for a plot or a file."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -18,22 +18,28 @@ if TYPE_CHECKING:
 
     from .publishing import Publisher
     from .read_value import ReadValue
+    from .value import Value
+    from .write_value import WriteValue
 
     Rows = Union[Sequence[Sequence[int]], Words]
 
 
 class Recording:
-    """Keep every publish of a tree while the `with` block runs.
+    """Keep every publish and every set-point of a tree while the `with` block runs.
+
+    A set-point is there with what it was at the beginning, if that is known, and with each write that was
+    done. What is both published and written is there as published.
 
     >>> with robot.publishing(), robot.record() as recording:     # doctest: +SKIP
     ...     run()
     >>> times_s, angles = recording.series("j1.cpos")             # doctest: +SKIP
     """
 
-    def __init__(self, publisher: Publisher) -> None:
+    def __init__(self, publisher: Publisher, set_points: Iterable[WriteValue[Any]] = ()) -> None:
         self._publisher = publisher
+        self._set_points = [value for value in set_points if getattr(value, "publish", None) is None]
         # of the values of a publish: times, and the raw numbers of each time
-        self._parts: dict[tuple[ReadValue[Any], ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
+        self._parts: dict[tuple[Value[Any], ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
 
     def _take(
         self, time_s: float, values: Sequence[ReadValue[Any]], _: Sequence[Any], raws: Sequence[int]
@@ -43,12 +49,21 @@ class Recording:
     def _take_arrays(self, times: Times, values: Sequence[ReadValue[Any]], raws: Words) -> None:
         self._parts.setdefault(tuple(values), []).append((times, raws))
 
+    def _written(self, value: WriteValue[Any], raw: int) -> None:
+        self._parts.setdefault((value,), []).append(([value.hardware.link.now_s()], [[raw]]))
+
     def __enter__(self) -> Self:
+        for value in self._set_points:
+            if value.raw is not None:
+                self._written(value, value.raw)
+            value.recorders = (*value.recorders, self._written)
         self._publisher.take_with(self._take, self._take_arrays)
         return self
 
     def __exit__(self, *_: object) -> None:
         self._publisher.take_no_more(self._take)
+        for value in self._set_points:
+            value.recorders = tuple(heard for heard in value.recorders if heard != self._written)
 
     def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
         """Return (times in s, values) of one path, both of shape (n,); UnknownName where nothing came.
@@ -66,7 +81,7 @@ class Recording:
                             np.concatenate([_column(rows, column) for _, rows in parts])
                         ),
                     )
-        raise UnknownName(f"nothing was published for {path!r}")
+        raise UnknownName(f"nothing was published for {path!r}, nor written to it")
 
 
 def _column(rows: Rows, column: int) -> NDArray[np.uint64]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, SupportsIndex, TypeVar
 
 from unitylink.errors import BindingError, LinkError, ValueRangeError
@@ -28,10 +29,18 @@ class WriteValue(Value[T]):
 
     access = "WRITE"
     writable = True
+    recorders: tuple[Callable[[WriteValue[Any], int], None], ...] = ()
+    """Who hears of each write that was done, with its raw number."""
 
     def _prepare(self) -> None:
         super()._prepare()
         self.hardware.declare_outputs(self.relative_addresses)
+
+    def wrote(self, raw: int) -> None:
+        """Make a raw number that was written the latest value, and tell those who record."""
+        self.take(raw)
+        for heard in self.recorders:
+            heard(self, raw)
 
     def encode(self, value: T | SupportsIndex) -> int:
         """Return the raw number for `value`; raise ValueRangeError naming the item, its range and unit."""
@@ -53,7 +62,7 @@ class WriteValue(Value[T]):
                 )
         except LinkError as error:
             raise error.with_item(self.path)  # noqa: B904
-        self.take(raw)
+        self.wrote(raw)
 
     async def write_async(self, value: T | SupportsIndex, timeout_s: float | None = None) -> None:
         """Write the value, as `write`."""
@@ -69,7 +78,7 @@ class WriteValue(Value[T]):
                 )
         except LinkError as error:
             raise error.with_item(self.path)  # noqa: B904
-        self.take(raw)
+        self.wrote(raw)
 
 
 class ReadWriteValue(ReadValue[T], WriteValue[T]):

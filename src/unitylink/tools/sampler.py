@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import time
 from collections.abc import Iterator, Sequence
@@ -22,10 +23,16 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from unitylink.layer2_message import Link
+    from unitylink.layer2_message import Link, LinkEvent
 
 Sample = tuple[float, Sequence[ReadValue[Any]], Sequence[Any]]  # host time in s, values, their numbers
 
+_log = logging.getLogger("unitylink.tools")
+_BECAME = {
+    "lost": "the line was lost, and is being opened again",
+    "restarted": "the device has restarted: what was written to it is gone",
+    "back": "the line is back, and the samples go on",
+}
 TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up
 _WAITING = 100_000  # samples that wait for whoever takes them; more are lost, and counted
 
@@ -85,11 +92,15 @@ class Sampler:
 
     def __enter__(self) -> Self:
         self.start_s = self._link.now_s()
+        self._link.on_event(self._tell)
         self.publisher.start(fallback=True)
         reports = self.publisher.reports()
         if len(reports) == 1 and reports[0].rate_hz:
             self._held.hold_s = 0.0  # what one clock brings comes in order
         return self
+
+    def _tell(self, event: LinkEvent) -> None:
+        _log.warning("%s: %s (%s)", self._link.url, _BECAME[event.kind], event.text)
 
     def since_start_s(self, time_s: float) -> float:
         """Return the seconds from the start to the time of a sample.
@@ -132,6 +143,8 @@ class Sampler:
             elif self._link.closed:
                 yield from self.rest()
                 self._raise_closed()
+            elif self._link.trouble:  # it is being opened again (reconnect=1), however long that takes
+                last = time.monotonic()
             elif time.monotonic() - last > patience_s:
                 self._raise_silent(patience_s)
         yield from self.rest()

@@ -75,7 +75,7 @@ class Codec:
         if quantity.overflow not in ("error", "saturate"):
             raise ValueRangeError(f"{name}: overflow is {quantity.overflow!r}; choose error or saturate")
         self.ratio = _ratio(quantity, self.width)
-        """(a, b, c) so that a value is (number * a + b) / c; None where scale and offset are no such numbers."""
+        """(a, b, c) where a value is (number * a + b) / c; None where there are no such numbers."""
         plain = kind.kind in ("int", "uint") and not quantity.scaled
         self.integer_sign: int | None = self.sign if plain else None
         self.low, self.high = -self.sign, self.mask ^ self.sign  # of the number as the type reads it

@@ -157,11 +157,12 @@ def test_polling_survives_timeouts_and_ends_with_the_link(
     link.fail = {0: LinkTimeout("unanswered")}
     got = threading.Event()
     value.on_publish(lambda time_s, number: got.set())
-    while publisher.reports()[0].lost == 0:
+    while publisher.reports()[0].lost < 5:
         pass
     assert not got.is_set()
     link.fail = {}
     assert got.wait(10)
+    assert caplog.text.count("unanswered") == 1 and caplog.text.count("polled again") == 1
     link.fail = {0: LinkClosed("unplugged")}
     poller = publisher._running[0].source
     poller._thread.join(10)  # type: ignore[union-attr]

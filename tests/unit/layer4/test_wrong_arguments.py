@@ -210,7 +210,7 @@ NOTHING_TO_TRY = {
     *("Node.cycle", "Node.publishes", "Node.publishing", "Node.start_publishing", "Node.stop_publishing"),
     *("Node.record", "ReadValue.is_published", "ReadValue.take", "ReadValue.listeners", "ValueGroup.cycle"),
     *("ValueGroup.take", "ValueGroup.taken", "Cycle.close", "DeadMen.arm", "DoubleBufferProxy.batch"),
-    *("TosNetProxy.batch", "TosNetProxy.commit", "WriteValue.take"),
+    *("TosNetProxy.batch", "TosNetProxy.commit", "WriteValue.take", "WriteValue.wrote"),
 }
 
 
