@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import html
-import json
 import re
 from functools import cache
 from importlib.resources import files
@@ -15,6 +13,7 @@ from typing import Any
 from unitylink.spec.model import Spec
 
 from ..json import model_json
+from ..quoting import Html
 
 _PRECISE = 1 << 53  # JavaScript's numbers are doubles: larger integers go as text
 _SLOT = re.compile(r"\{\{ (\w+) \}\}")
@@ -25,15 +24,13 @@ def generate_html(spec: Spec) -> dict[str, str]:
     model = model_json(spec)
     script = _part("codec.js") + _part("map.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    data = json.dumps(page_data(model), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     slots = {
-        "generated": html.escape(model["generated"]).replace("--", "- -"),
-        "name": html.escape(spec.name),
+        "generated": Html.remark(model["generated"]),
+        "name": Html.text(spec.name),
         "style": _part("style.css"),
         "script": script,
         "script_hash": f"sha256-{digest}",
-        # Nothing in it can end the script element; U+2028 and its like are fine in JSON.
-        "model": data.replace("<", "\\u003c"),
+        "model": Html.data(page_data(model)),
     }
     text = _SLOT.sub(lambda slot: slots[slot[1]], _part("page.html"))
     return {f"{spec.name}.html": text}

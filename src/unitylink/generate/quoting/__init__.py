@@ -19,13 +19,14 @@ from .cpp import Cpp
 from .python import Python
 from .scripts import CMake, Markdown, Message, Shell, Tcl, Yaml
 from .vhdl import Vhdl
-from .xml import Xacro, Xml
+from .xml import Html, Xacro, Xml
 
 __all__ = [
     "LANGUAGES",
     "CMake",
     "Code",
     "Cpp",
+    "Html",
     "Markdown",
     "Message",
     "Part",
@@ -47,6 +48,7 @@ LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
     {
         ".cpp": Cpp,
         ".hpp": Cpp,
+        ".html": Html,
         ".launch": Xml,
         ".md": Markdown,
         ".msg": Message,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TypeVar
 
 from .code import Code, one_line
@@ -26,6 +27,15 @@ class Python(Code):
         if not text.isprintable() or "\\" in text or quote in text:
             text = "".join(_escaped(character, quote) for character in text)
         return cls(f"{quote}{text}{quote}")
+
+    @classmethod
+    def remark(cls: type[Self], text: str) -> Self:
+        """Return a text for a comment, which in the first two lines of a file could choose its encoding.
+
+        >>> print(Python.remark("coding:utf-7"))
+        coding :utf-7
+        """
+        return cls(re.sub("coding(?=[:=])", "coding ", one_line(text)))
 
     @classmethod
     def blanks(cls: type[Self], number: int) -> Self:

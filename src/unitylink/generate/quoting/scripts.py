@@ -63,18 +63,9 @@ class Message(Code):
 
 
 class Markdown(Code):
-    """Markdown."""
+    """Markdown. What stands in it of a spec are names, and the name of a file between back quotes."""
 
     __slots__ = ()
-
-    @classmethod
-    def text(cls: type[D], text: str) -> D:
-        r"""Return a text for a cell of a table or the middle of a line, in which no sign means anything.
-
-        >>> print(Markdown.text("leg[0].hip | <b>"))
-        leg\[0\].hip \| \<b\>
-        """
-        return cls(re.sub(r"([\\`*_{}\[\]<>()#+!|~&$])", r"\\\1", one_line(text)))
 
     @classmethod
     def remark(cls: type[D], text: str) -> D:

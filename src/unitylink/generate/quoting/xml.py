@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import TypeVar
 
@@ -37,6 +38,22 @@ class Xml(Code):
         a - -> b - - -
         """
         return cls(re.sub("-(?=-)", "- ", one_line(text)))
+
+
+class Html(Xml):
+    """A page."""
+
+    __slots__ = ()
+
+    @classmethod
+    def data(cls: type[Self], value: object) -> Self:
+        r"""Return plain data as the content of a script element, which nothing in it can end.
+
+        >>> print(Html.data({"said": "</script>"}))
+        {"said":"\u003c/script>"}
+        """
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return cls(text.replace("<", "\\u003c"))
 
 
 class Xacro(Xml):

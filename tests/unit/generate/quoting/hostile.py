@@ -340,7 +340,7 @@ def main() -> int:
                         check({place: text})
                     except Broken as broken:
                         print(f"   {place} = {text!r}: {broken}", flush=True)
-        if time.monotonic() > end:
+        if tried >= len(PAYLOADS) and time.monotonic() > end:
             break
     print(f"hostile: {tried:,} specs of {len(PLACES)} places, {failures} failed")
     return 1 if failures else 0

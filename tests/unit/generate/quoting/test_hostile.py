@@ -19,10 +19,18 @@ from structure import Broken
 
 from unitylink.errors import BindingError
 from unitylink.generate import generate
-from unitylink.generate.quoting import Cpp, Markdown, Message, Python, Vhdl, Xacro, Yaml
+from unitylink.generate.quoting import Cpp, Message, Python, Vhdl, Xacro, Yaml
 from unitylink.spec import compile_text
 
 TURNS = range(0, len(PAYLOADS), 8)  # of the long form, which brings every payload to every place
+
+
+def test_there_are_as_many_as_the_page_says() -> None:
+    page = (Path(__file__).resolve().parents[4] / "SECURITY.md").read_text("utf-8")
+    assert f"each of {len(PAYLOADS)} hostile texts in each of {len(PLACES)} places" in page
+    assert {mixed(turn).get("d_link") for turn in range(len(PAYLOADS))} >= {
+        placed("d_link", p) for p in PAYLOADS
+    }
 
 
 def everywhere(text: str) -> dict[str, str]:
@@ -113,7 +121,3 @@ def test_what_is_no_name_is_refused(place: str) -> None:
     assert result.spec is not None
     with pytest.raises(BindingError, match=r"characters that do not print"):
         generate(result.spec, "ros2")
-
-
-def test_markdown_shows_a_path_as_it_is() -> None:
-    assert Markdown.text("a_b|c") == r"a\_b\|c"
