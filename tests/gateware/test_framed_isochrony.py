@@ -17,7 +17,7 @@ from reference.framing import Frame, field
 
 from tests.gateware.strobes import PUBLISHED, Watch
 from unitylink import protocol as p
-from unitylink.isochrony import isochrony
+from unitylink.isochrony import framed, isochrony
 from unitylink.simulate import BoardConfiguration
 
 EPOCH = 0x1234
@@ -146,3 +146,54 @@ def test_page_has_these_figures() -> None:
         result = isochrony(gateware(address_bytes, data_bytes, byte_clocks), read_many=words)
         expected.append((name, str(result.idle_clocks), result.longest.name, str(result.late_clocks)))
     assert rows == expected
+
+
+WORDS = 16  # of a group, as many as the gateware has
+COUNTERS = p.CONTROL_DEADMAN_TRIPS - p.CONTROL_FRAMES + 1  # the longest answer about the device itself
+
+
+def _costs(d: int = 4) -> dict[str, int]:
+    """What is said to be the most, with 16-bit addresses and 32-bit data."""
+    group = p.FRAMED_LATENCY_DEFINE_GROUP_ADDRESS + 4
+    exchange = p.FRAMED_LATENCY_DEFINE_EXCHANGE_WORD + 4
+    return {
+        "DEFINE_GROUP": p.FRAMED_LATENCY_DEFINE_GROUP + 2 + WORDS * group,
+        "DEFINE_EXCHANGE": p.FRAMED_LATENCY_DEFINE_EXCHANGE + WORDS * exchange,
+        "publish": framed._publish(WORDS, d, 0).clocks,
+    }
+
+
+def test_constants_are_what_the_gateware_takes(rtl: Any) -> None:
+    """Those that no case above rests on: never more, and nearly as much."""
+    configuration = replace(gateware(2, 4, 1), base_hz=50_000)
+    host = Host(configuration, None)
+    hello = b"\0" + Frame(p.REQUEST_KIND_HELLO, b"\1\1").encode()
+    begin = Frame(p.REQUEST_KIND_OPEN, field((1, 2), (EPOCH, 2), (0, 1))).encode()
+    members = [0x20 + n for n in range(WORDS)]
+    first = ((1, 1), (1, 4), (0, 1), (WORDS, 1), *((at, 2) for at in members))
+    second = ((0, 1), (1, 4), (0, 1), (1, 1), (PUBLISHED, 2))
+    exchange = ((0, 1), (8, 1), (8, 1), *(f for at in members for f in ((at, 2), (4, 1))))
+    requests = {
+        "HELLO": hello,
+        "OPEN": begin,
+        "DEFINE_GROUP": host.ask(p.REQUEST_KIND_DEFINE_GROUP, *first),
+        "DEFINE_EXCHANGE": host.ask(p.REQUEST_KIND_DEFINE_EXCHANGE, *exchange),
+        "READ_CONTROL": host.ask(p.REQUEST_KIND_READ_CONTROL, (p.CONTROL_FRAMES, 2), (COUNTERS, 1)),
+        "second": host.ask(p.REQUEST_KIND_DEFINE_GROUP, *second),
+        "publish": host.enable(True),
+    }
+    steps = [step for one in requests.values() for step in (("send", one.decode("latin-1")), ("quiet", 400))]
+    steps[-1] = ("wait", 3000)
+    rtl(configuration, [steps], protocol="framed")
+    came = dict(zip(requests, [at for kind, at, _ in rtl.times if kind == "i"], strict=True))
+    left = [at for kind, at, _ in rtl.times if kind == "b"]
+    took = {name: next(at for at in left if at > came[name]) - came[name] for name in requests}
+    strobes = [(at, place) for kind, at, place in rtl.times if kind == "t"]
+    starts = [at for at, place in strobes if place == members[0]]
+    ends = [at for at, place in strobes if place == PUBLISHED]
+    took["publish"] = max(next(end for end in ends if end > start) - start for start in starts[:-1])
+    said = max(at for at in left if at < came["second"]) - came["READ_CONTROL"]  # it says all the while
+    assert said <= isochrony(configuration).late_clocks / 2, "not what the bound rests on"
+    for name, most in _costs().items():
+        print(f"{name}: {took[name]} of {most}")
+        assert 0.9 * most <= took[name] <= most, name

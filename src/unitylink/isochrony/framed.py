@@ -22,7 +22,9 @@ _GROUP_HEAD = 9  # of DEFINE_GROUP before its addresses
 _EXCHANGE_HEAD = 5
 _REPLY_HEAD = 6  # of LIST's: id, posts, words
 PUBLISH_HEAD = 7  # group, sequence, clock
+_BETWEEN = 3  # clocks from a publish to one that is due behind it
 _OPERATION = 2  # of a list: what, and how many words
+_COUNTERS = p.CONTROL_DEADMAN_TRIPS - p.CONTROL_FRAMES + 1  # registers of READ_CONTROL's longest answer
 _ANSWER = 4 + p.FRAMED_LATENCY_FRAME_BYTES  # a reply that tells nothing but that it was done
 
 
@@ -80,6 +82,7 @@ def _requests(
     group = p.FRAMED_LATENCY_DEFINE_GROUP_ADDRESS + 2 * a
     members = min(c.group_size, _fit(_GROUP_HEAD, a, None))
     exchange = p.FRAMED_LATENCY_DEFINE_EXCHANGE_WORD + 2 * a
+    registers = _COUNTERS if words is None else min(words, _COUNTERS)
     requests = [
         listed(reads, read, reads, reads * d),
         # One operation has the longest reply in the shortest time; a word then takes the bus and its bytes.
@@ -91,7 +94,8 @@ def _requests(
             p.FRAMED_LATENCY_DEFINE_EXCHANGE + _fit(_EXCHANGE_HEAD, a + 1, None) * exchange,
             _ANSWER,
         ),
-        _Request("other", p.FRAMED_LATENCY_OTHER + bus_waits, _ANSWER + d),
+        # READ_CONTROL of many registers takes longer, but less than DEFINE_EXCHANGE; no answer is longer.
+        _Request("other", p.FRAMED_LATENCY_OTHER + bus_waits, _ANSWER + 4 * registers),
     ]
     changes = _fit(_POST_HEAD, _OPERATION + a + d, words)
     return requests, Occupation("POST_LIST", p.FRAMED_LATENCY_LIST + changes * change, 0)
@@ -104,5 +108,5 @@ def _fit(head: int, each: int, words: int | None) -> int:
 
 
 def _publish(words: int, d: int, bus_waits: int) -> Occupation:
-    clocks = p.FRAMED_LATENCY_PUBLISH + words * (p.FRAMED_LATENCY_PUBLISH_WORD + d + bus_waits)
+    clocks = _BETWEEN + p.FRAMED_LATENCY_PUBLISH + words * (p.FRAMED_LATENCY_PUBLISH_WORD + d + bus_waits)
     return Occupation("publish", clocks, PUBLISH_HEAD + words * d + p.FRAMED_LATENCY_FRAME_BYTES)
