@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -183,7 +184,11 @@ std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfigu
 }
 
 PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
-  const DeviceConfiguration chosen = configuration_of(configuration);
+  DeviceConfiguration chosen = configuration_of(configuration);
+  if (endpoint.starts_with("udp")) {  // whose datagrams anybody can send in the name of another
+    std::random_device random;
+    chosen.offer_secret = std::uint64_t{random()} << 32 | random() | 1;
+  }
   std::unique_ptr<ServedDevice> device;
   if (model.is_none()) {
     device = std::make_unique<Device>(chosen);

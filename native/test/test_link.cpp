@@ -343,7 +343,9 @@ TEST_CASE("publishes that a serial line cannot carry are refused") {
   const char* reply = "$CNF:01,04,20,02,03e8,02,10,02*a7\n";
   REQUIRE(::write(ends[1], reply, std::string(reply).size()) > 0);
   std::unique_ptr<Link> link;
-  REQUIRE(Link::open(std::make_unique<SlowDriver>(ends[0]), LinkOptions{}, link).ok());
+  LinkOptions classic;
+  classic.protocol = Protocol::classic;
+  REQUIRE(Link::open(std::make_unique<SlowDriver>(ends[0]), classic, link).ok());
   const std::array<std::uint32_t, 1> address{1};
   std::uint32_t group = 0;
   const Outcome outcome = link->subscribe({.addresses = address, .divisor = 20}, group);  // 50 Hz of 21 bytes

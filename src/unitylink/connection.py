@@ -29,8 +29,10 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
     The framed protocol is spoken where the device knows it, else the classic one (`link.protocol`,
-    `link.notice`): `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its
-    outputs safe), `spec_hash=HEX` (DeviceMismatch where the gateware has another wire hash) or
+    `link.notice`, which is logged): that is where it answers eight classic questions and no HELLO. Values
+    with SAFE and PULSEs then are DeviceMismatch, unless the URL says `protocol=classic`. Options:
+    `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its outputs
+    safe), `spec_hash=HEX` (DeviceMismatch where the gateware has another wire hash) or
     `spec_hash=any` (objects are made although it was built from another spec; that is logged).
 
     `reconnect=1` in the URL, or `reconnect=True`: a line that is lost, or whose device falls silent, is

@@ -228,7 +228,8 @@ def test_simulate_a_port_in_use(serve: Serve, run: Run, memory: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["--tcp", "0.0.0.0:0"], 2, "--bind 0.0.0.0"),
+        (["--tcp", "0.0.0.0:0"], 2, "--bind 0.0.0.0 --anyone"),
+        (["--tcp", "0", "--bind", "0.0.0.0"], 2, "add --anyone"),
         (["--tcp", "127.0.0.1:0", "--bind", "0.0.0.0"], 2, "--bind says"),
         (["--tcp", "five"], 2, "[HOST:]PORT"),
         (["--tcp", "99999"], 2, "65535"),

@@ -53,7 +53,7 @@ def test_discover_lists_ports_and_asks_the_network_only_when_told(
     run: Run, serve: Callable[..., object], tmp_path: Path
 ) -> None:
     (tmp_path / "arm.ul").write_text(ARM)
-    port = serve("arm.ul", "--udp", "0", "--bind", "0.0.0.0").url.rpartition(":")[2]  # type: ignore[attr-defined]
+    port = serve("arm.ul", "--udp", "0", "--bind", "0.0.0.0", "--anyone").url.rpartition(":")[2]  # type: ignore[attr-defined]
     silent = run("discover", "--json")
     assert silent.returncode == 0, silent.stderr
     assert all(entry["answers"] is None for entry in json.loads(silent.stdout)["ports"])

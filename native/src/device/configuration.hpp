@@ -55,7 +55,8 @@ struct SafeValue {
 
 // The settings (protocol/protocol.toml), what stands around the core, and what the spec's tables say.
 struct DeviceConfiguration : Settings {
-  std::uint16_t nonce = 0;            // of the last HELLO answer before: it outlives a reset
+  std::uint16_t offers = 0;           // HELLO answers before: their count outlives a reset
+  std::uint64_t offer_secret = 0;     // 0: their nonces count, as the gateware's do; else nobody can tell the next (session_offer.hpp)
   std::vector<SafeValue> safe_words;
   std::vector<AddressRange> bus_error_ranges;  // answered with a bus error
   std::vector<AddressRange> silent_ranges;     // not answered at all

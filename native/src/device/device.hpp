@@ -50,7 +50,7 @@ class Device final : public ServedDevice {
   bool take(TimedByte& byte) noexcept override;
   [[nodiscard]] Clock next_output() const noexcept override { return output_.next_output(); }
 
-  [[nodiscard]] std::uint16_t nonce() const noexcept { return framed_.nonce(); }
+  [[nodiscard]] std::uint16_t offers() const noexcept { return framed_.offers(); }
   [[nodiscard]] AddressMap& bus() noexcept { return bus_; }
   BusReply get(std::uint32_t address) override { return bus_.get(address, clock_); }
   BusStatus set(std::uint32_t address, std::uint32_t value) override { return bus_.set(address, value, clock_); }

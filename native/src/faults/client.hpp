@@ -2,6 +2,7 @@
 // One user of the link. It does one operation at a time, on words that are its own, and believes nothing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -25,6 +26,8 @@ struct Tally {
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
   std::uint32_t nonce = 0;     // the last value written by anybody
+  std::uint64_t answered_ns = 0;  // when somebody's request last had its answer
+  bool lied_to = false;        // errors may be told that could have been asked again
 };
 
 class Client {
@@ -37,6 +40,10 @@ class Client {
 
   [[nodiscard]] Journal& journal() noexcept { return journal_; }
   [[nodiscard]] bool busy() const noexcept { return begun_; }
+  // When its operation has to be over, nobody being answered any more.
+  [[nodiscard]] std::uint64_t limit_ns(std::uint64_t answered_ns) const noexcept {
+    return std::max(begun_ns_, answered_ns) + timeout_ns_ * attempts_;
+  }
   // Begins an operation if none is under way, and judges the one that is if it is done. True: something was done.
   bool step(std::uint64_t now_ns);
 
@@ -62,6 +69,7 @@ class Client {
   Journal journal_;
 
   bool begun_ = false;
+  std::uint64_t begun_ns_ = 0;
   Kind kind_ = Kind::read;
   std::size_t posts_ = 0;
   std::uint64_t session_ = 0;  // in which they were made

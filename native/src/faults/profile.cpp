@@ -20,6 +20,12 @@ const std::vector<Profile>& profiles() {
       {.name = "pauses", .meaning = "the host stands still for up to half a second", .wire = {.lose = 0.005}, .pause = 0.0005, .pause_ns = 500 * ms},
       {.name = "resets", .meaning = "the FPGA is reset", .wire = {.flip = 0.0005}, .reset = 0.001},
       {.name = "relapses", .meaning = "the FPGA is reset while messages are late", .wire = {.late = 0.01, .late_ns = 60 * ms, .overtake = 0.05}, .reset = 0.002},
+      {.name = "restarts", .meaning = "the FPGA is reset at every second message", .wire = {}, .reset = 0.5},
+      {.name = "dead", .meaning = "the device is silent", .wire = {}, .peer = Peer::dead},
+      {.name = "half-dead", .meaning = "the device answers HELLO and OPEN, and nothing else", .wire = {}, .peer = Peer::half_dead},
+      {.name = "closing", .meaning = "each answer is CLOSED, of a session that HELLO says is open", .wire = {}, .peer = Peer::closing},
+      {.name = "renewing", .meaning = "another nonce behind each message, and no session", .wire = {}, .peer = Peer::renewing},
+      {.name = "refusing", .meaning = "errors in place of answers, another each time", .wire = {}, .peer = Peer::refusing},
       {.name = "mixed", .meaning = "all of them, drawn for each seed", .wire = {}, .drawn = true},
   };
   return all;

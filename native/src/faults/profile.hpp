@@ -31,10 +31,21 @@ struct WireFaults {
   }
 };
 
+// What the device is: each but the first answers HELLO, OPEN and the classic question as long as nothing else is said.
+enum class Peer : std::uint8_t {
+  honest,
+  dead,       // silent
+  half_dead,  // silent to all other questions
+  closing,    // CLOSED in place of each answer; classic: an error of its line
+  renewing,   // another nonce behind each message, and no session; classic: a configuration that is damaged
+  refusing,   // errors in place of answers, another each time; classic: damaged answers
+};
+
 struct Profile {
   std::string_view name;
   std::string_view meaning;
   WireFaults wire;            // both ways
+  Peer peer = Peer::honest;
   double reset = 0;           // of a message: the FPGA is reset
   double pause = 0;           // of a message: the host does nothing for up to pause_ns
   std::uint64_t pause_ns = 0;

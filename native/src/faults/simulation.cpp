@@ -8,6 +8,7 @@
 #include "device/device.hpp"
 #include "faults/client.hpp"
 #include "faults/faulty_wire.hpp"
+#include "faults/lying_peer.hpp"
 #include "layer2_message/classic_engine.hpp"
 #include "layer2_message/framed_engine.hpp"
 
@@ -18,9 +19,8 @@ using device::Device;
 using device::DeviceConfiguration;
 
 constexpr std::uint64_t ms = 1'000'000;
-constexpr std::uint64_t second = 1'000 * ms;
 constexpr std::uint64_t recovery_ns = 50 * ms;    // after the last fault all must be as before
-constexpr std::uint64_t progress_ns = 20 * second; // something must have ended by then
+constexpr std::uint64_t line_ns = 10 * ms;        // what the bytes of a request and its answer may take on top of its attempts
 constexpr std::size_t violations_most = 20;
 constexpr std::uint64_t clock_ns = 20;            // of the device: 50 MHz
 constexpr std::uint32_t device_fifo = 2048;
@@ -32,7 +32,9 @@ class Simulation {
         random_(plan.seed),
         faults_(plan.profile),
         there_(random_, border(), byte_ns(), delay_ns()),
-        back_(random_, border(), byte_ns(), delay_ns()) {
+        back_(random_, border(), byte_ns(), delay_ns()),
+        peer_(random_, plan.framed) {
+    tally_.lied_to = faults_.peer != Peer::honest;
     if (faults_.drawn) {
       draw();
     }
@@ -124,7 +126,7 @@ class Simulation {
     configuration.address_bits = 16;
     configuration.fifo = device_fifo;
     configuration.window = plan_.window;
-    configuration.nonce = device_ != nullptr ? device_->nonce() : std::uint16_t{0};
+    configuration.offers = device_ != nullptr ? device_->offers() : std::uint16_t{0};
     device_ = std::make_unique<Device>(configuration);
     device_->bus().observe([this](std::uint32_t address, std::uint32_t value) { on_write(address, value); });
     device_begun_ = now_;
@@ -164,6 +166,7 @@ class Simulation {
   void set_faults(bool on) {
     there_.set(on ? faults_.wire : WireFaults{});
     back_.set(on ? faults_.wire : WireFaults{});
+    peer_.set(on ? faults_.peer : Peer::honest);
     faulty_ = on;
   }
 
@@ -204,7 +207,7 @@ class Simulation {
       if (greeted_) {
         for (auto& client : clients_) {
           if (client->busy() || !draining_) {
-            progress(client->step(now_));
+            stepped_ = client->step(now_) || stepped_;
           }
         }
       }
@@ -216,6 +219,7 @@ class Simulation {
     stepped_ = std::exchange(completed_, engine_->completed()) != engine_->completed() || stepped_;
     there_.take(now_, [this](std::span<const std::uint8_t> bytes) {
       for (const std::uint8_t byte : bytes) {
+        say(peer_.heard(byte));
         if (!device_->receive(byte)) {
           device_->run_until(device_->clock() + 100);  // the wire waits for room, as one with flow control does
           static_cast<void>(device_->receive(byte));
@@ -227,8 +231,8 @@ class Simulation {
       report_.violations.push_back("the engine has given up the link");
       return false;
     }
-    if (now_ - progressed_ns_ > progress_ns) {
-      report_.violations.push_back("no operation has ended for 20 s");
+    if (host && late()) {
+      report_.violations.push_back("an operation has not ended within attempts x timeout");
       return false;
     }
     const std::uint64_t next = next_ns(host);
@@ -243,11 +247,15 @@ class Simulation {
     return true;
   }
 
-  void progress(bool done) {
-    if (done) {
-      progressed_ns_ = now_;
-      stepped_ = true;
+  // An operation that should be over is not, and nobody is answered any more.
+  bool late() {
+    const std::uint64_t answers = plan_.framed ? framed_->posts().confirmed() : engine_->statistics().replies;
+    if (std::exchange(answers_, answers) != answers) {
+      tally_.answered_ns = now_;
     }
+    const std::uint64_t slack_ns = line_ns + (plan_.framed ? 0 : timeout_ns());
+    return std::any_of(clients_.begin(), clients_.end(),
+                       [&](const auto& client) { return client->busy() && now_ > client->limit_ns(tally_.answered_ns) + slack_ns; });
   }
 
   std::uint64_t next_ns(bool host) {
@@ -269,8 +277,13 @@ class Simulation {
     device_->run_until(std::max(device_->clock(), (now_ - device_begun_) / clock_ns));
     device::TimedByte timed;
     while (device_->take(timed)) {
-      const std::uint8_t byte = timed.byte;
-      back_.send(std::span(&byte, 1), now_);
+      say(peer_.say(timed.byte));
+    }
+  }
+
+  void say(const Bytes& bytes) {
+    if (!bytes.empty()) {
+      back_.send(bytes, now_);
     }
   }
 
@@ -288,7 +301,7 @@ class Simulation {
     report_.good = tally_.good;
     report_.failed = tally_.failed;
     report_.unknown = tally_.unknown;
-    report_.faults += there_.faults() + back_.faults();
+    report_.faults += there_.faults() + back_.faults() + peer_.lies();
     report_.sessions = framed_ != nullptr ? framed_->sessions() : 0;
     report_.retries = engine_->statistics().retries;
     report_.virtual_s = static_cast<double>(now_) * 1e-9;
@@ -299,6 +312,7 @@ class Simulation {
   Profile faults_;
   FaultyWire there_;
   FaultyWire back_;
+  LyingPeer peer_;
   std::unique_ptr<Engine> engine_;
   FramedEngine* framed_ = nullptr;
   std::unique_ptr<Device> device_;
@@ -307,7 +321,7 @@ class Simulation {
   std::vector<std::unique_ptr<Client>> clients_;
   Report report_;
   std::uint64_t now_ = 1000 * ms;
-  std::uint64_t progressed_ns_ = 1000 * ms;
+  std::uint64_t answers_ = 0;
   std::uint64_t paused_until_ = 0;
   std::uint64_t looked_at_ = 0;
   std::uint64_t completed_ = 0;

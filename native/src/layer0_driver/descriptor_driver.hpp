@@ -25,7 +25,7 @@ class DescriptorDriver : public Driver {
   [[nodiscard]] std::string reason() const override;
 
  protected:
-  [[nodiscard]] Transfer failed(int error) noexcept;
+  [[nodiscard]] virtual Transfer failed(int error) noexcept;
 
  private:
   int descriptor_;

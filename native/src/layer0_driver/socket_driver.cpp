@@ -2,6 +2,7 @@
 #include "layer0_driver/socket_driver.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -23,6 +24,12 @@ class UdpDriver final : public DescriptorDriver {
   using DescriptorDriver::DescriptorDriver;
   ~UdpDriver() override { UdpDriver::close(); }
 
+  [[nodiscard]] Transfer receive(std::span<std::uint8_t> room) noexcept override {
+    const Transfer transfer = DescriptorDriver::receive(room);
+    heard_ = heard_ || transfer.count > 0;
+    return transfer;
+  }
+
   // The empty datagram frees the board for the next program; UDP has no other goodbye.
   void close() noexcept override {
     if (descriptor() >= 0) {
@@ -30,6 +37,16 @@ class UdpDriver final : public DescriptorDriver {
     }
     DescriptorDriver::close();
   }
+
+ protected:
+  // "Port unreachable" may come from anybody, and from a board that is being started again. Where somebody has answered before it is a datagram that was
+  // lost; where nobody has, nobody is there.
+  [[nodiscard]] Transfer failed(int error) noexcept override {
+    return error == ECONNREFUSED && heard_ ? Transfer{} : DescriptorDriver::failed(error);
+  }
+
+ private:
+  std::atomic<bool> heard_ = false;
 };
 
 // 0, or the errno of a non-blocking connect that is given `timeout_ns`, and less when `cancelled` is readable.

@@ -14,6 +14,7 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint8_t fence_opener = '!';  // makes a half-received message an error; skipped by an idle device
+constexpr std::size_t fence_bytes_max = 16;
 constexpr std::size_t configuration_reply_bytes_max = 40;
 
 }  // namespace
@@ -32,6 +33,7 @@ void ClassicEngine::submit(Exchange& exchange, std::uint64_t now_ns) noexcept {
   if (ended_) {
     finish(exchange, *ended_);
   } else {
+    look_ns_ = waiting_.empty() ? limit_of(exchange) : std::min(look_ns_, limit_of(exchange));
     waiting_.push_back(exchange);
   }
 }
@@ -162,15 +164,31 @@ void ClassicEngine::encode_fence() noexcept {
 
 // ---- time
 
-std::uint64_t ClassicEngine::allowance_ns() const noexcept {
-  return oldest_->timeout_ns + 2 * settings_.byte_time_ns * (oldest_->request_bytes_ + oldest_->reply_bytes_);
+// For one attempt.
+std::uint64_t ClassicEngine::allowance_ns(const Exchange& exchange) const noexcept {
+  return exchange.timeout_ns + 2 * settings_.byte_time_ns * (exchange.request_bytes_ + exchange.reply_bytes_);
+}
+
+// When a request ends, sent or not: one attempt more than it has is for the fences between them. Who stands before it in the line may take longer.
+std::uint64_t ClassicEngine::limit_of(const Exchange& exchange) const noexcept {
+  const std::uint64_t fence_ns = 2 * settings_.byte_time_ns * (fence_bytes_max + configuration_reply_bytes_max);
+  const auto patience_ns = [this, fence_ns](const Exchange& one) {
+    return (std::max(1u, one.attempts_max) + 1) * (allowance_ns(one) + fence_ns);
+  };
+  const Exchange* const first = in_flight_.empty() ? waiting_.front() : in_flight_.front();
+  const std::uint64_t most_ns = std::max(patience_ns(exchange), first != nullptr ? patience_ns(*first) : 0);
+  return std::max(exchange.begun_ns, progress_ns_) + most_ns;
 }
 
 std::uint64_t ClassicEngine::next_deadline_ns() const noexcept {
+  std::uint64_t next = waiting_.empty() ? no_deadline : look_ns_;
   if (state_ == State::fencing) {
-    return fence_deadline_ns_;
+    return std::min(next, fence_deadline_ns_);
   }
-  return state_ == State::ready && oldest_ != nullptr ? oldest_since_ns_ + allowance_ns() : no_deadline;
+  if (state_ == State::ready && oldest_ != nullptr) {
+    next = std::min({next, oldest_since_ns_ + allowance_ns(*oldest_), limit_of(*oldest_)});
+  }
+  return next;
 }
 
 void ClassicEngine::advance(std::uint64_t now_ns) noexcept {
@@ -178,12 +196,18 @@ void ClassicEngine::advance(std::uint64_t now_ns) noexcept {
   if (ended_ || now_ns < next_deadline_ns()) {
     return;
   }
-  if (state_ == State::ready) {
+  if (!waiting_.empty() && now_ns >= look_ns_) {
+    end_late();
+  }
+  if (now_ns < next_deadline_ns()) {
+    return;
+  }
+  if (state_ == State::ready && oldest_ != nullptr) {
     statistics_.timeouts += 1;
     void_in_flight(Status::timeout, 0);
   } else if (fence_hastened_) {
     state_ = State::fence_due;
-  } else {
+  } else if (state_ == State::fencing) {
     fence_failed();
   }
 }

@@ -10,6 +10,8 @@
 // - The protocol has no ids: the n-th reply belongs to the n-th request. A request that vanished would shift every later answer by one, so
 //   answers count only when all that was in flight together has been answered (`replied` waits for that); then the numbers agree.
 // - Requests in flight never hold more bytes, either way, than the device's FIFOs (credit), unless one is alone.
+// - Every request ends: (attempts + 1) x timeout after it was made, or after the last answer to another one, and the time that its bytes take;
+//   damaged answers and fences that come through do not put that off.
 // - After a void nothing is sent but the fence, until the device has answered it. All that comes before that answer is dropped.
 // - After a bus timeout 2012 gateware may stay in its bus cycle, which the next access then completes in its own direction. A word
 //   that is known to answer is read before that can be a write, and no answer is believed that such a cycle may have spoiled
@@ -89,7 +91,10 @@ class ClassicEngine final : public Engine {
   [[nodiscard]] bool admits(const Exchange& exchange) const noexcept;
   void encode(Exchange& exchange) noexcept;
   void encode_fence() noexcept;
-  [[nodiscard]] std::uint64_t allowance_ns() const noexcept;
+  [[nodiscard]] std::uint64_t allowance_ns(const Exchange& exchange) const noexcept;
+  [[nodiscard]] std::uint64_t limit_of(const Exchange& exchange) const noexcept;
+  void put_back(ExchangeList& again) noexcept;
+  void end_late() noexcept;
 
   EngineSettings settings_;
   ClassicDecoder decoder_;

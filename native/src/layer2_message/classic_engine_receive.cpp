@@ -165,6 +165,7 @@ bool ClassicEngine::take_data(Exchange& exchange, const Message& message) noexce
 void ClassicEngine::replied(Exchange& exchange, Status status) noexcept {
   statistics_.replies += 1;
   last_answer_ns_ = now_ns_;
+  progress_ns_ = now_ns_;
   exchange.status = status;
   exchange.state_ = Exchange::State::replied;
   if (status != Status::ok && exchange.batch != nullptr) {
@@ -195,7 +196,7 @@ void ClassicEngine::settle_batch() noexcept {
       finish(settled, !spoiled ? settled.status : settled.writes() ? Status::unknown : Status::protocol_error);
     }
   }
-  waiting_.prepend(again);
+  put_back(again);
 }
 
 void ClassicEngine::on_datalink_error(std::uint8_t code) noexcept {

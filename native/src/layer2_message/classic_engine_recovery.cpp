@@ -64,18 +64,49 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
       exchange.failures_ += 1;
       keep_cause(exchange, datalink_code);
     }
-    const bool once_more = !left || (exchange.repeat && exchange.failures_ < exchange.attempts_max);
+    const bool once_more = (!left || (exchange.repeat && exchange.failures_ < exchange.attempts_max)) && now_ns_ < limit_of(exchange);
     exchange.state_ = Exchange::State::waiting;
     if (once_more && exchange.batch != nullptr) {
       exchange.batch->failed = false;  // what it had been told is void as well
     }
     (once_more ? again : over).push_back(exchange);
   }
-  waiting_.prepend(again);
+  put_back(again);
   while (!over.empty()) {
     Exchange& exchange = over.pop_front();
-    const bool had_effect = exchange.operation == Operation::write && !exchange.repeat;
+    const bool had_effect = exchange.operation == Operation::write && !exchange.repeat && exchange.sent;
     finish(exchange, had_effect ? Status::unknown : why == Status::timeout ? silence_of(exchange) : why);
+  }
+}
+
+// To be sent again, before all others.
+void ClassicEngine::put_back(ExchangeList& again) noexcept {
+  look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
+  for (const Exchange* exchange = again.front(); exchange != nullptr; exchange = ExchangeList::after(*exchange)) {
+    look_ns_ = std::min(look_ns_, limit_of(*exchange));
+  }
+  waiting_.prepend(again);
+}
+
+// Ends what has waited for too long.
+void ClassicEngine::end_late() noexcept {
+  ExchangeList remaining;
+  ExchangeList over;
+  look_ns_ = no_deadline;
+  while (!waiting_.empty()) {
+    Exchange& exchange = waiting_.pop_front();
+    const std::uint64_t limit_ns = &exchange == &freeing_ ? no_deadline : limit_of(exchange);
+    look_ns_ = now_ns_ < limit_ns ? std::min(look_ns_, limit_ns) : look_ns_;
+    (now_ns_ < limit_ns ? remaining : over).push_back(exchange);
+  }
+  waiting_ = remaining;
+  if (waiting_.empty() && state_ == State::fencing) {
+    state_ = State::fence_due;  // nobody is left to wait for the answer
+  }
+  while (!over.empty()) {
+    Exchange& exchange = over.pop_front();
+    keep_cause(exchange, fence_code_);
+    finish(exchange, fence_code_ == datalink_error::checksum ? Status::protocol_error : silence_of(exchange));
   }
 }
 

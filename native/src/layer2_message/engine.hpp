@@ -96,6 +96,8 @@ class Engine {
   std::uint64_t now_ns_ = 0;
   std::uint64_t last_answer_ns_ = 0;  // 0: never
   std::uint64_t completed_ = 0;
+  std::uint64_t progress_ns_ = 0;     // the last answer to a caller: what waits behind it has its time from then on
+  std::uint64_t look_ns_ = 0;         // when the first of those that wait may be late
   bool lasting_ = false;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
 };

@@ -124,6 +124,7 @@ struct Exchange {
   std::uint32_t reply_bytes_ = 0;            // classic
   std::uint64_t begin_ = 0;                  // classic: position of its first byte in everything ever sent
   std::uint64_t follows_ = 0;                // framed: posts made before it
+  std::uint64_t limit_ns_ = 0;               // when it ends at the latest, once that is settled; 0: not yet
   Exchange* next_ = nullptr;
 };
 

@@ -57,6 +57,8 @@ void FramedEngine::queue(Exchange& exchange, bool first) noexcept {
   if (exchange.timeout_ns == 0) {
     exchange.timeout_ns = settings_.timeout_ns;
   }
+  exchange.limit_ns_ = 0;
+  look_ns_ = waiting_.empty() ? limit_of(exchange) : std::min(look_ns_, limit_of(exchange));
   if (first && (waiting_.empty() || !waiting_.front()->chained)) {
     exchange.follows_ = 0;
     waiting_.push_front(exchange);
@@ -125,10 +127,14 @@ void FramedEngine::encode_greeting() noexcept {
       space[size++] = frame::delimiter;
     }
     statistics_.fences += 1;
+    for (Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
+      waiting->attempts += 1;
+    }
   }
   pending_end_ += size;
   greeting_due_ = false;
-  greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(128);
+  greeting_sent_ns_ = now_ns_;
+  greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(greeting_bytes);
 }
 
 // A place that is due, the oldest first.

@@ -11,6 +11,8 @@
 //   it still be on its way, is a repeat for the device and never executed late.
 // - An answer that tells of an error counts when it has come twice: one of 65,536 damaged ones passes its check, and asking again does no harm.
 //   A write that is refused leaves its place to a SYNC, too, and its caller waits for that: a copy of it may be under way.
+// - Every request ends: attempts x timeout after it was made, or after the last answer to one of those before it, whatever the device says
+//   meanwhile. What only keeps the engine busy (HELLO, OPEN, CLOSED, answers to its own questions) puts that off by nothing.
 // - A session is opened by HELLO and OPEN. It is asked for again when the device says that it has none, or twice nothing. If it is another
 //   one then, all that was in flight and may have been executed ends unknown. Nothing is replayed but reads; groups are defined anew.
 #pragma once
@@ -38,7 +40,9 @@ class FramedEngine final : public Engine {
   static constexpr std::uint32_t epochs = 0xFF00;  // FF.. are frames outside sessions
   static constexpr std::uint32_t no_session = 0xFFFF;
 
-  // `probe`: the device may be one of the classic protocol, which shows when it answers a classic question and not HELLO.
+  // The device may be one of the classic protocol: it is when it has answered the classic question behind each of so many HELLOs, and none of these.
+  // Of HELLOs and their answers a line may lose every tenth; then one device with frames of a million is taken for the other.
+  static constexpr std::uint32_t probes = 8;
   FramedEngine(const EngineSettings& settings, bool probe) noexcept;
 
   void configure(const Configuration& configuration) noexcept override;
@@ -78,6 +82,7 @@ class FramedEngine final : public Engine {
   // silent: nobody has asked yet. checking: HELLO has been sent to see whether the session is still there.
   enum class State : std::uint8_t { silent, greeting, opening, open, checking };
   struct Sink;  // what the decoder calls
+  static constexpr std::size_t greeting_bytes = 128;  // HELLO or OPEN and its answer, and what stood on the line before
 
   struct Place {
     [[nodiscard]] bool taken_over() const noexcept { return exchange == nullptr || refusal.has_value(); }
@@ -162,9 +167,13 @@ class FramedEngine final : public Engine {
   void expire(Place& place) noexcept;
   void give_up(Place& place) noexcept;
   void refuse() noexcept;
-  void fail_waiting() noexcept;
+  void end_late() noexcept;
   void finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept;
   [[nodiscard]] std::uint64_t limit_of(const Exchange& exchange) const noexcept;
+  [[nodiscard]] std::uint64_t message_allowance_ns() const noexcept;
+  [[nodiscard]] bool is_own(const Exchange& exchange) const noexcept {
+    return &exchange == &restoration_ || &exchange == &reading_ || is_confirmation(exchange);
+  }
   template <class Wanted>
   void take_back(Wanted wanted) noexcept;
   [[nodiscard]] std::uint64_t allowance_ns(std::size_t bytes) const noexcept { return 2 * settings_.byte_time_ns * bytes; }
@@ -176,12 +185,15 @@ class FramedEngine final : public Engine {
   FrameDecoder decoder_;
   State state_ = State::silent;
   bool text_ = false;                   // within a classic line
-  std::uint8_t text_head_ = 0;          // its first byte
+  std::size_t text_bytes_ = 0;          // of it so far
+  std::array<char, 4> text_head_{};     // its first bytes
+  std::uint32_t passed_over_ = 0;       // HELLOs that were not answered while the classic question behind them was
   std::optional<Greeting> greeting_;
   std::uint16_t offered_epoch_;         // that OPEN has asked for
   bool greeting_due_ = false;           // HELLO or OPEN, by the state
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
+  std::uint64_t greeting_sent_ns_ = 0;
   std::uint32_t openings_ = 0;           // OPENs since the last HELLO answer
   std::uint64_t sessions_ = 0;
   std::uint32_t session_epoch_ = no_session;  // that the device was last heard to have
@@ -214,6 +226,7 @@ class FramedEngine final : public Engine {
   std::array<ExchangeGroup, protocol::limits::exchanges_max> exchange_groups_;
   Exchange restoration_;                // the engine's own request that sets a new session up
   std::uint32_t restored_ = 0;          // steps of it that are done
+  std::uint32_t restored_most_ = 0;     // since a session was last set up whole
   bool publishing_ = false;
   std::uint32_t deadman_ticks_ = 0;
 

@@ -45,13 +45,16 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
   while (!bytes.empty()) {
     if (!text_ && decoder_.pending() == 0 && bytes[0] < frame_kind_min && bytes[0] != frame::delimiter) {
       text_ = true;
-      text_head_ = bytes[0];
+      text_bytes_ = 0;
     }
     if (text_) {
       const auto end = std::find_if(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
         return byte == frame::delimiter || byte == static_cast<std::uint8_t>(protocol::bytes::line_feed);
       });
       text_ = end == bytes.end();
+      for (auto byte = bytes.begin(); byte != end && text_bytes_ < text_head_.size(); ++byte) {
+        text_head_[text_bytes_++] = static_cast<char>(*byte);
+      }
       if (!text_) {
         on_text();
       }
@@ -62,11 +65,21 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
   }
 }
 
-// A line of the classic protocol. The answer to the classic question shows who is there; that of a device with frames comes before it.
+// A line of the classic protocol. The answer to the classic question shows who is there; that of a device with frames comes before it, unless it was lost.
+// A publish, which an old subscription may bring at any time, is no answer.
 void FramedEngine::on_text() noexcept {
-  if (probe_ && state_ == State::greeting && text_head_ == static_cast<std::uint8_t>(bytes::plain_head)) {
-    refuse();
+  const std::string_view name(text_head_.data() + 1, text_head_.size() - 1);
+  const bool answers = text_bytes_ == text_head_.size() && text_head_[0] == bytes::plain_head &&
+                       (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);  // gateware may not know the question
+  if (!probe_ || state_ != State::greeting || greeting_due_ || !answers) {
+    return;
   }
+  if (++passed_over_ == probes) {
+    refuse();
+    return;
+  }
+  greeting_due_ = true;
+  greeting_wait_ns_ = std::min(settings_.timeout_ns, 4 * (now_ns_ - greeting_sent_ns_) + settings_.timeout_ns / probes);
 }
 
 void FramedEngine::on_frame(const Frame& frame) noexcept {
@@ -141,7 +154,10 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
 void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> payload) noexcept {
   const auto id = static_cast<std::uint16_t>(number_at(payload.data(), 2));
   Place& place = place_of(id);
-  static_cast<void>(posts_.confirm(number_at(payload.data() + 2, 2)));  // an old answer tells an old count, which is refused
+  const std::uint64_t confirmed = posts_.confirmed();
+  if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {  // an old answer tells an old count, which is refused
+    progress_ns_ = now_ns_;
+  }
   if (!place.used || place.id != id || place.transmissions == 0) {
     statistics_.stale_replies += 1;
     return;
@@ -226,6 +242,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   }
   const bool over = status == reply_status::ok && exchange->operation == Operation::close_session;
   release(place);
+  progress_ns_ = is_own(*exchange) ? progress_ns_ : now_ns_;
   finish(*exchange, status_of(status));
   if (over) {  // what comes next opens another session
     lose_session();
@@ -233,6 +250,10 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     state_ = State::silent;
   } else if (exchange == &restoration_) {
     if (status == reply_status::ok || status == reply_status::denied) {  // a dead-man that has tripped is not started
+      if (restored_ > restored_most_) {  // once for each step, however many sessions there are
+        restored_most_ = restored_;
+        progress_ns_ = now_ns_;
+      }
       restore();
     } else {  // it had room for this before
       end(Status::mismatch, now_ns_);

@@ -109,17 +109,20 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
 // All that was in flight ends: reads are asked again, the rest is unknown.
 void FramedEngine::lose_session() noexcept {
   ExchangeList again;
+  look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
   for (std::uint16_t id = base_id_; id != next_id_; ++id) {
     Place& place = place_of(id);
     Exchange* const exchange = place.used ? place.exchange : nullptr;
+    const std::uint64_t place_limit_ns = place.limit_ns;
     place = Place{};
     if (exchange == nullptr) {
       continue;
     }
-    const bool own = exchange == &restoration_ || exchange == &reading_ || is_confirmation(*exchange);
     const bool harmless = !exchange->writes() && exchange->repeat && exchange->operation != Operation::write_control;
-    if (!own && harmless && exchange->attempts_max > 0) {
+    if (!is_own(*exchange) && harmless && exchange->attempts_max > 0) {
       exchange->state_ = Exchange::State::waiting;
+      exchange->limit_ns_ = place_limit_ns;
+      look_ns_ = std::min(look_ns_, place_limit_ns);
       again.push_back(*exchange);
     } else {
       finish(*exchange, exchange->operation == Operation::write_control ? Status::unknown : exchange->cut_off());
@@ -183,6 +186,7 @@ void FramedEngine::restore() noexcept {
     queue(restoration_, true);
     return;
   }
+  restored_most_ = 0;
 }
 
 // ---- time
@@ -199,15 +203,25 @@ std::uint64_t FramedEngine::keep_alive_ns() const noexcept {
   return std::uint64_t{deadman_ticks_} * 1'000'000'000 / hz / keep_alive_part;
 }
 
+// What the line itself takes for a request that finds it full, and for its answer.
+std::uint64_t FramedEngine::message_allowance_ns() const noexcept {
+  return greeting_ ? allowance_ns(greeting_->credit + greeting_->reply_max) : allowance_ns(greeting_bytes);
+}
+
+// When a request ends, sent or not. Its session may be lost and found again meanwhile: that gives it no more time.
 std::uint64_t FramedEngine::limit_of(const Exchange& exchange) const noexcept {
-  return now_ns_ + exchange.timeout_ns * std::max(1u, exchange.attempts_max) + allowance_ns(greeting_->credit + greeting_->reply_max);
+  if (exchange.limit_ns_ != 0) {
+    return exchange.limit_ns_;
+  }
+  const std::uint64_t attempts = std::max(1u, exchange.attempts_max);
+  return std::max(exchange.begun_ns, progress_ns_) + exchange.timeout_ns * attempts + message_allowance_ns();
 }
 
 std::uint64_t FramedEngine::next_deadline_ns() const noexcept {
   if (ended_ || state_ == State::silent) {
     return no_deadline;
   }
-  std::uint64_t next = no_deadline;
+  std::uint64_t next = waiting_.empty() ? no_deadline : look_ns_;
   for (std::uint16_t id = base_id_; id != next_id_; ++id) {
     const Place& place = places_[id % window_];
     if (place.used && place.exchange != nullptr) {
@@ -243,10 +257,12 @@ void FramedEngine::advance(std::uint64_t now_ns) noexcept {
       expire(place);
     }
   }
+  if (!waiting_.empty() && now_ns >= look_ns_) {
+    end_late();
+  }
   const bool asking = state_ == State::greeting || state_ == State::opening || state_ == State::checking;
   if (asking && !greeting_due_ && now_ns >= greeting_deadline_ns_) {
     statistics_.timeouts += 1;
-    fail_waiting();
     if (state_ == State::opening && openings_++ >= openings_max) {
       state_ = State::greeting;
     }
@@ -285,11 +301,13 @@ void FramedEngine::give_up(Place& place) noexcept {
   finish(exchange, exchange.operation == Operation::write_control ? Status::unknown : exchange.cut_off());
 }
 
-void FramedEngine::fail_waiting() noexcept {
-  take_back([this](Exchange& exchange) {
-    exchange.attempts += 1;
-    return now_ns_ >= exchange.begun_ns + exchange.timeout_ns * std::max(1u, exchange.attempts_max);
-  });
+// Ends what has waited for too long.
+void FramedEngine::end_late() noexcept {
+  take_back([this](const Exchange& exchange) { return now_ns_ >= limit_of(exchange); });
+  look_ns_ = no_deadline;
+  for (const Exchange* waiting = waiting_.front(); waiting != nullptr; waiting = ExchangeList::after(*waiting)) {
+    look_ns_ = std::min(look_ns_, limit_of(*waiting));
+  }
 }
 
 template <class Wanted>

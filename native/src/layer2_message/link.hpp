@@ -27,9 +27,10 @@
 namespace unitylink {
 
 struct RequestOptions {
-  std::optional<bool> checked;   // nothing: the link's default
+  std::optional<bool> checked = std::nullopt;  // the link's default
   bool repeat = false;           // sending it twice does no harm
   std::uint64_t timeout_ns = 0;  // per attempt, 0: the link's default
+  std::uint64_t until_ns = Engine::no_deadline;  // of link time: then it is given up, however many attempts are left
 };
 
 // One call of a vector form: its exchanges, and how they lie in the caller's arrays.
@@ -217,8 +218,8 @@ class Link {
   [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options,
                                     std::unique_ptr<Link>& link);
   [[nodiscard]] Outcome begin();
-  [[nodiscard]] Outcome begin_framed();
-  [[nodiscard]] Outcome describe_device();
+  [[nodiscard]] Outcome begin_framed(std::uint64_t until_ns);
+  [[nodiscard]] Outcome describe_device(const RequestOptions& how);
 
   // the wire (link.cpp)
   void run(std::span<Exchange> exchanges, std::uint64_t until_ns = Engine::no_deadline);

@@ -12,6 +12,7 @@ namespace {
 
 using namespace protocol;
 
+constexpr std::uint64_t beginning_bytes = 8192;  // more than all that is said until a link has begun
 constexpr std::size_t described = control::spec_hash_low + 1;  // registers of the description, from 0
 
 std::string hash_text(std::uint64_t hash) {
@@ -22,7 +23,10 @@ std::string hash_text(std::uint64_t hash) {
 
 }  // namespace
 
+// Ends, whatever the device says: an unanswered fence and an unanswered HELLO have their attempts, and so has all that describes the device, twice.
 Outcome Link::begin() {
+  const std::uint64_t line_ns = 2 * options_.engine.byte_time_ns * beginning_bytes;
+  const std::uint64_t until_ns = now_ns() + 4 * options_.attempts * options_.engine.timeout_ns + line_ns;
   std::optional<Configuration> reported;
   if (options_.gateware == Gateware::corrected) {
     const std::scoped_lock lock(mutex_);
@@ -32,13 +36,13 @@ Outcome Link::begin() {
     Exchange exchange;
     exchange.operation = Operation::resynchronise;
     exchange.attempts_max = options_.attempts;
-    run(std::span(&exchange, 1));
+    run(std::span(&exchange, 1), until_ns);
     if (exchange.status != Status::ok) {
       Outcome silent = outcome_of(exchange);
       const bool maybe_frames = exchange.status == Status::timeout && options_.protocol == Protocol::automatic &&
                                 options_.gateware != Gateware::published_2012 && options_.engine.checksums;
       if (maybe_frames) {  // gateware that was built without the classic protocol does not answer it
-        Outcome outcome = begin_framed();
+        Outcome outcome = begin_framed(until_ns);
         return outcome.ok() || framed_ ? outcome : silent;
       }
       return silent;
@@ -51,11 +55,13 @@ Outcome Link::begin() {
   const bool known_classic =
       options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 || !options_.engine.checksums;
   if (!known_classic) {
-    const Outcome outcome = begin_framed();
-    if (outcome.ok() || options_.protocol == Protocol::framed || outcome.status == Status::closed || outcome.status == Status::busy) {
-      return outcome;
+    Outcome outcome = begin_framed(until_ns);
+    if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {  // no proof that it knows no frames
+      outcome.text += "; it has answered in the classic protocol, but too seldom to be taken for a device that knows no other: is the line disturbed? "
+                      "protocol=classic or protocol=framed in the URL says which it is";
     }
-    if (framed_) {  // it does speak it, but cannot do what is asked
+    const bool knows_none = options_.protocol == Protocol::automatic && outcome.status == Status::mismatch && !framed_;
+    if (!knows_none) {
       return outcome;
     }
     notice_ = "the device answers the classic protocol only: no exactly-once writes, no time stamps, and its spec is not verified";
@@ -78,7 +84,7 @@ Outcome Link::begin() {
 }
 
 // framed_ stays only if the device speaks the framed protocol, whatever else is wrong.
-Outcome Link::begin_framed() {
+Outcome Link::begin_framed(std::uint64_t until_ns) {
   {
     const std::scoped_lock lock(mutex_);
     framed_ = std::make_unique<FramedEngine>(options_.engine, options_.protocol == Protocol::automatic);
@@ -89,7 +95,7 @@ Outcome Link::begin_framed() {
   Exchange exchange;
   exchange.operation = Operation::resynchronise;
   exchange.attempts_max = options_.attempts;
-  run(std::span(&exchange, 1));
+  run(std::span(&exchange, 1), until_ns);
   Outcome outcome = outcome_of(exchange);
   if (!outcome.ok()) {
     const std::scoped_lock lock(mutex_);
@@ -103,9 +109,10 @@ Outcome Link::begin_framed() {
     }
     return outcome;
   }
-  outcome = describe_device();
+  const RequestOptions how{.until_ns = until_ns};
+  outcome = describe_device(how);
   if (outcome.ok() && options_.deadman_s > 0) {
-    outcome = set_dead_man(options_.deadman_s, {});
+    outcome = set_dead_man(options_.deadman_s, how);
     if (outcome.status == Status::denied) {  // it tripped before: whoever may arm it has to have a link
       return {};
     }
@@ -113,7 +120,7 @@ Outcome Link::begin_framed() {
   return outcome;
 }
 
-Outcome Link::describe_device() {
+Outcome Link::describe_device(const RequestOptions& how) {
   Greeting told;
   {
     const std::scoped_lock lock(mutex_);
@@ -123,7 +130,7 @@ Outcome Link::describe_device() {
   const std::size_t block = std::clamp<std::size_t>((told.reply_max - 4) / 4, 1, described);
   for (std::size_t begin = 0; begin < described; begin += block) {
     const std::size_t count = std::min(block, described - begin);
-    if (Outcome outcome = read_control(static_cast<std::uint32_t>(begin), std::span(value).subspan(begin, count), {}); !outcome.ok()) {
+    if (Outcome outcome = read_control(static_cast<std::uint32_t>(begin), std::span(value).subspan(begin, count), how); !outcome.ok()) {
       return outcome;
     }
   }

@@ -206,7 +206,7 @@ Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> value
   exchange.operation = Operation::read_control;
   exchange.address = address;
   exchange.values = values;
-  run(std::span(&exchange, 1));
+  run(std::span(&exchange, 1), how.until_ns);
   return outcome_of(exchange);
 }
 
@@ -222,7 +222,7 @@ Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const Re
   exchange.operation = Operation::write_control;
   exchange.address = address;
   exchange.value = value;
-  run(std::span(&exchange, 1));
+  run(std::span(&exchange, 1), how.until_ns);
   return outcome_of(exchange);
 }
 

@@ -192,9 +192,9 @@ class MessageReader:
         if command == protocol.COMMAND_WRITE and len(data) > size:
             address = int.from_bytes(data[:size], "big")
             return f"write {self._name(address)} = {self.show(address, int.from_bytes(data[size:], 'big'))}"
-        if command == protocol.COMMAND_READ_MANY and len(data) == 1 + data[0] * size:
+        if command == protocol.COMMAND_READ_MANY and data and len(data) == 1 + data[0] * size:
             return "read " + ", ".join(map(self._name, self._addresses(data[1:])))
-        if command == protocol.COMMAND_WRITE_GROUP_ADDRESSES and len(data) == 2 + data[1] * size:
+        if command == protocol.COMMAND_WRITE_GROUP_ADDRESSES and data[1:] and len(data) == 2 + data[1] * size:
             addresses = self._addresses(data[2:])
             self.groups[data[0]] = addresses
             return f"group {data[0]} is " + (", ".join(map(self._name, addresses)) or "empty")
@@ -244,13 +244,13 @@ class MessageReader:
         request = self.waiting.popleft() if self.waiting else None
         if event.letters == protocol.REPLY_READ_CONFIGURATION:
             fields = [int(field, 16) if field else 0 for field in event.fields.split(",")]
-            if len(fields) == 8:
+            if len(fields) == 8 and all(1 <= width <= 4 for width in fields[:2]):
                 self.address_bytes, self.data_bytes = fields[0], fields[1]
                 return (
                     f"configuration: {fields[0]} address bytes, {fields[1]} data bytes, "
                     f"read-many {fields[2]}, base {fields[4]} Hz, {fields[5] or 256} groups of {fields[6]}"
                 )
-            return "configuration"
+            return "configuration that no device has"
         if request is None or event.letters != f"S_{request.command}":
             return f"{event.letters} to a request that is not in the capture"
         words = self._words(event.data)

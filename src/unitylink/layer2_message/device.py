@@ -98,6 +98,13 @@ class Clock:
     """How far a time stamp can be off: half of the quickest round trip."""
 
 
+def told_notice(engine: Engine, url: str) -> str:
+    """Return why `engine` speaks the classic protocol without having been asked to, and warn of it."""
+    if engine.notice:
+        _log.warning("%s: %s", url, engine.notice)
+    return engine.notice
+
+
 def checked_spec(engine: Engine, url: str, spec: str, hashes: Sequence[int]) -> str:
     """Return why it is not known that the gateware was built from `spec`, which has one of `hashes`.
 

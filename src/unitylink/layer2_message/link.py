@@ -17,7 +17,7 @@ from unitylink.protocol import CONTROL_ARM, CONTROL_DEADMAN_TICKS, CONTROL_FRAME
 from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
-from .device import Clock, DeadMan, Description, Health, checked_spec
+from .device import Clock, DeadMan, Description, Health, checked_spec, told_notice
 from .engine import Pairs, Words, open_engine
 from .exchange_group import ExchangeGroup, Word
 from .line import Line
@@ -42,7 +42,7 @@ class Link(Line):
     protocol: str
     """`framed`, `classic`, or `memory` where there is none between."""
     notice: str
-    """Why the classic protocol is spoken although it was not asked for; empty otherwise."""
+    """Why the classic protocol is spoken although it was not asked for, which is logged; empty otherwise."""
     description: Description | None
     """What the gateware says about itself; None on a classic link."""
     unverified: str
@@ -59,7 +59,7 @@ class Link(Line):
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
         self.protocol = self._native.protocol
-        self.notice = self._native.notice
+        self.notice = told_notice(self._native, url)
         self.description = Description(**self._native.description) if self.protocol == "framed" else None
         self.unverified = "no spec was compared with the gateware's"
         self._callbacks = CallbackThread(self._native)

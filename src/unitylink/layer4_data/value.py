@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from unitylink.errors import BindingError
+from unitylink.errors import BindingError, DeviceMismatch
 from unitylink.spec.model import Publish
 from unitylink.spec.types import INT32
 from unitylink.values import Codec, Quantity
@@ -30,7 +30,8 @@ class Value(Generic[T]):
     complement if `signed`. A value wider than the bus takes `words` consecutive words, the low one first.
     `latest` is the value last read, published or written, `raw` its number on the wire; None before.
 
-    Raises BindingError where the board is not the one the spec is for.
+    Raises BindingError where the board is not the one the spec is for, and DeviceMismatch where the value
+    has a SAFE value or is a PULSE and the link has fallen back to the classic protocol by itself.
     """
 
     access = ""
@@ -66,6 +67,13 @@ class Value(Generic[T]):
             raise BindingError(
                 f"{path} lies at {address:#06x}, beyond the {configuration.address_bytes} address byte(s) of "
                 f"{hardware.link.url}: this is not the board the spec is for"
+            )
+        if hardware.link.notice and (quantity.safe is not None or self.access == "PULSE"):
+            what = "is a PULSE" if self.access == "PULSE" else "has a SAFE value"
+            raise DeviceMismatch(
+                f"{path} {what}, which asks for the framed protocol, and {hardware.link.url} has fallen "
+                f"back to the classic one: {hardware.link.notice}. Use gateware that speaks frames, or add "
+                "protocol=classic to the URL where that is what you want"
             )
         self.path = path
         self.hardware = hardware

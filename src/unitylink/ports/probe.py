@@ -83,7 +83,9 @@ def ask(
 ) -> Answer:
     """Send `sent`, which asks for the configuration, and return what came."""
     before = ClassicDecoder(data_bytes=0, polynomial=polynomial)
-    while chunk := driver.receive(timeout_s=0.0):  # what was under way; a busy board says so and hangs up
+    until_s = clock() + wait_s  # a port that is flooded is never empty
+    # What was under way; a busy board says so and hangs up.
+    while clock() < until_s and (chunk := driver.receive(timeout_s=0.0)):
         if any(isinstance(event, Busy) for event in before.feed(chunk)):
             return Answer("busy", chunk)
     driver.send(sent)

@@ -34,6 +34,8 @@ class RobotSession:
             raise BindingError(
                 f"{node.interface.package}: the robot has no {missing[0]}; generate both again"
             )
+        if link.notice:
+            self._say(1, link.notice)
         if link.unverified:
             self._say(1, f"the gateware is not verified: {link.unverified}")
         self.guard = DeadManGuard(link, node.options.deadman_s, safe=bool(self.said_safe()))

@@ -122,12 +122,13 @@ def command(
     """Try the engine on a wire that does everything wrong.
 
     Each value is written once, and the device's own record says what it has executed: nothing may be executed
-    twice, told as done and not be, or come in another order; no answer may be that to another question; and
-    after the faults all must go well again. A history that fails is told with the command that repeats it.
+    twice, told as done and not be, or come in another order; no answer may be that to another question; each
+    operation must end in its time; and after the faults all must go well again. A history that fails is told
+    with the command that repeats it.
 
     \b
-    Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses mixed; all of them
-    in turn.
+    Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses restarts dead
+    half-dead closing renewing refusing mixed; all of them in turn.
 
     \b
     Examples:

@@ -36,6 +36,7 @@ def command(
     udp: str | None,
     pty: str | None,
     bind: str | None,
+    anyone: bool,
     speed: float,
     loop: bool,
     as_json: bool,
@@ -50,7 +51,7 @@ def command(
       unitylink replay arm.mcap --tcp 5555
       unitylink replay arm.csv --spec arm.ul --speed 0.1 --loop
     """
-    endpoint, address = endpoint_of(tcp, udp, pty, bind)
+    endpoint, address = endpoint_of(tcp, udp, pty, bind, anyone)
     if not Path(recording).is_file():
         raise Failure(f"{recording}: there is no such file", "`unitylink record` makes one")
     from unitylink.simulate import Board

@@ -29,13 +29,16 @@ _OPTIONS = (
         "--pty", metavar="PATH", help="Serve on a pseudo-terminal, a serial port in software, at PATH."
     ),
     click.option(
-        "--bind", metavar="ADDRESS", help="Serve others than this machine too: the address to listen on."
+        "--bind", metavar="ADDRESS", help="The address to listen on; other machines reach it with --anyone."
+    ),
+    click.option(
+        "--anyone", is_flag=True, help="With --bind: whoever reaches the address may command the board."
     ),
 )
 
 
 def serving_options(command: F) -> F:
-    """Give a command `--tcp --udp --pty --bind`: the arguments of `endpoint_of`."""
+    """Give a command `--tcp --udp --pty --bind --anyone`: the arguments of `endpoint_of`."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
@@ -61,8 +64,13 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
         click.echo(lag, err=True)
 
 
-def endpoint_of(tcp: str | None, udp: str | None, pty: str | None, bind: str | None) -> tuple[str, str]:
-    """Return (endpoint, address to bind) of a Board; one others can reach has to come from `--bind`."""
+def endpoint_of(
+    tcp: str | None, udp: str | None, pty: str | None, bind: str | None, anyone: bool
+) -> tuple[str, str]:
+    """Return (endpoint, address to bind) of a Board.
+
+    One that others can reach has to come from `--bind`, with `--anyone`; that is warned of.
+    """
     given = [kind for kind, value in (("tcp", tcp), ("udp", udp), ("pty", pty)) if value is not None]
     if len(given) > 1:
         raise click.UsageError(f"--{' and --'.join(given)} exclude each other; one board serves one endpoint")
@@ -77,8 +85,15 @@ def endpoint_of(tcp: str | None, udp: str | None, pty: str | None, bind: str | N
     if host is not None and bind is None and not _is_loopback(host):
         raise click.UsageError(
             f"{host} is not a loopback address: other machines could reach the board; if that is meant: "
-            f"--{kind} {port} --bind {host}"
+            f"--{kind} {port} --bind {host} --anyone"
         )
+    if bind is not None and not _is_loopback(bind):
+        if not anyone:
+            raise click.UsageError(
+                f"--bind {bind}: whoever reaches this machine over a network could command the board, "
+                "for nobody is asked who they are; if that is meant, add --anyone"
+            )
+        click.echo(f"warning: whoever reaches {bind} over a network may command this board", err=True)
     return f"{kind}:{port}", bind or host or _LOOPBACK
 
 

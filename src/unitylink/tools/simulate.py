@@ -53,6 +53,7 @@ def command(
     udp: str | None,
     pty: str | None,
     bind: str | None,
+    anyone: bool,
     root: str | None,
     plant: str | None,
     rtl: bool,
@@ -69,17 +70,17 @@ def command(
     With --rtl it is the VHDL that `unitylink generate --only vhdl` makes, compiled by GHDL and Verilator:
     half a minute the first time, then from a cache.
 
-    Anybody on this machine can connect, one at a time; other machines only where --bind allows it.
+    Anybody on this machine can connect, one at a time; other machines only with --bind and --anyone.
 
     \b
     Examples:
       unitylink simulate arm.ul --tcp 5555 --plant loopback
       unitylink simulate arm.ul --pty ./arm.tty --baud 3000000 --fifo 16
-      unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0
+      unitylink simulate arm.ul --tcp 5555 --bind 0.0.0.0 --anyone
       unitylink simulate arm.ul --rtl --tcp 5555 --plant loopback
       unitylink simulate two_arms.ul --root left_arm --tcp 5555
     """
-    endpoint, address = endpoint_of(tcp, udp, pty, bind)
+    endpoint, address = endpoint_of(tcp, udp, pty, bind, anyone)
     from unitylink.simulate import DEFAULT_PLANT, load_plant
     from unitylink.spec import load
 

@@ -55,6 +55,27 @@ def test_publishes_have_the_names_their_group_was_given() -> None:
     assert said[-1] == "publish of group 0: j1.cpos = 0xc"
 
 
+def test_a_capture_of_anything_is_read_to_its_end() -> None:
+    """Requests without their data, configurations that no device has: what is damaged is shown as it is."""
+    said = meanings(
+        (">", b"#RM\n#RM:\n#WSA\n#WSA:00\n#WSR\n#RSI\n#WIC\n"), ("<", b"#CNF:01,54,20,02,03e8,02,10,02\n")
+    )
+    assert said[:2] == ["RM: unknown or not complete"] * 2
+    assert said[-1] == "configuration that no device has"
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from("<>"),
+            st.lists(st.sampled_from([*"#$!%?:*\n", *"0f1:", "RM", "S_RM", "WSA", "CNF", "PUB", "04,"])),
+        )
+    )
+)
+def test_no_line_crashes_the_reader(parts: list[tuple[str, list[str]]]) -> None:
+    read((">", b"#RLC\n"), ("<", CONFIGURATION), *((way, "".join(text).encode()) for way, text in parts))
+
+
 def test_errors_say_what_they_are_about() -> None:
     assert meanings((">", b"#R:88\n"), ("<", b"#?E_FBR\n")) == [
         "read j1.cpos",

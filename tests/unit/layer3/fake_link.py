@@ -178,6 +178,7 @@ class FakeLink:
     closed: bool = False
     protocol: str = "classic"
     description: None = None  # it speaks the classic protocol
+    notice: str = ""
     unverified: str = "it is a fake"
 
     generation = 0  # of a device that never restarts, on a line that is never lost

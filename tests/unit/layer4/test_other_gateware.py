@@ -86,14 +86,31 @@ def test_who_knows_better_is_heard_and_logged(build: Build, caplog: pytest.LogCa
 def test_gateware_that_cannot_tell_is_not_refused(build: Build, caplog: pytest.LogCaptureFixture) -> None:
     spec = spec_of(TEXT)
     classic = BoardConfiguration(protocol="classic")
-    for board, why in (
-        (Board(), "built without saying from which spec"),
-        (Board(spec, configuration=classic), "classic gateware cannot say"),
+    for board, more, why in (
+        (Board(), "", "built without saying from which spec"),
+        (Board(spec, configuration=classic), "&protocol=classic", "classic gateware cannot say"),
     ):
-        with board, Link(url(board)) as link:
+        with board, Link(url(board, more)) as link:
             build(spec_of(SWAPPED), link)
             assert why in link.unverified
     assert not caplog.records
+
+
+@pytest.mark.parametrize(
+    ("asks", "why"), [("target: i16 WRITE(SAFE=0)", "has a SAFE value"), ("target: PULSE()", "is a PULSE")]
+)
+def test_what_needs_frames_is_refused_on_a_link_that_fell_back(build: Build, asks: str, why: str) -> None:
+    """Not where the URL says that it is meant."""
+    spec = spec_of(TEXT.replace("target: i16 WRITE()", asks))
+    classic = BoardConfiguration(protocol="classic")
+    with (
+        Board(spec, configuration=classic) as board,
+        Link(url(board)) as link,
+        pytest.raises(DeviceMismatch, match=f"x.target {why}.*protocol=classic"),
+    ):
+        build(spec, link)
+    with Board(spec, configuration=classic) as board, Link(url(board, "&protocol=classic")) as link:
+        build(spec, link)
 
 
 def test_a_board_that_is_one_arm_of_two() -> None:

@@ -63,3 +63,13 @@ def test_frames_over_datagrams_carry_the_long_check(
             assert after.bytes_sent - before.bytes_sent == 1 + (3 + 1) + check_bytes + 1
         link.write_many(range(0x10, 0x40), range(48))
         assert link.read_many(range(0x10, 0x40)).tolist() == list(range(48))
+
+
+def test_falling_back_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    classic = BoardConfiguration(protocol="classic")
+    with Board(configuration=classic) as board, Link(f"{board.url}?timeout=0.3") as link:
+        assert [record.levelname for record in caplog.records] == ["WARNING"]
+        assert link.notice in caplog.text
+    caplog.clear()
+    with Board(configuration=classic) as board, Link(f"{board.url}?protocol=classic"):
+        assert not caplog.records

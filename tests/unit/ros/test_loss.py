@@ -94,7 +94,7 @@ def test_what_has_no_dead_man_says_so(spec: Spec) -> None:
     classic = BoardConfiguration.for_spec(spec, protocol="classic")
     with (
         Board(spec, plant=still, configuration=classic, endpoint="tcp") as board,
-        running(spec, board.url) as (node, plane),
+        running(spec, f"{board.url}?protocol=classic") as (node, plane),
     ):
         plane.wait(node.keeper.up.is_set)
         assert (0, NONE) in plane.said

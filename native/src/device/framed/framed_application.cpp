@@ -41,7 +41,7 @@ FramedApplication::FramedApplication(const DeviceConfiguration& configuration, S
       exchanges_(configuration.exchanges),
       groups_(configuration.publish_mode > 0 ? configuration.groups : 0),
       waiting_(configuration.request_max, configuration.credit),
-      nonce_(configuration.nonce) {
+      offer_(configuration.offers, configuration.offer_secret, configuration.clock_hz) {
   decoder_.set_payload_max(configuration.request_max);
   payload_.reserve(frame_payload_max);
   out_.reserve(frame_bytes_max + 1);
@@ -156,12 +156,10 @@ void FramedApplication::hello(std::span<const std::uint8_t> payload) {
   }
   count(control::frames);
   closed_told_ = false;
-  offered_ = true;
-  ++nonce_;
   const bool common = payload[0] <= protocol::frame::version && protocol::frame::version <= payload[1];
   data_.clear();
   put(common ? protocol::frame::version : 0, 1);
-  put(nonce_, 2);
+  put(offer_.make(), 2);
   put(key_.epoch, 2);
   put(configuration_.address_bytes(), 1);
   put(configuration_.data_bytes(), 1);
@@ -187,14 +185,13 @@ void FramedApplication::open_session(std::span<const std::uint8_t> payload) {
   const std::uint32_t flags = fields.take(1);
   const std::uint32_t known_flags = configuration_.long_frames ? protocol::frame::checked_long_flag : 0;
   const bool again = open() && nonce == session_nonce_ && epoch == key_.epoch;
-  const bool fresh = offered_ && nonce == nonce_ && epoch >> 8 != 0xFF && (flags & ~known_flags) == 0;
+  const bool fresh = !again && epoch >> 8 != 0xFF && (flags & ~known_flags) == 0 && offer_.take(nonce, at_);
   if (!again && !fresh) {
     count(control::discarded_stale);
     return;
   }
   count(control::frames);
   if (!again) {
-    offered_ = false;
     if (bus_.running()) {
       trip(at_);
     }

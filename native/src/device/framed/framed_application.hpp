@@ -12,6 +12,7 @@
 #include "device/framed/dead_man.hpp"
 #include "device/framed/frame_request.hpp"
 #include "device/framed/reply_cache.hpp"
+#include "device/framed/session_offer.hpp"
 #include "device/framed/waiting_frames.hpp"
 #include "device/physical.hpp"
 #include "device/subscription_manager.hpp"
@@ -41,7 +42,7 @@ class FramedApplication {
   // Nothing else happens before `limit`: all bytes that leave until then are one step.
   void step(Clock now, bool port_free, Clock limit);
 
-  [[nodiscard]] std::uint16_t nonce() const noexcept { return nonce_; }
+  [[nodiscard]] std::uint16_t offers() const noexcept { return offer_.made(); }
   [[nodiscard]] bool open() const noexcept { return key_.epoch != protocol::frame::open_epoch; }
   void count(std::uint32_t counter) noexcept { registers_.count(counter); }
 
@@ -112,8 +113,7 @@ class FramedApplication {
   Clock taken_at_ = 0;                 // of the byte that was taken last
   bool paused_ = false;                // OPEN or CLOSE waits
 
-  std::uint16_t nonce_;                // of the last HELLO answer
-  bool offered_ = false;               // a HELLO answer that no OPEN has used
+  SessionOffer offer_;
   std::uint16_t session_nonce_ = 0;
   bool closed_told_ = false;
   bool publishing_ = false;
