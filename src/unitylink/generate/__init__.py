@@ -147,6 +147,8 @@ def _refuse_links(folder: Path, name: str) -> None:
 
 
 def _present(path: Path) -> str | None:
+    if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe would never end
+        raise BindingError(f"{path} is no ordinary file and was not overwritten; remove it")
     try:
         return path.read_bytes().decode("utf-8", "replace")
     except (FileNotFoundError, NotADirectoryError):

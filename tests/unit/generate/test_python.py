@@ -322,6 +322,15 @@ def test_what_python_knows_is_reserved() -> None:
     assert sys.stdlib_module_names <= RESERVED
 
 
+def test_what_is_no_file_is_neither_read_nor_written(tmp_path: Path) -> None:
+    """Who reads a pipe that nobody writes waits for ever."""
+    os.mkfifo(tmp_path / "robot.py")
+    spec = spec_of("public p() { @a = 0x0: READ(); }")
+    for command in (write, stale):
+        with pytest.raises(BindingError, match=r"robot\.py is no ordinary file and was not overwritten"):
+            command(spec, tmp_path)
+
+
 def test_links_below_the_folder_are_not_followed(tmp_path: Path) -> None:
     """The folder itself may be one: that is what its owner has said."""
     spec = spec_of("public p() { @a = 0x0: READ(); }")
