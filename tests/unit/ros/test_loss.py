@@ -128,7 +128,7 @@ def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) ->
     configuration = BoardConfiguration.for_spec(spec, protocol="both" if protocol == "framed" else protocol)
     with (
         Board(spec, plant=Still(), configuration=configuration, endpoint="tcp") as board,
-        running(spec, board.url) as (node, plane),
+        running(spec, f"{board.url}?protocol={protocol}") as (node, plane),
     ):
         plane.wait(node.keeper.up.is_set)
         plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.75))
