@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import base64
 import builtins
 import os
 import subprocess
@@ -78,11 +79,15 @@ def test_what_python_imports_runs_no_text(text: str, monkeypatch: pytest.MonkeyP
     assert not hasattr(builtins, CANARY)
 
 
+def hidden_in_utf_7(text: str) -> str:
+    return f"+{base64.b64encode(text.encode('utf-16-be')).decode().rstrip('=')}-"
+
+
 def test_an_encoding_in_the_name_of_the_file_is_none() -> None:
     """Python takes its encoding from a comment in the first two lines, and the spec's file is named there."""
-    text = (
-        f'public arm() {{ @x = 0x0: READ(ID="+ACIAOw-import builtins+ADs-builtins.{CANARY}+AD0-1+ACM-"); }}'
-    )
+    ends, then, by, rest = (hidden_in_utf_7(text) for text in ('"};', ";", "=", ";a={#"))
+    acts = f"{ends}import builtins{then}builtins.{CANARY}{by}1{rest}"
+    text = f'public arm() {{ @x = 0x0: READ(ID="{acts}"); }}'
     spec = compile_text(text, "x coding=utf-7 .ul").spec
     assert spec is not None
     for file in generate(spec).values():
