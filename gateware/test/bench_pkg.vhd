@@ -23,6 +23,7 @@ package bench_pkg is
   procedure check (condition : boolean; what : string);
 
   -- The runner believes a bench only if it says this.
+  procedure wait_clocks (signal clock : in std_ulogic; count : natural);
   procedure report_passed (bench : string);
 
 end package;
@@ -87,6 +88,13 @@ package body bench_pkg is
     assert condition
       report what
       severity error;
+  end procedure;
+
+  procedure wait_clocks (signal clock : in std_ulogic; count : natural) is
+  begin
+    for number in 1 to count loop
+      wait until rising_edge(clock);
+    end loop;
   end procedure;
 
   procedure report_passed (bench : string) is

@@ -133,9 +133,7 @@ begin
 
     procedure clocks (number : natural) is
     begin
-      for clock_number in 1 to number loop
-        wait until rising_edge(clock);
-      end loop;
+      wait_clocks(clock, number);
       wait for 1 ns;
     end procedure;
 

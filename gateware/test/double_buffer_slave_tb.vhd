@@ -100,13 +100,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     type bank_t is array (0 to words - 1) of std_ulogic_vector(31 downto 0);
     type banks_t is array (0 to 1) of bank_t;
     variable banks   : banks_t := (others => (others => (others => '0')));
@@ -140,15 +133,15 @@ begin
     procedure user_expect (at : natural) is
     begin
       user_read_address <= at;
-      pause(3);
+      wait_clocks(clock, 3);
       check_equal(user_read_data, banks(visible)(at)(data_width - 1 downto 0), "the FPGA's word " & integer'image(at));
     end procedure;
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     for index in 1 to 800 loop
       address := random.integer_between(0, words - 1);
@@ -171,10 +164,10 @@ begin
           read_expect(words, commits mod 2 ** integer'(minimum(data_width, 30)));
       end case;
       if random.chance(20) then
-        pause(random.integer_between(1, 4));
+        wait_clocks(clock, random.integer_between(1, 4));
       end if;
     end loop;
-    pause(2);
+    wait_clocks(clock, 2);
     check_equal(pulses, commits, "pulses of committed");
 
     -- The hazard: a word not rewritten before a commit has the value of two commits ago.
@@ -200,7 +193,7 @@ begin
     user_write_address <= 1;
     user_write_data    <= std_ulogic_vector(to_unsigned(16#66#, data_width));
     for index in 1 to 5 loop
-      pause(1);
+      wait_clocks(clock, 1);
       check_equal(user_write_ready, '0', "user_write_ready in a block");
     end loop;
     read_expect(1, 16#22#);
@@ -221,12 +214,12 @@ begin
 
     -- A reset begins to count again; the words stay.
     reset <= '1';
-    pause(1);
+    wait_clocks(clock, 1);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     read_expect(words, 0);
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("double_buffer_slave_tb");
     done <= true;
     wait;

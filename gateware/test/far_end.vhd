@@ -11,6 +11,7 @@
 library ieee;
   use ieee.std_logic_1164.all;
 
+use work.bench_pkg.all;
 use work.physical_pkg.all;
 
 entity far_end is
@@ -155,43 +156,36 @@ begin
 
     master : process
 
-      procedure clocks (count : positive) is
-      begin
-        for number in 1 to count loop
-          wait until rising_edge(clock);
-        end loop;
-      end procedure;
-
       variable came : std_ulogic_vector(7 downto 0);
     begin
       in_ready  <= '0';
       out_valid <= '0';
       wait until rising_edge(clock) and in_valid = '1';
       cs_n <= '0';
-      clocks(8);
+      wait_clocks(clock, 8);
       while in_valid = '1' loop
         for bit_number in 7 downto 0 loop
           mosi <= in_data(bit_number);
-          clocks(2);
+          wait_clocks(clock, 2);
           sck <= '1';
           came(bit_number) := miso;
-          clocks(2);
+          wait_clocks(clock, 2);
           sck <= '0';
         end loop;
         in_ready  <= '1';
         out_valid <= '1';
         out_data  <= came;
-        clocks(1);
+        wait_clocks(clock, 1);
         in_ready <= '0';
         while out_ready = '0' loop
-          clocks(1);
+          wait_clocks(clock, 1);
         end loop;
         out_valid <= '0';
-        clocks(1);
+        wait_clocks(clock, 1);
       end loop;
-      clocks(4);
+      wait_clocks(clock, 4);
       cs_n <= '1';
-      clocks(8);
+      wait_clocks(clock, 8);
     end process;
 
   else generate

@@ -140,13 +140,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     variable got, given : natural := 0; -- words read, and written
     variable silence    : natural;      -- clocks in which a word waited and no edge came
     variable served     : natural := 0; -- edges of the event line, as far as they were followed
@@ -177,9 +170,9 @@ begin
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     -- Empty: nothing to read, room for `depth`.
     read_expect(1, 0);
@@ -195,7 +188,7 @@ begin
     end loop;
     read_expect(2, 0);
     put_percent <= 100;
-    pause(depth + 10);
+    wait_clocks(clock, depth + 10);
     check_equal(to_pc_ready, '0', "to_pc_ready of a full queue");
     check_equal(put_count, depth, "words put into a full queue");
     check_equal(not_empty, '1', "not_empty of a full queue");
@@ -212,7 +205,7 @@ begin
           when 2 | 3 =>
             read_one;
           when others =>
-            pause(random.integer_between(1, 8));
+            wait_clocks(clock, random.integer_between(1, 8));
         end case;
       end loop;
     end loop;
@@ -221,10 +214,10 @@ begin
     -- one is pending is not counted twice. Every word arrives, and none is asked for that is not there.
     put_percent  <= 0;
     take_percent <= 100;
-    pause(depth + 10);
+    wait_clocks(clock, depth + 10);
     while not_empty = '1' loop
       read_one;
-      pause(1);
+      wait_clocks(clock, 1);
     end loop;
     watching    <= true;
     put_percent <= 20;
@@ -234,35 +227,35 @@ begin
       end if;
       silence := 0;
       while edges = served loop
-        pause(1);
+        wait_clocks(clock, 1);
         silence := silence + 1 when not_empty = '1' else 0;
         check(silence < 5, "a word waits and the event line does not say so");
       end loop;
       served := edges;
-      pause(random.integer_between(0, 12));
+      wait_clocks(clock, random.integer_between(0, 12));
       read_one;
       check(not refused, "the event line asked for a word that is not there");
-      pause(2);
+      wait_clocks(clock, 2);
     end loop;
     put_percent <= 0;
-    pause(depth + 10);
+    wait_clocks(clock, depth + 10);
 
     -- Not heard, it rises again.
     put_percent <= 100;
-    pause(depth + 10);
+    wait_clocks(clock, depth + 10);
     served := edges;
-    pause(5 * remind_clocks);
+    wait_clocks(clock, 5 * remind_clocks);
     check(edges - served = 5, "reminders: " & integer'image(edges - served));
     put_percent <= 0;
-    pause(2);
+    wait_clocks(clock, 2);
 
     -- Drained, the counts agree.
     put_percent  <= 0;
     take_percent <= 100;
-    pause(depth + 10);
+    wait_clocks(clock, depth + 10);
     while not_empty = '1' loop
       read_one;
-      pause(1);
+      wait_clocks(clock, 1);
     end loop;
     check_equal(to_pc_valid, '0', "a word left over");
     check_equal(got, put_count, "words to the PC");
@@ -273,12 +266,12 @@ begin
     -- A word counts from the clock after it was put in, though it is still on its way through the queue.
     for distance in 0 to 5 loop
       put_percent <= 100;
-      pause(1);
+      wait_clocks(clock, 1);
       put_percent <= 0;
-      pause(distance);
+      wait_clocks(clock, distance);
       read_one;
       check(refused = (distance = 0), "a read " & integer'image(distance) & " clocks after a word was put in");
-      pause(4);
+      wait_clocks(clock, 4);
       if distance = 0 then
         read_one;
       end if;
@@ -297,17 +290,17 @@ begin
 
     -- A reset empties both.
     take_percent <= 0;
-    pause(2);
+    wait_clocks(clock, 2);
     write_one;
-    pause(4);
+    wait_clocks(clock, 4);
     reset <= '1';
-    pause(1);
+    wait_clocks(clock, 1);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     check_equal(from_pc_valid, '0', "from_pc_valid after a reset");
     read_expect(2, depth);
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("fifo_slave_tb");
     done <= true;
     wait;

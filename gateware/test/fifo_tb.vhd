@@ -95,54 +95,47 @@ begin
 
   play : process
 
-    procedure clocks(count : positive) is
-    begin
-      for c in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     variable before : natural;
   begin
-    clocks(3);
+    wait_clocks(clock, 3);
     reset <= '0';
     -- Full: as many words as promised, then not ready.
     write_percent <= 100;
-    clocks(depth + 10);
+    wait_clocks(clock, depth + 10);
     check_equal(written, depth + 1, "capacity");
     check_equal(write_ready, '0', "write_ready when full");
     -- Empty again.
     write_percent <= 0;
     read_percent  <= 100;
-    clocks(depth + 10);
+    wait_clocks(clock, depth + 10);
     check_equal(taken, written, "words out of the full buffer");
     check_equal(read_valid, '0', "read_valid when empty");
     -- A word a clock through both sides.
     write_percent <= 100;
-    clocks(20);
+    wait_clocks(clock, 20);
     before := taken;
-    clocks(100);
+    wait_clocks(clock, 100);
     check_equal(taken - before, 100, "words in 100 clocks");
     -- Everything at random.
     for round in 1 to 20 loop
       write_percent <= (round * 37) mod 101;
       read_percent  <= (round * 61) mod 101;
-      clocks(200);
+      wait_clocks(clock, 200);
     end loop;
     write_percent <= 0;
     read_percent  <= 100;
-    clocks(depth + 10);
+    wait_clocks(clock, depth + 10);
     check_equal(taken, written, "words after random traffic");
     check(taken > 500, "there was traffic");
     -- Reset empties.
     read_percent  <= 0;
     write_percent <= 100;
-    clocks(6);
+    wait_clocks(clock, 6);
     reset <= '1';
-    clocks(2);
+    wait_clocks(clock, 2);
     write_percent <= 0;
     reset <= '0';
-    clocks(5);
+    wait_clocks(clock, 5);
     check_equal(read_valid, '0', "read_valid after reset");
     report_passed("fifo_tb");
     ended <= true;

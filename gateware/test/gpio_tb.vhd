@@ -95,13 +95,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     variable outputs, direction, watch, levels, new_levels : pins_t := (others => '0');
     variable expected : natural := 0;
     variable data     : std_ulogic_vector(31 downto 0);
@@ -115,9 +108,9 @@ begin
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     check_equal(pin_drive, pins_t'(others => '0'), "pin_drive after a reset");
     for index in 1 to 400 loop
@@ -141,10 +134,10 @@ begin
         when 5 =>
           -- Let go in the middle of a clock, as pins do.
           new_levels := random.vector(pins);
-          pause(4);
+          wait_clocks(clock, 4);
           wait for clock_period / 3;
           pin_in <= new_levels;
-          pause(stable_clocks + 6);
+          wait_clocks(clock, stable_clocks + 6);
           if ((new_levels xor levels) and watch) /= pins_t'(others => '0') then
             expected := expected + 1;
           end if;
@@ -157,11 +150,11 @@ begin
             pin_in <= not levels;
             wait until rising_edge(clock);
             pin_in <= levels;
-            pause(stable_clocks + 6);
+            wait_clocks(clock, stable_clocks + 6);
             check_equal(events, expected, "events after a spike");
           end if;
       end case;
-      pause(3);
+      wait_clocks(clock, 3);
       check_equal(pin_out, outputs, "pin_out");
       check_equal(pin_drive, direction, "pin_drive");
       read_expect(0, extended(levels));
@@ -177,13 +170,13 @@ begin
     read(6);
     check(refused, "a read of +6 was answered");
     reset <= '1';
-    pause(1);
+    wait_clocks(clock, 1);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     check_equal(pin_drive, pins_t'(others => '0'), "pin_drive after a reset");
     check_equal(pin_out, pins_t'(others => '0'), "pin_out after a reset");
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("gpio_tb");
     done <= true;
     wait;

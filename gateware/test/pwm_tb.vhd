@@ -110,13 +110,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     constant off   : natural := 0;
     constant on_pwm : natural := 1;
     constant servo : natural := 3;
@@ -155,9 +148,9 @@ begin
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     count_high(0, 100, 0, "high before it is enabled");
 
@@ -175,7 +168,7 @@ begin
         write_ok(2 + channel, widths(channel));
       end loop;
       write_ok(0, on_pwm);
-      pause(3 * period + 10);
+      wait_clocks(clock, 3 * period + 10);
       for channel in 0 to channels - 1 loop
         expect_channel(channel, widths(channel), period, 0);
         read_expect(2 + channel, widths(channel));
@@ -183,10 +176,10 @@ begin
       -- A new width at any time: each pulse is a whole old one or a whole new one.
       before    := widths;
       widths(1) := random.integer_between(1, period - 1);
-      pause(random.integer_between(0, period));
+      wait_clocks(clock, random.integer_between(0, period));
       write_ok(3, widths(1));
       for clock_index in 1 to 3 * period loop
-        pause(1);
+        wait_clocks(clock, 1);
         check(high_clocks(1) = before(1) or high_clocks(1) = widths(1), "a pulse of neither width");
         check_equal(period_clocks(1), period, "period while the width changes");
       end loop;
@@ -198,7 +191,7 @@ begin
     write_ok(2, 50);
     write_ok(3, 0);
     write_ok(4, 25);
-    pause(700);
+    wait_clocks(clock, 700);
     count_high(0, 200, 200, "high clocks at a width of the whole period");
     count_high(1, 200, 0, "high clocks at a width of zero");
     count_high(2, 200, 100, "high clocks at half");
@@ -215,29 +208,29 @@ begin
     write_ok(4, 60000);
     write_ok(0, servo);
     read_expect(0, servo);
-    pause(clocks_of(20_000) * 5 / 2);
+    wait_clocks(clock, clocks_of(20_000) * 5 / 2);
     expect_channel(0, clocks_of(1500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
     expect_channel(1, clocks_of(500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
     expect_channel(2, clocks_of(2500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
     write_ok(2, 0);
-    pause(clocks_of(20_000));
+    wait_clocks(clock, clocks_of(20_000));
     before := pulses;
-    pause(clocks_of(20_000));
+    wait_clocks(clock, clocks_of(20_000));
     check_equal(pulses(0), before(0), "pulses of a limp servo");
     check(pulses(1) > before(1), "the others go on");
 
     write_ok(0, off);
-    pause(3);
+    wait_clocks(clock, 3);
     count_high(1, 100, 0, "high after it was disabled");
     read(2 + channels);
     check(refused, "a read beyond the channels was answered");
     reset <= '1';
-    pause(1);
+    wait_clocks(clock, 1);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     read_expect(2, 0);
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("pwm_tb");
     done <= true;
     wait;

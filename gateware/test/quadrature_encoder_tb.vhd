@@ -82,13 +82,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     variable quarter  : natural range 0 to 3 := 0; -- of a period
     variable position : integer := 0;
     variable indexed  : integer := 0;
@@ -109,7 +102,7 @@ begin
 
     procedure settle is
     begin
-      pause(stable_clocks + 6);
+      wait_clocks(clock, stable_clocks + 6);
     end procedure;
 
     procedure expect_all is
@@ -123,9 +116,9 @@ begin
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     expect_all;
 
@@ -181,7 +174,7 @@ begin
       write_ok(0, as_word(0));
       settle;
       step(1);
-      pause(distance);
+      wait_clocks(clock, distance);
       write_ok(0, as_word(100));
       settle;
       read(0);
@@ -207,7 +200,7 @@ begin
     read_expect(0, as_word(7));
     in_block := false;
     read_expect(0, as_word(7));
-    pause(2);
+    wait_clocks(clock, 2);
     read_expect(0, as_word(8));
 
     write(1, x"00000000");
@@ -217,7 +210,7 @@ begin
 
     -- A reset with the signals high is no step.
     reset <= '1';
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
     settle;
     position := 0;
@@ -226,7 +219,7 @@ begin
     wrong    := 0;
     expect_all;
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("quadrature_encoder_tb");
     done <= true;
     wait;

@@ -109,13 +109,6 @@ begin
       read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
     end procedure;
 
-    procedure pause (count : natural) is
-    begin
-      for step in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     variable model  : word_vector_t(0 to words - 1) := initial;
     variable writes : natural := 0;
     variable data   : word_t;
@@ -144,9 +137,9 @@ begin
 
   begin
     random.seed(seed);
-    pause(6);
+    wait_clocks(clock, 6);
     reset <= '0';
-    pause(2);
+    wait_clocks(clock, 2);
 
     for index in 1 to 600 loop
       address := random.integer_between(0, words + 1);
@@ -165,7 +158,7 @@ begin
             check(refused, "a write of " & integer'image(address) & " was taken");
           end if;
           check_equal(clocks, 2, "clocks of a write");
-          pause(1); -- the next access is another block: it sees the new word even in a snapshot
+          wait_clocks(clock, 1); -- the next access is another block: it sees the new word even in a snapshot
         when 1 =>
           if exists(address) then
             read_expect(address, model(address));
@@ -180,13 +173,13 @@ begin
             status(address) <= data;
             model(address)  := masked(data);
           end if;
-          pause(2);
+          wait_clocks(clock, 2);
       end case;
       if random.chance(30) then
-        pause(random.integer_between(1, 5));
+        wait_clocks(clock, random.integer_between(1, 5));
       end if;
     end loop;
-    pause(1);
+    wait_clocks(clock, 1);
     check_equal(strobes, writes, "written strobes");
 
     -- A write with a byte left out changes nothing.
@@ -196,12 +189,12 @@ begin
 
     -- A block sees the words of its first clock, or without snapshots the words of now.
     status(0) <= masked(x"12345678");
-    pause(3);
+    wait_clocks(clock, 3);
     in_block := true;
     read_expect(0, masked(x"12345678"));
     status(0) <= masked(x"9ABCDEF0");
     status(3) <= masked(x"0F1E2D3C");
-    pause(3);
+    wait_clocks(clock, 3);
     if snapshot then
       read_expect(0, masked(x"12345678"));
       read_expect(3, model(3));
@@ -211,35 +204,35 @@ begin
     end if;
     -- But what the block itself writes, and nothing else: the words beside it stay as they were.
     write_ok(1, masked(x"13579BDF"));
-    pause(1);
+    wait_clocks(clock, 1);
     read_expect(1, masked(x"13579BDF"));
     write_ok(1, masked(x"2468ACE0"));
     write_ok(2, masked(x"55AA55AA"));
     read_expect(1, masked(x"2468ACE0"));
-    pause(1);
+    wait_clocks(clock, 1);
     read_expect(2, masked(x"55AA55AA"));
     if snapshot then
       read_expect(3, model(3));
     end if;
     in_block := false;
     read(0);
-    pause(2);
+    wait_clocks(clock, 2);
     read_expect(0, masked(x"9ABCDEF0"));
     read_expect(3, masked(x"0F1E2D3C"));
 
     -- An access that is given up in the clock of its answer is not answered later.
     m2s <= (cyc => '1', stb => '1', we => '0', adr => x"00000001", dat => x"00000000", sel => "1111");
-    pause(1);
+    wait_clocks(clock, 1);
     m2s <= wishbone_m2s_idle;
-    pause(3);
+    wait_clocks(clock, 3);
 
     reset <= '1';
-    pause(1);
+    wait_clocks(clock, 1);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     read_expect(1, initial(1));
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("register_slave_tb");
     done <= true;
     wait;

@@ -58,9 +58,7 @@ begin
 
     procedure clocks (count : positive) is
     begin
-      for number in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
+      wait_clocks(clock, count);
       wait for 1 ns;
     end procedure;
 

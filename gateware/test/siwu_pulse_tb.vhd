@@ -65,13 +65,6 @@ begin
   play : process is
     variable random : random_t;
 
-    procedure clocks (count : natural) is
-    begin
-      for index in 1 to count loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     procedure say is
     begin
       due <= '1';
@@ -80,9 +73,9 @@ begin
     end procedure;
   begin
     random.seed(seed);
-    clocks(3);
+    wait_clocks(clock, 3);
     reset <= '0';
-    clocks(3);
+    wait_clocks(clock, 3);
     check_equal(pulses, 0, "pulses before any was due");
 
     -- At once: low in the clock behind.
@@ -100,15 +93,15 @@ begin
     -- As often as it is due, if that is not too often; never none at all.
     for index in 1 to 100 loop
       say;
-      clocks(random.integer_between(0, 30));
+      wait_clocks(clock, random.integer_between(0, 30));
     end loop;
     wait for 5 * pulse_ns * 1 ns + 10 * clock_period;
     check(not owed, "the last one was given");
 
     say;
-    clocks(1);
+    wait_clocks(clock, 1);
     reset <= '1';
-    clocks(2);
+    wait_clocks(clock, 2);
     check_equal(siwu_n, '1', "siwu_n in reset");
 
     report_passed("siwu_pulse_tb");

@@ -18,7 +18,7 @@ from unitylink.isochrony import isochrony
 from unitylink.simulate import BoardConfiguration
 from unitylink.tools.conformance_bench import bench
 
-TICKS = 50
+TICKS = 20
 PERIODS = (1.23, 1.31, 1.47)  # between base strobes, in bounds: other phases of the load
 NEAR = 16  # clocks: so near to the bound comes the worst of so many ticks
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "gateware" / "isochrony.md"
