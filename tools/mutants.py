@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Make the mistakes of native/mutants.toml, one at a time, and see the fault simulation catch each.
+"""Make the mistakes of native/mutants.toml, one at a time, and see the fault simulation or a test catch each.
 
     python tools/mutants.py              all of them
     python tools/mutants.py --sample 3   three of them
@@ -29,6 +29,7 @@ BUILD = ROOT / "build" / "native"
 MESSAGES = 10_000
 SEEDS = 24  # a history each, until one of them fails: some mistakes show in one of twelve
 MAIN = ROOT / "native" / "fuzz" / "fuzz_faults.cpp"
+TESTS = ROOT / "native" / "test"  # of a mutant with `test` that one is run instead of the simulation
 FLAGS = ["-std=c++20", "-O1", "-pthread"]
 
 
@@ -57,7 +58,8 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
     """Compile and link one mutant."""
     include = [f"-I{folder}", f"-I{SOURCES}", f"-I{ROOT / 'native' / 'include'}"]
     objects = []
-    for number, unit in enumerate([*changed(mutant, folder), MAIN]):
+    mains = [TESTS / mutant["test"], TESTS / "main.cpp"] if "test" in mutant else [MAIN]
+    for number, unit in enumerate([*changed(mutant, folder), *mains]):
         objects.append(str(folder / f"{number}.o"))
         subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)
     program = folder / "mutant"
@@ -71,6 +73,10 @@ def caught(mutant: dict[str, Any]) -> str:
     """Return what the simulation says of a mutant, "" if nothing."""
     with tempfile.TemporaryDirectory(prefix="unitylink-mutant-") as folder:
         program = build(mutant, Path(folder))
+        if "test" in mutant:
+            done = subprocess.run([str(program)], capture_output=True, text=True, timeout=120, check=False)
+            failed = [line.strip() for line in done.stdout.splitlines() if "ERROR: CHECK" in line]
+            return (failed or [f"it ended with {done.returncode}"])[0] if done.returncode else ""
         for seed in range(1, SEEDS + 1):
             history = ["--seed", str(seed), "--messages", str(MESSAGES), "--profile", mutant["profile"]]
             done = subprocess.run(

@@ -43,6 +43,17 @@ def test_scara_moves_on_the_gateware() -> None:
         assert link.board.time_s > 0.15, "200 counts take 0.05 s of device time"
 
 
+def test_the_line_of_the_gateware_comes_back() -> None:
+    with connect(f"rtl:{SCARA}?plant=scara&timeout=20&reconnect=1") as link:
+        publishes = link.subscribe([0x88], divisor=10)
+        link.board.hang_up()
+        while not link.statistics().reconnections:
+            link.wait_up(60)
+        publishes.drain()
+        assert publishes.wait(60)
+        move(link)
+
+
 def test_both_arms_of_one_spec_move_on_gateware_of_their_own() -> None:
     """Each arm's board is compiled from its own design: `make demo-pa10 RTL=1` in short."""
     spec, plant = load(PAIR), PAIR.with_name("plant.py")

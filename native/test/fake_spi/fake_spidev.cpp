@@ -4,7 +4,7 @@
 //   exchange=1       the board is clocked too: it answers each byte with one
 //   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
 //   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place), whose line 25 is the board's `waiting`
-//   unplug=1000      after so many bytes transfers fail          refuse=22   what setting the speed answers
+//   unplug=1000      so many bytes after it was opened transfers fail   refuse=22   what setting the speed answers
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstdarg>
@@ -150,6 +150,7 @@ int open_instead(const char* name, const char* path, int flags, mode_t mode) {
     p.chip = descriptor;
   } else if (ours && descriptor >= 0 && p.descriptor < 0) {
     p.descriptor = descriptor;
+    p.bytes = 0;  // a port that is opened again is whole again
     connect_board();
   }
   return descriptor;

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from unitylink import DeviceMismatch, LinkBusy, LinkClosed, LinkError, LinkNotFound, UrlError, connect
+from unitylink.errors import LinkDown, OutcomeUnknown
 from unitylink.layer0_driver import Driver
 from unitylink.layer4_data import ReadValue, WriteValue, load_spec_objects
 from unitylink.simulate import Board
@@ -141,6 +142,23 @@ def test_unplugged_in_the_middle_of_a_transfer(plug: Plug) -> None:
             link.read_many(list(range(0x10, 0x14)), atomic=True)
     assert link.closed
     link.close()
+
+
+def test_a_chip_that_is_plugged_in_again(plug: Plug, board: Board) -> None:
+    """Unplugged again and again, each time in the middle of a transfer: every write is told of rightly."""
+    plug(unplug=4000)
+    with connect("ftdi:FT1?mode=fifo&timeout=5", reconnect=True) as link:
+        number = told = 0
+        while link.statistics().reconnections < 3:
+            number += 1
+            try:
+                link.write(0x12, number)
+            except (LinkDown, OutcomeUnknown):
+                assert link.wait_up(30)
+                continue
+            told = number
+            assert board.registers[0x12] == told
+        assert number > 10 * (told > 0)
 
 
 def test_a_link_that_is_closed_lets_go(plug: Plug) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A line that comes back: cut behind every byte, by boards that die and boards that go on."""
+"""A line that comes back: what goes on, what is refused, what is told."""
 
 from __future__ import annotations
 

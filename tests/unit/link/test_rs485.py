@@ -11,9 +11,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from unit.link.reconnect_rig import PATIENCE_S, until
 
 from tests.reference.rs485 import ModelNode, Pair, token
 from unitylink import DeviceMismatch, LinkBusy, LinkClosed, LinkNotFound, LinkTimeout, UrlError, connect
+from unitylink.errors import LinkDown
 from unitylink.protocol import RS485_NODES_MAX
 from unitylink.simulate import Board
 
@@ -45,6 +47,36 @@ def pair(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Pair]:
 
 def url(pair: Pair, node: int, more: str = "") -> str:
     return f"rs485:{pair.path}?node={node}&timeout=2&silence=0.2{more}"
+
+
+def test_an_adapter_that_is_plugged_in_again(tmp_path: Path) -> None:
+    """The pair is gone while two of its nodes are in use; both links have it back."""
+    place = tmp_path / "tty"
+    with ExitStack() as stack:
+        boards = {number: stack.enter_context(Board(endpoint="tcp")) for number in (1, 2)}
+
+        def plugged() -> Pair:
+            host_ports = {n: board.url.removeprefix("tcp://").rpartition(":") for n, board in boards.items()}
+            nodes = {n: ModelNode(n, (host, int(port))) for n, (host, _, port) in host_ports.items()}
+            return Pair(nodes, place, echo=False)
+
+        pair = plugged()
+        links = {n: stack.enter_context(connect(url(pair, n), reconnect=True)) for n in boards}
+        for number, link in links.items():
+            link.write(0x12, number)
+        pair.close()
+        place.unlink(missing_ok=True)
+        for link in links.values():
+            until(lambda link=link: link.trouble)
+            with pytest.raises(LinkDown):
+                link.write(0x12, 9)
+        pair = plugged()
+        stack.callback(pair.close)
+        for number, link in links.items():
+            assert link.wait_up(PATIENCE_S)
+            assert link.read(0x12) == number, "what was refused was not written"
+            link.write(0x12, 10 + number)
+            assert boards[number].registers[0x12] == 10 + number
 
 
 def test_three_nodes_at_once(pair: Pair) -> None:

@@ -134,6 +134,25 @@ def test_a_transfer_that_fails_ends_the_link(spi_client: SpiClient, board: Board
     assert "an SPI transfer failed: Input/output error" in said and said.endswith("True\n")
 
 
+def test_a_port_that_fails_is_opened_again(spi_client: SpiClient, board: Board) -> None:
+    code = """
+        from unitylink import connect
+        from unitylink.errors import LinkDown, OutcomeUnknown
+        with connect("spi:/dev/spidev0.0?timeout=5&reconnect=1") as link:
+            number = 0
+            while link.statistics().reconnections < 2:
+                number += 1
+                try:
+                    link.write(0x12, number)
+                except (LinkDown, OutcomeUnknown):
+                    assert link.wait_up(30)
+            link.write(0x12, 7)
+            print(link.read(0x12), number > 10)
+    """
+    assert spi_client(code, port=port_of(board), unplug=20000) == "7 True\n"
+    assert board.registers[0x12] == 7
+
+
 def test_one_program_at_a_time(spi_client: SpiClient, board: Board, tmp_path: Path) -> None:
     code = """
         import fcntl
