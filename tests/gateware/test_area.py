@@ -33,12 +33,13 @@ def grown(flow: Any, row: Any, recorded: dict[str, Any]) -> list[str]:
     """Return what yosys counts more of than the record has, of a row whose gateware has changed since."""
     if recorded.get("digest") == flow.digest(row):
         return []
-    mapped = flow.map_cells(flow.verilog_of(row), flow.top_of(row), flow.ICE40)
+    chip = row.chips[0]
+    mapped = flow.map_cells(flow.verilog_of(row), flow.top_of(row), flow.CHIPS[chip])
     counts = {"luts": mapped.luts, "flip_flops": mapped.flip_flops}
     return [
-        f"{row.name}: {count} {what} instead of {recorded['ice40'][what]}"
+        f"{row.name}: {count} {what} instead of {recorded[chip][what]}"
         for what, count in counts.items()
-        if count > recorded["ice40"][what] * GROWTH_MOST
+        if count > recorded[chip][what] * GROWTH_MOST
     ]
 
 
@@ -59,6 +60,8 @@ def test_the_digest_is_of_the_gateware_and_of_the_generics(
     row = next(row for row in rows() if row.name == "smallest")
     before = flow.digest(row)
     assert flow.digest(dataclasses.replace(row, settings={})) != before
+    design = next(row for row in rows() if row.name == "hello_led")
+    assert flow.digest(dataclasses.replace(design, protocol="framed")) != flow.digest(design)
     read = flow.plain_text
     monkeypatch.setattr(flow, "plain_text", lambda path: read(path) + " x" * (path.name == "receiver.vhd"))
     assert flow.digest(row) != before

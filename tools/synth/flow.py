@@ -23,7 +23,6 @@ from unitylink.gateware.netlist import netlist
 from unitylink.generate.vhdl.settings import core_settings
 
 ROOT = Path(__file__).resolve().parents[2]
-SEEDS = (1, 2, 3)
 SECONDS_MOST = 600
 TARGET_MHZ = 100
 
@@ -128,7 +127,7 @@ def verilog_of(row: Row) -> str:
         return netlist(row.top, assertions=False)
     with tempfile.TemporaryDirectory() as folder:
         spec = ROOT / "examples" / row.example / f"{row.example}.ul"
-        generate = ["generate", str(spec), "--only", "vhdl", "--protocol", "classic", "--out", folder]
+        generate = ["generate", str(spec), "--only", "vhdl", "--protocol", row.protocol, "--out", folder]
         call(sys.executable, "-m", "unitylink", *generate)
         sources = sorted(Path(folder).rglob("*.vhd"))
         return netlist(row.top, sources=sources, assertions=False)
@@ -149,7 +148,8 @@ def core_netlist(settings: Mapping[str, int | str | bool]) -> str:
 
 def digest(row: Row) -> str:
     """Return 16 hex digits over what the row's netlist is made of; comments and blanks do not count."""
-    said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), row.example)).encode())
+    design = f"{row.example} {row.protocol}" if row.example else ""
+    said = hashlib.sha256(repr((row.top, sorted({**SMALL, **row.settings}.items()), design)).encode())
     spec = ROOT / "examples" / row.example / f"{row.example}.ul"
     paths = needed_sources("core" if row.example else row.top, gateware_sources())
     for text in (*map(plain_text, paths), spec.read_text(encoding="utf-8") if row.example else ""):
@@ -176,10 +176,10 @@ def map_cells(verilog: str, top: str, chip: Chip) -> Mapped:
         )
 
 
-def place(mapped: Mapped) -> dict[str, float | int | list[float]]:
-    """Place and route with every seed; the figures of a row of the record."""
+def place(mapped: Mapped, seeds: Sequence[int]) -> dict[str, float | int | list[float]]:
+    """Place and route with each of the seeds; the figures of a row of the record."""
     clocks, used = [], {}
-    for seed in SEEDS:
+    for seed in seeds:
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "design.json").write_text(mapped.netlist, encoding="utf-8")
             # In the folder and by bare names: the tool from PyPI is WebAssembly and sees not all paths.

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+SEEDS = (1, 2, 3)  # of placements
+
 
 @dataclass(frozen=True)
 class Row:
@@ -15,7 +17,10 @@ class Row:
     what: str
     top: str = "core"
     settings: Mapping[str, int | str | bool] = field(default_factory=dict)  # that differ from SMALL
-    example: str = ""  # the folder in examples/ whose generated design it is, classic
+    example: str = ""  # the folder in examples/ whose generated design it is
+    protocol: str = "classic"  # of that design; a core has it among its settings
+    chips: tuple[str, ...] = ("ice40", "ecp5")
+    seeds: tuple[int, ...] = SEEDS
     cells_most: int | None = None  # on iCE40
     mhz_least: float | None = None  # on iCE40, the median of the seeds
 
@@ -29,8 +34,18 @@ SMALL: Mapping[str, int | str | bool] = {
     "exchange_size": 16,
 }
 
+# What a spec without wishes of its own gets, framed: on it the remedies of unitylink.boards.fit are measured.
+SHIPPED = {**SMALL, "protocol": "framed", "groups": 16, "group_size": 32, "exchange_size": 30}
+
+
+def _smaller(name: str, what: str, **settings: int | bool) -> Row:
+    """Return what is measured for its cells alone: on one chip, placed once."""
+    changed = {**SHIPPED, **settings}
+    return Row(name, f"`shipped` {what}", settings=changed, chips=("ice40",), seeds=SEEDS[:1])
+
+
 ROWS = (
-    Row("core", "8-bit address, 32-bit data, two groups of 16", cells_most=1100, mhz_least=100.0),
+    Row("core", "8-bit address, 32-bit data, two groups of 16", cells_most=1100, mhz_least=99.0),
     Row("no_publishing", "the same without publishing", settings={"publish_mode": 0}, cells_most=700),
     Row("groups_16", "16 groups of 16", settings={"groups": 16}),
     Row("no_checksum", "checksum none", settings={"checksum": "none"}),
@@ -58,14 +73,35 @@ ROWS = (
     ),
     Row("framed", "framed alone, with all there is", settings={"protocol": "framed"}, mhz_least=48.0),
     Row(
+        "shipped",
+        "framed as it is generated: 16 groups of 32, exchange groups of 30",
+        settings=SHIPPED,
+        chips=("ice40",),
+        seeds=SEEDS[:1],
+    ),
+    _smaller("no_lists", "without lists", lists=False),
+    _smaller("no_exchanges", "without exchange groups", exchanges=0),
+    _smaller("groups_2", "with two groups", groups=2),
+    _smaller("window_16", "with a window of 16 requests", window=16),
+    Row(
         "hello_led",
         "a whole design, classic: UART, FIFOs, core, registers (examples/hello_led)",
         top="hello_led_top",
         example="hello_led",
     ),
+    # Placed once.
+    Row(
+        "hello_led_framed",
+        "the same, framed",
+        top="hello_led_top",
+        example="hello_led",
+        protocol="framed",
+        chips=("ice40",),
+        seeds=SEEDS[:1],
+    ),
     Row(
         "servo",
-        "a whole design: the same with PWM, encoder and an event (examples/servo)",
+        "a whole design, classic: the same with PWM, encoder and an event (examples/servo)",
         top="servo_top",
         example="servo",
     ),

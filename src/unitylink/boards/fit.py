@@ -30,20 +30,21 @@ def _above(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
     return lambda configuration: int(getattr(configuration, name, 0)) > value
 
 
+def _framed(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
+    """Say the same of a setting that counts only where frames are spoken."""
+    above = _above(name, value)
+    return lambda configuration: configuration.protocol != "classic" and above(configuration)
+
+
 # The figures follow from the rows of gateware/area.json (tests/unit/boards/test_fit.py).
 REMEDIES = (
     Remedy("--protocol classic", "text alone, without frames", 1300, 14, lambda c: c.protocol == "both"),
     Remedy("--protocol framed", "frames alone, without text", 550, 7, lambda c: c.protocol == "both"),
-    Remedy("--set groups=2", "2 publish groups instead of 16", 360, 0, _above("groups", 2)),
-    Remedy(
-        "--set lists=false --set exchanges=0 --set deadman=false",
-        "frames without lists, exchange groups and dead-man",
-        300,
-        4,
-        lambda c: c.protocol != "classic" and _above("lists", 0)(c),
-    ),
+    Remedy("--set groups=2", "2 publish groups instead of 16", 400, 1, _above("groups", 2)),
     Remedy("--set publish_mode=0", "no publishing", 260, 4, _above("publish_mode", 0)),
-    Remedy("--set window=32", "half of the reply cache", 0, 1, _above("window", 32)),
+    Remedy("--set lists=false", "no lists and post lists", 130, 0, _framed("lists", 0)),
+    Remedy("--set exchanges=0", "no exchange groups", 40, 0, _framed("exchanges", 0)),
+    Remedy("--set window=16", "fewer requests in flight", 20, 1, _framed("window", 16)),
 )
 
 
