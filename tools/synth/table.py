@@ -99,6 +99,16 @@ ROWS = (
         chips=("ice40",),
         seeds=SEEDS[:1],
     ),
+    # Both together have more block RAM than an iCE40.
+    Row(
+        "hello_led_both",
+        "the same, both protocols",
+        top="hello_led_top",
+        example="hello_led",
+        protocol="both",
+        chips=("ecp5",),
+        seeds=SEEDS[:1],
+    ),
     Row(
         "servo",
         "a whole design, classic: the same with PWM, encoder and an event (examples/servo)",
