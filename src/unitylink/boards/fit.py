@@ -53,7 +53,7 @@ def remedies(configuration: BoardConfiguration) -> Iterator[str]:
     for one in REMEDIES:
         if one.helps(configuration):
             parts = [f"{one.cells} cells"] if one.cells else []
-            parts += [f"{one.memories} block RAMs"] if one.memories else []
+            parts += [f"{one.memories} block RAM{'s'[: one.memories > 1]}"] if one.memories else []
             yield f"{one.option}: {one.what}, about {' and '.join(parts)} less"
     yield "fewer words in the spec, or a narrower DATA of its link: each bit of a word takes a flip-flop"
 

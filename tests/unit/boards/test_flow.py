@@ -57,7 +57,7 @@ def order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Order:
             FULL,
             BoardError,
             r"does not fit on iCE40-HX8K .*: it takes 7889 ICESTORM_LC and it has 5280\. What would help.*"
-            r"\n  --set groups=2: 2 publish groups instead of 16, about 360 cells less\n",
+            r"\n  --set groups=2: 2 publish groups instead of 16, about 400 cells and 1 block RAM less\n",
         ),
         (
             SLOW,
