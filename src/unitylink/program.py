@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a program of this project ends: no error, no Ctrl-C and no closed pipe leaves as a traceback."""
+"""How a program of this project ends: errors, signals and closed pipes, and none of them as a traceback."""
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Callable
-from typing import NoReturn
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
 
 from unitylink.errors import UnityLinkError
 
@@ -46,3 +49,29 @@ def silence_stdout() -> None:
 def _complain(name: str, message: str) -> int:
     print(f"{name}: {message}", file=sys.stderr)
     return 1
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM, and SIGINT in the background too, do what Ctrl-C does: end with the link closed."""
+    with _heard_by(signal.default_int_handler):
+        yield
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[threading.Event]:
+    """Give an event that SIGINT and SIGTERM set, and do nothing else."""
+    stop = threading.Event()
+    with _heard_by(lambda *_: stop.set()):
+        yield stop
+
+
+@contextmanager
+def _heard_by(handler: Callable[..., Any]) -> Iterator[None]:
+    """Handlers are of the process: whoever called, a program or a test, has its own back at the end."""
+    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, one in before.items():
+            signal.signal(number, one)

@@ -5,16 +5,17 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import UnityLinkError, UrlError
+from unitylink.program import stopped_by_signals
 
 from .dds import DdsPlane
 from .health import diagnostics
@@ -104,31 +105,28 @@ def run_dds(
     text = os.environ.get("ROS_DOMAIN_ID", "0") or "0"
     if not text.isdigit() or int(text) > 232:
         raise UrlError(f"ROS_DOMAIN_ID={text}: expected 0 to 232")
-    stop = until if until is not None else threading.Event()
-    if until is None:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: stop.set())
-    options = parameters.options()
-    plane = DdsPlane(interface, namespace, int(text))
-    node = RobotNode(
-        interface,
-        plane,
-        lambda: connect(parameters.link, reconnect="auto"),
-        build,
-        options,
-        services=services,
-    )
-    told = plane.advertise(DIAGNOSTICS)
-    plane.start()
-    name = f"{namespace.rstrip('/')}/unitylink"
-    try:
-        while not stop.is_set() and not node.keeper.ended.is_set():
-            told.send(diagnostics(plane, name, node.health(), time.monotonic()))
-            stop.wait(DIAGNOSTICS_PERIOD_S)
-    finally:
-        plane.close()
-        node.close()
-    return 1 if node.keeper.failure is not None else 0
+    with stopped_by_signals() if until is None else nullcontext(until) as stop:
+        options = parameters.options()
+        plane = DdsPlane(interface, namespace, int(text))
+        node = RobotNode(
+            interface,
+            plane,
+            lambda: connect(parameters.link, reconnect="auto"),
+            build,
+            options,
+            services=services,
+        )
+        told = plane.advertise(DIAGNOSTICS)
+        plane.start()
+        name = f"{namespace.rstrip('/')}/unitylink"
+        try:
+            while not stop.is_set() and not node.keeper.ended.is_set():
+                told.send(diagnostics(plane, name, node.health(), time.monotonic()))
+                stop.wait(DIAGNOSTICS_PERIOD_S)
+        finally:
+            plane.close()
+            node.close()
+        return 1 if node.keeper.failure is not None else 0
 
 
 def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: Sequence[str]) -> int:

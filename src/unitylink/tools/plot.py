@@ -17,9 +17,9 @@ import click
 
 from unitylink.errors import LinkError
 from unitylink.optional import absent
+from unitylink.program import ended_by_signals
 from unitylink.values import Quantity
 
-from .ended_by_signals import ended_by_signals
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
 from .output import colours, terminal

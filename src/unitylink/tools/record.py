@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import click
 
 from unitylink.errors import LinkError
+from unitylink.program import ended_by_signals
 
-from .ended_by_signals import ended_by_signals
 from .link_option import link_argument, open_target, spec_option
 from .output import json_option, print_json
 from .sampled import count_option, duration_option, rate_option, sampled_items

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import ipaddress
-import signal
 import sys
-import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from unitylink.program import stopped_by_signals
 
 if TYPE_CHECKING:
     from unitylink.simulate import Board
@@ -49,15 +49,13 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
 
     What `announce` prints is flushed, for whoever waits for it. Raises the error that ended the board.
     """
-    stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):  # before the announcement: who reads it may send one
-        signal.signal(number, lambda *_: stop.set())
-    announce()
-    sys.stdout.flush()
-    while not stop.wait(_TICK_S):
-        if board.error is not None:
-            raise board.error
-        look()
+    with stopped_by_signals() as stop:  # before the announcement: who reads it may send one
+        announce()
+        sys.stdout.flush()
+        while not stop.wait(_TICK_S):
+            if board.error is not None:
+                raise board.error
+            look()
     lag_s = board.statistics.time_slipped_s
     if lag_s >= _LAG_S:  # and with its clock all that it publishes stood still now and then
         lag = f"the clock of the board lags {lag_s:.2f} s: this machine was too busy to run it in time"

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .ended_by_signals import ended_by_signals
+from unitylink.program import ended_by_signals
+
 from .link_option import link_argument, open_target, spec_option
 from .names import Item
 from .output import terminal

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from unitylink.errors import UrlError
-from unitylink.program import run_program
+from unitylink.program import ended_by_signals, run_program, stopped_by_signals
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
@@ -50,3 +52,15 @@ def test_a_reader_that_goes_away_is_no_error(options: list[str]) -> None:
         process.stdout.close()
         assert process.stderr.read() == ""
     assert process.returncode == 141
+
+
+def test_a_signal_stops_or_ends_and_handlers_come_back() -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with stopped_by_signals() as stop:
+            os.kill(os.getpid(), number)
+            assert stop.wait(60)
+        with pytest.raises(KeyboardInterrupt), ended_by_signals():
+            os.kill(os.getpid(), number)
+            stop.wait(60)
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before

@@ -58,7 +58,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         *SHARED,
     },
     # A node is built on layer 4; who starts it hands it what opens links.
-    "ros": {"optional", "layer4_data", "layer2_message", "spec", "values", *SHARED},
+    "ros": {"optional", "program", "layer4_data", "layer2_message", "spec", "values", *SHARED},
     "resources": SHARED,
     "recording": {"optional", *SHARED},
     # The doctor tries what a link would do, below it and through it.
