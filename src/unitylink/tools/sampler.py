@@ -181,7 +181,8 @@ class Sampler:
         raise LinkTimeout(f"{silence}; the device answers, but publishes nothing")
 
     def _next(self, wait_s: float) -> Sample | None:
-        if self._gather_s and self._arrived.empty():
+        due_s = self._held.due_s(self._link.now_s())
+        if self._gather_s and self._arrived.empty() and (due_s is None or due_s > 0):
             time.sleep(max(0.0, min(self._gather_s, wait_s)))
             wait_s -= self._gather_s
         until = time.monotonic() + wait_s
