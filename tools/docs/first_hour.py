@@ -120,6 +120,8 @@ SECTIONS: list[tuple[str, list[Command]]] = [
 
 # What differs from run to run; its numbers are not shown.
 VOLATILE = (
+    r"cpython \d+\.\d+",
+    r"/python\d+\.\d+/",
     r"robot time \d+\.\d+ s",
     r"real time \d+\.\d+ s",
     r"jitter \d+\.\d+ ms",
@@ -225,6 +227,7 @@ def stable(said: str, folder: str) -> str:
         said = re.sub(volatile, lambda found: re.sub(r"\d+([.,]\d+)*", "…", found.group()), said, flags=re.M)
     said = re.sub(r"(?m)^( +)\d+\.\d{6}", r"\1…       ", said)  # times of watch and decode, and their width
     said = re.sub(r"(ports on this machine:) .*", r"\1 …", said)
+    said = re.sub(r"(?m)(\(what is not shown is 0\)\n)(  .*\n)+", r"\1  …\n", said)  # counters
     said = re.sub(r"(?m)^\[\d+\]\s.*\n", "", said)  # what bash says of jobs
     return "".join(f"{line.rstrip()}\n" for line in said.splitlines())
 
