@@ -4,7 +4,7 @@
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
-#   make test    proves that everything works (checks, unit, native, conformance, end to end)
+#   make test    tries all of it (checks, unit, native, conformance, end to end)
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner)

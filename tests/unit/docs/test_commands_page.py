@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""docs/command-line.md and docs/performance.md name all commands, their JSON, all figures."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from unitylink import cli
+from unitylink.tools.bench import FIGURES
+
+DOCS = Path(__file__).resolve().parents[3] / "docs"
+
+
+def first_cells(text: str) -> set[str]:
+    """Return the words in code type in the first column of the tables."""
+    cells = re.findall(r"^\| (`[^|]*?) \|", text.replace("\\|", " "), re.M)
+    return {word for cell in cells for word in re.findall(r"`([\w-]+)", cell)}
+
+
+def test_every_command_and_what_it_prints_as_json() -> None:
+    page = (DOCS / "command-line.md").read_text("utf-8")
+    commands, as_json = page.split("`--json` prints instead:")
+    assert set(cli.COMMANDS) - first_cells(commands) == set()
+    context = click.Context(cli.cli)
+    printing = {
+        name
+        for name in cli.COMMANDS
+        if (command := cli.cli.get_command(context, name)) is not None
+        and any("--json" in parameter.opts for parameter in command.params)
+    }
+    assert first_cells(as_json.split("\n\n", 2)[1]) == printing
+
+
+def test_every_figure_of_the_bench() -> None:
+    page = (DOCS / "performance.md").read_text("utf-8")
+    assert set(FIGURES) - first_cells(page.split("## How each is measured")[0]) == set()

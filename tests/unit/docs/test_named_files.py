@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every file of this checkout that a page names in code type is there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+FOLDERS = ("bench", "boards", "cmake", "docs", "editors", "examples", "gateware", "native", "protocol")
+FOLDERS += ("src", "tests", "tools")
+PAGES = sorted(page for folder in (".", *FOLDERS) for page in (ROOT / folder).glob("*.md"))
+PAGES += sorted((ROOT / "docs" / "gateware").glob("*.md"))
+NAMED = re.compile(rf"`((?:{'|'.join(FOLDERS)})/[\w./*-]+)`")
+LATER = {  # what is not of this checkout: files that the reader makes, those of a generated package
+    "docs/gateware/testing.md": {"gateware/test/blinker_tb.vhd"},
+    "docs/ros.md": {"src/ros2_control.cpp", "src/node.cpp"},
+}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_named_files_are_there(page: Path) -> None:
+    name = str(page.relative_to(ROOT))
+    named = set(NAMED.findall(page.read_text("utf-8"))) - LATER.get(name, set())
+    placeholders = {file for file in named if re.search(r"[A-Z]{4}", file)}  # boards/NAME/board.toml
+    assert [file for file in sorted(named - placeholders) if not any(ROOT.glob(file.rstrip("/")))] == []
