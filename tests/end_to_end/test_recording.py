@@ -7,14 +7,16 @@ import csv
 import json
 import signal
 import subprocess
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from unitylink.recording import samples
+from unitylink.recording import RecordingTruncated, Sample, samples
 
-from .conftest import SCARA, UNITYLINK, Run
+from .conftest import PATIENCE_S, SCARA, UNITYLINK, Run
 
 
 @pytest.fixture
@@ -99,3 +101,31 @@ def test_a_disk_that_fills_up_ends_the_recording_with_what_it_holds(tmp_path: Pa
     )
     assert done.returncode == 1 and "it holds the first" in done.stderr and "Traceback" not in done.stderr
     assert len(list(samples(tmp_path / "s.csv"))) > 0
+
+
+def test_a_recording_that_is_killed_leaves_what_came_until_a_moment_ago(tmp_path: Path) -> None:
+    """Ten samples a second: 64 kB of them would be minutes."""
+    files = [tmp_path / "s.mcap", tmp_path / "s.csv"]
+    words = [UNITYLINK, "record", f"sim:{SCARA}?plant=ramp", "j*.cpos", "--rate", "10", "--out"]
+    running = [subprocess.Popen([*words, file], stdout=subprocess.DEVNULL) for file in files]
+    try:
+        end_s = time.monotonic() + PATIENCE_S
+        for file in files:
+            while not file.exists() or len(found(file)) < 3:
+                assert time.monotonic() < end_s, f"nothing is in {file}"
+                time.sleep(0.05)
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+    for file in files:
+        assert [sample.time_s for sample in found(file)] == sorted(sample.time_s for sample in found(file))
+
+
+def found(path: Path) -> list[Sample]:
+    """What can be read of a recording that is being made, or was killed."""
+    seen: list[Sample] = []
+    with suppress(RecordingTruncated):
+        for sample in samples(path):
+            seen.append(sample)
+    return seen

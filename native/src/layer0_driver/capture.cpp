@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace unitylink {
@@ -75,12 +76,18 @@ std::uint64_t Capture::now_ns() noexcept {
 }
 
 Outcome Capture::create(const std::string& path, std::string_view comment, std::unique_ptr<Capture>& capture) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // As output_file.py: a capture is not written over a file, nor through a link to one; a pipe or device that is there is opened.
+  struct stat there {};
+  const bool stream = ::stat(path.c_str(), &there) == 0 && (S_ISFIFO(there.st_mode) || S_ISCHR(there.st_mode));
+  const int descriptor = ::open(path.c_str(), stream ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0 && errno == EEXIST) {
+    return {Status::permission, "trace=" + path + ": there is such a file already; name another, or remove it"};
+  }
   if (descriptor < 0) {
     const Status status = errno == EACCES || errno == EPERM || errno == EROFS ? Status::permission : Status::not_found;
     return {status, "trace=" + path + ": " + std::strerror(errno) + "; name a file in a folder that can be written"};
   }
-  capture.reset(new Capture(descriptor, path));
+  capture.reset(new Capture(descriptor, path, !stream));
   capture->buffer_ = head(comment);
   capture->buffer_.reserve(buffer_bytes);
   capture->flush();  // a full disk is known at once
@@ -90,7 +97,7 @@ Outcome Capture::create(const std::string& path, std::string_view comment, std::
   return {};
 }
 
-Capture::Capture(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
+Capture::Capture(int descriptor, std::string path, bool made) : descriptor_(descriptor), path_(std::move(path)), made_(made) {}
 
 Capture::~Capture() { close(); }
 
@@ -99,6 +106,7 @@ void Capture::add(std::uint64_t time_ns, Direction direction, std::span<const st
   while (!bytes.empty() && descriptor_ >= 0 && error_ == 0) {
     const std::span<const std::uint8_t> piece = bytes.first(std::min(bytes.size(), buffer_bytes / 2));
     bytes = bytes.subspan(piece.size());
+    empty_ = false;
     const std::size_t length = padded(piece.size()) + packet_overhead;
     if (buffer_.size() + length > buffer_bytes) {
       flush();
@@ -144,6 +152,18 @@ void Capture::close() noexcept {
       error_ = errno;
     }
     descriptor_ = -1;
+  }
+}
+
+bool Capture::empty() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return empty_;
+}
+
+void Capture::discard() noexcept {
+  close();
+  if (made_) {
+    ::unlink(path_.c_str());
   }
 }
 

@@ -20,7 +20,7 @@ class Capture {
  public:
   enum class Direction : std::uint32_t { received = 1, sent = 2 };  // epb_flags: inbound, outbound
 
-  // Makes the file anew. `comment` goes into its head: the URL of the link.
+  // Makes the file; refuses one that is there. `comment` goes into its head: the URL of the link.
   [[nodiscard]] static Outcome create(const std::string& path, std::string_view comment, std::unique_ptr<Capture>& capture);
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
@@ -31,18 +31,22 @@ class Capture {
   // From any thread, so not always in the order of the times. Bytes are buffered, and in the file a quarter of a second later at the latest if more follow, else at close().
   void add(std::uint64_t time_ns, Direction direction, std::span<const std::uint8_t> bytes) noexcept;
   void close() noexcept;
+  // Whether no byte went over the wire yet; and: closes, and takes the file away where create() made it.
+  [[nodiscard]] bool empty() const noexcept;
+  void discard() noexcept;
   // In a forked child: what is buffered is the parent's to write.
   void disown() noexcept;
   // Empty, or why the file ends before the link did. What it holds until then is whole.
   [[nodiscard]] std::string failure() const;
 
  private:
-  Capture(int descriptor, std::string path);
+  Capture(int descriptor, std::string path, bool made);
   void flush() noexcept;
 
   mutable std::mutex mutex_;
   int descriptor_;
   std::string path_;
+  bool made_, empty_ = true;
   int error_ = 0;
   std::uint64_t flushed_ns_ = 0;
   std::vector<std::uint8_t> buffer_;

@@ -84,6 +84,10 @@ Outcome DriverSource::open(std::unique_ptr<Driver>& driver, int cancelled) {
     capture_ = std::move(made);
   }
   Outcome outcome = open_port(url_, timeout_ns_, cancelled, driver);
+  if (!outcome.ok() && capture_ != nullptr && capture_->empty()) {  // the next try is not to find a file in its way
+    capture_->discard();
+    capture_.reset();
+  }
   if (outcome.ok() && capture_ != nullptr) {
     driver = std::make_unique<CapturingDriver>(std::move(driver), capture_);
   }

@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, BinaryIO
 
 from unitylink.errors import UnityLinkError
+from unitylink.output_file import create_output
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -131,20 +132,17 @@ def _options(order: str, data: bytes) -> dict[int, bytes]:
 
 
 class PcapngWriter:
-    """Write packets to a capture, made anew; a context manager.
+    """Write packets to a capture; a context manager. With `force` it replaces a file that is there.
 
         with PcapngWriter("out.pcapng") as writer:
             writer.write(Packet(time_s=0.0, direction="sent", data=b"#RLC\\n"))
 
-    Raises UnityLinkError where the file cannot be written; what it holds until then is whole.
+    Raises UnityLinkError where the file cannot be written or exists; what it holds until then is whole.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, *, force: bool = False) -> None:
         self.path = path
-        try:
-            self._stream = open(path, "wb")  # noqa: SIM115  # closed by close()
-        except OSError as error:
-            raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+        self._stream = open(create_output(path, force=force), "wb")  # noqa: SIM115  # closed by close()
         section = struct.pack("<IHHq", _MAGIC, 1, 0, -1) + _option(_APPLICATION, b"unitylink") + _option(_END)
         interface = struct.pack("<HHI", LINK_TYPE_USER0, 0, 0) + _option(_RESOLUTION, b"\x09") + _option(_END)
         self._write(_block(_SECTION, section) + _block(_INTERFACE, interface))

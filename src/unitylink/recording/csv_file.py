@@ -15,20 +15,22 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from unitylink.errors import UnityLinkError
+from unitylink.output_file import create_output
 
-from .recording import RecordingTruncated, Sample
+from .recording import RecordingTruncated, Sample, is_number
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 _TIME = "time_s"
 _FLUSH_BYTES = 1 << 15
+_TIME_MOST_S = 1e11  # the year 5138
 
 
 class CsvWriter:
     """Writes whole lines only: whatever ends the program, the file is a CSV file."""
 
-    def __init__(self, path: str | Path, names: tuple[str, ...] = ()) -> None:
+    def __init__(self, path: str | Path, names: tuple[str, ...] = (), *, force: bool = False) -> None:
         self.path = path
         self.count = 0
         self.size_bytes = 0
@@ -36,10 +38,7 @@ class CsvWriter:
         self._waiting = io.StringIO()
         self._written = 0  # samples that are in the file
         self._rows = csv.writer(self._waiting, lineterminator="\n")
-        try:
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
-        except OSError as error:
-            raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+        self._file = create_output(path, force=force)
 
     def add(self, sample: Sample) -> None:
         """Add a line."""
@@ -55,9 +54,10 @@ class CsvWriter:
         self._rows.writerow(row)
         self.count += 1
         if self._waiting.tell() > _FLUSH_BYTES:
-            self._flush()
+            self.flush()
 
-    def _flush(self) -> None:
+    def flush(self) -> None:
+        """Write what is waiting: then it is in the file, whatever becomes of the program."""
         data = self._waiting.getvalue().encode("utf-8")
         self._waiting.seek(0)
         self._waiting.truncate()
@@ -79,7 +79,7 @@ class CsvWriter:
         """Write what is left and close the file."""
         if self._file >= 0:
             try:
-                self._flush()
+                self.flush()
             finally:
                 os.close(self._file)
                 self._file = -1
@@ -111,6 +111,8 @@ def read_csv(path: str | Path) -> Iterator[Sample]:
         with open(path, encoding="utf-8", newline="") as stream:
             rows = csv.reader(_lines(stream, path))
             header = next(rows, None)
+            if header is None:
+                raise RecordingTruncated(f"{path}: cut off before its first line")
             if not header or header[0] != _TIME:
                 raise UnityLinkError(f"{path}: its first column is not {_TIME}: this is no recording of ours")
             for row in rows:
@@ -120,10 +122,13 @@ def read_csv(path: str | Path) -> Iterator[Sample]:
                     values = {
                         name: _value(text) for name, text in zip(header[1:], row[1:], strict=True) if text
                     }
-                    yield Sample(float(row[0]), values)
-                except ValueError as error:
+                    time_s = float(row[0])
+                    if not abs(time_s) < _TIME_MOST_S:
+                        raise ValueError(f"a time of {time_s}")
+                    yield Sample(time_s, values)
+                except (ValueError, RecursionError) as error:
                     raise UnityLinkError(f"{path}: line {rows.line_num}: {error}") from error
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise UnityLinkError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
 
 
@@ -137,10 +142,16 @@ def _lines(stream: TextIO, path: str | Path) -> Iterator[str]:
 
 def _value(text: str) -> Any:
     if text.startswith("{"):
-        return json.loads(text)
+        fields = json.loads(text)
+        if not all(isinstance(field, str) or is_number(field) for field in fields.values()):
+            raise ValueError(f"{text[:40]} is no packed value")
+        return fields
     for kind in (int, float):
         try:
-            return kind(text)
+            number = kind(text)
         except ValueError:
             continue
+        if not is_number(number) or (math.isinf(number) and text[-1:].isdigit()):
+            raise ValueError("a number that no item can have")
+        return number
     return text  # a member of an enumeration

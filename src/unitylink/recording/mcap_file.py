@@ -11,8 +11,8 @@ import json
 import math
 import os
 import re
-import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
@@ -21,15 +21,16 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import UnityLinkError
 from unitylink.optional import absent
+from unitylink.output_file import create_output
 
-from .recording import Origin, RecordingTruncated, Sample
+from .recording import Origin, Sample
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_CHUNK_BYTES = 1 << 16  # what is lost when the program is killed
-_ORIGIN = "unitylink"  # the metadata record with the spec
-_NAMES = "names"  # a channel's metadata: the paths, in order
+_CHUNK_BYTES = 1 << 16
+ORIGIN = "unitylink"  # the metadata record with the spec
+NAMES = "names"  # a channel's metadata: the paths, in order
 _NAMED = 3  # in a topic; more would be no name
 _NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
@@ -47,11 +48,8 @@ def need_library() -> None:
 class _Counting:
     """A file that knows how much of it is whole, and ends there when the disk is full."""
 
-    def __init__(self, path: str | Path) -> None:
-        try:
-            self.file = open(path, "wb", buffering=0)  # noqa: SIM115  # closed by McapWriter.close()
-        except OSError as error:
-            raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+    def __init__(self, path: str | Path, *, force: bool) -> None:
+        self.file = open(create_output(path, force=force), "wb", buffering=0)  # noqa: SIM115  # by close()
         self.size_bytes = 0
 
     def write(self, data: bytes) -> int:
@@ -76,7 +74,12 @@ class McapWriter:
     """Writes chunks of 64 KiB, each whole before the next begins."""
 
     def __init__(
-        self, path: str | Path, origin: Origin, topics: Mapping[tuple[str, ...], str] | None = None
+        self,
+        path: str | Path,
+        origin: Origin,
+        topics: Mapping[tuple[str, ...], str] | None = None,
+        *,
+        force: bool = False,
     ) -> None:
         need_library()
         from mcap.writer import CompressionType
@@ -84,7 +87,7 @@ class McapWriter:
 
         self.path = path
         self.count = 0
-        self._file = _Counting(path)
+        self._file = _Counting(path, force=force)
         # by paths: the channel's id, and the message with a %s for each value
         self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
         self._topics = {} if topics is None else topics  # what is added to them later counts
@@ -101,7 +104,7 @@ class McapWriter:
             self._writer.start(profile="", library="unitylink")
             known = {"spec": origin.name, "text": origin.text, "hash": origin.hash}
             known["units"] = json.dumps(dict(origin.units), ensure_ascii=False)
-            self._writer.add_metadata(_ORIGIN, known)
+            self._writer.add_metadata(ORIGIN, known)
 
     @property
     def size_bytes(self) -> int:
@@ -126,6 +129,13 @@ class McapWriter:
             if self._file.size_bytes != before:
                 self._whole = (self.count, self._file.size_bytes)
 
+    def flush(self) -> None:
+        """End the chunk that is being made: what was added stays in the file if the program is killed."""
+        with _errors(self):
+            if self._whole[0] != self.count:
+                self._writer.flush()  # type: ignore[no-untyped-call]
+                self._whole = (self.count, self._file.size_bytes)
+
     def _register(self, names: tuple[str, ...], sample: Sample) -> int:
         topic = self._topics.get(names) or _topic(names)
         count = 1
@@ -138,7 +148,7 @@ class McapWriter:
         schema_id = self._writer.register_schema(
             title, "jsonschema", json.dumps(schema, separators=(",", ":"), ensure_ascii=False).encode()
         )
-        return self._writer.register_channel(topic, "json", schema_id, {_NAMES: json.dumps(names)})
+        return self._writer.register_channel(topic, "json", schema_id, {NAMES: json.dumps(names)})
 
     def close(self) -> None:
         """Write the index and close the file."""
@@ -186,7 +196,8 @@ class _errors:
             writer._failed = True
             count, size = writer._whole
             if size:
-                os.ftruncate(writer._file.file.fileno(), size)
+                with suppress(OSError):  # a pipe
+                    os.ftruncate(writer._file.file.fileno(), size)
             raise UnityLinkError(
                 f"{writer.path}: {error.strerror or error}; it holds the first {count} samples, whole"
             ) from error
@@ -252,75 +263,3 @@ def _schema(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, An
         path: _Described(value, units[path]) if units.get(path) else value for path, value in values.items()
     }
     return kind(_nested(described))
-
-
-# ---- reading
-
-
-def read_mcap(path: str | Path) -> Iterator[Sample]:
-    """Yield the samples in the order they were added."""
-    for name, record in _records(path):
-        if name == "message":
-            channel, message = record
-            paths = json.loads(channel.metadata.get(_NAMES, "[]"))
-            yield Sample(message.log_time / 1e9, _flat(json.loads(message.data), paths, path))
-
-
-def read_origin(path: str | Path) -> Origin:
-    """Return the spec that stands at the beginning of the file."""
-    for name, record in _records(path):
-        if name == "message":
-            break
-        if record.name == _ORIGIN:
-            known = record.metadata
-            units = json.loads(known.get("units", "{}"))
-            return Origin(known.get("spec", ""), known.get("text", ""), known.get("hash", ""), units)
-    return Origin()
-
-
-def _flat(message: Any, paths: list[str], path: str | Path) -> dict[str, Any]:
-    values = {}
-    for name in paths:
-        value = message
-        for step in _STEP.findall(name):
-            if not isinstance(value, dict) or step not in value:
-                raise UnityLinkError(f"{path}: a message without {name}")
-            value = value[step]
-        values[name] = value
-    return values
-
-
-def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
-    """Yield ("message", (channel, message)) and ("metadata", record) from front to back, with no index."""
-    need_library()
-    from mcap.exceptions import InvalidMagic, McapError
-    from mcap.records import Channel, Footer, Message, Metadata
-    from mcap.stream_reader import StreamReader
-
-    count = 0
-    channels: dict[int, Any] = {}
-    try:
-        with open(path, "rb") as stream:
-            record = None
-            for record in StreamReader(stream).records:
-                if isinstance(record, Channel):
-                    channels[record.id] = record
-                elif isinstance(record, Metadata):
-                    yield "metadata", record
-                elif isinstance(record, Message):
-                    count += 1
-                    yield "message", (channels[record.channel_id], record)
-            if not isinstance(record, Footer):
-                raise EOFError("no footer")
-    except OSError as error:
-        raise UnityLinkError(f"{path}: {error.strerror or error}") from error
-    except UnityLinkError:
-        raise
-    except (McapError, ValueError, KeyError, EOFError, struct.error) as error:
-        if isinstance(error, InvalidMagic) and not count:
-            raise UnityLinkError(f"{path}: not an MCAP file ({error})") from error
-        if count == 0:
-            raise RecordingTruncated(f"{path}: cut off before its first sample") from error
-        raise RecordingTruncated(
-            f"{path}: cut off behind sample {count}; those before it were read"
-        ) from error

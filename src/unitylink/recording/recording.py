@@ -57,6 +57,10 @@ class Writer(Protocol):
         ...
 
     def add(self, sample: Sample) -> None: ...
+    def flush(self) -> None:
+        """Put what was added into the file, whole: a program that is killed loses what came since."""
+        ...
+
     def close(self) -> None: ...
     def __enter__(self) -> Self: ...
     def __exit__(
@@ -70,20 +74,22 @@ def create(
     names: tuple[str, ...] = (),
     *,
     topics: Mapping[tuple[str, ...], str] = _NO_TOPICS,
+    force: bool = False,
 ) -> Writer:
     """Make a recording; the ending of its name says in which format.
 
     `names` are the columns a CSV file begins with; without them those of the first sample. `topics` names,
     for MCAP, the topic of values that are sampled together; else it is made of their paths. Raises
-    UnityLinkError for another ending, a file that cannot be written, a library that is not installed.
+    UnityLinkError for another ending, a file that cannot be written or, without `force`, exists already, a
+    library that is not installed.
     """
     if _ending(path) == ".csv":
         from .csv_file import CsvWriter
 
-        return CsvWriter(path, names)
+        return CsvWriter(path, names, force=force)
     from .mcap_file import McapWriter
 
-    return McapWriter(path, origin, topics)
+    return McapWriter(path, origin, topics, force=force)
 
 
 def check_name(path: str | Path) -> None:
@@ -104,7 +110,7 @@ def samples(path: str | Path) -> Iterator[Sample]:
         from .csv_file import read_csv
 
         return read_csv(path)
-    from .mcap_file import read_mcap
+    from .mcap_reader import read_mcap
 
     return read_mcap(path)
 
@@ -113,9 +119,14 @@ def origin(path: str | Path) -> Origin:
     """Return the spec a recording was made with, as far as the file tells; CSV files do not."""
     if _ending(path) == ".csv":
         return Origin()
-    from .mcap_file import read_origin
+    from .mcap_reader import read_origin
 
     return read_origin(path)
+
+
+def is_number(value: Any) -> bool:
+    """Is it a number, or truth value, that an item of a spec can have? It has 64 bits at most."""
+    return isinstance(value, float) or (isinstance(value, int) and -(1 << 63) <= value < 1 << 64)
 
 
 def _ending(path: str | Path) -> str:

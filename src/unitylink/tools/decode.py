@@ -14,7 +14,7 @@ from unitylink.resources import resource_folder
 
 from .link_option import load_names, spec_option
 from .names import Names
-from .output import colours, json_option, print_json
+from .output import colours, force_option, json_option, print_json
 from .wire_reader import wire_reader
 
 _KINDS = ("request", "reply", "publish", "error", "damaged")
@@ -40,6 +40,7 @@ def _print_dissector(ctx: click.Context, parameter: click.Parameter, wanted: boo
 @click.option(
     "--pcapng", metavar="FILE", help="Write the messages to a capture, one a packet: for Wireshark."
 )
+@force_option
 @click.option(
     "--address-bytes", type=click.IntRange(1, 4), metavar="N", help="Where the capture has no configuration."
 )
@@ -62,6 +63,7 @@ def command(
     match: str | None,
     raw: bool,
     pcapng: str | None,
+    force: bool,
     address_bytes: int | None,
     data_bytes: int | None,
     as_json: bool,
@@ -97,7 +99,7 @@ def command(
         and (pattern is None or pattern.search(message.text) or pattern.search(message.meaning))
     )
     if pcapng is not None:
-        _rewrite(chosen, pcapng)
+        _rewrite(chosen, pcapng, force=force)
     elif not _print(chosen, as_json):
         click.echo(f"note: {capture} has no message to show", err=True)
 
@@ -144,9 +146,9 @@ def _print(found: Iterator[CaptureMessage], as_json: bool) -> int:
     return count
 
 
-def _rewrite(found: Iterator[CaptureMessage], path: str) -> None:
+def _rewrite(found: Iterator[CaptureMessage], path: str, *, force: bool) -> None:
     count = 0
-    with PcapngWriter(path) as writer:
+    with PcapngWriter(path, force=force) as writer:
         for message in found:
             writer.write(Packet(message.time_s, message.direction, message.data, message.meaning))
             count += 1

@@ -20,6 +20,9 @@ def json_option(what: str = "the result") -> Callable[[F], F]:
     return click.option("--json", "as_json", is_flag=True, help=f"Print {what} as JSON.")
 
 
+force_option = click.option("--force", is_flag=True, help="Replace the file that is there.")
+
+
 def colours(stream: TextIO) -> bool:
     """Tell whether `stream` is a terminal that wants colours (see no-color.org)."""
     return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatchcase
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,12 +18,13 @@ import click
 
 from unitylink.errors import LinkError
 from unitylink.optional import absent
+from unitylink.output_file import check_output, write_output
 from unitylink.program import ended_by_signals
 from unitylink.values import Quantity
 
 from .failure import Failure
 from .link_option import is_link, open_target, spec_option
-from .output import colours, terminal
+from .output import colours, force_option, terminal
 from .sampled import duration_option, rate_option, sampled_items
 from .series import AllSeries, parts_of
 from .typed import plain
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 
 _PICTURES = (".png", ".svg", ".pdf")
 _REDRAW_S = 0.2
+_PANELS_MOST = 64
 _WINDOW_S = 10.0  # what a live plot shows
 _LINES_MOST = 8  # in one panel; more would hide each other
 _COLOURS = ("cyan+", "orange+", "green+", "magenta+", "red+", "blue+", "white", "gray")  # of plotext
@@ -49,6 +52,7 @@ _COLOURS = ("cyan+", "orange+", "green+", "magenta+", "red+", "blue+", "white", 
     metavar="FILE",
     help=f"A picture ({', '.join(_PICTURES)}); without it a terminal shows the plot live.",
 )
+@force_option
 @rate_option
 @duration_option
 def command(
@@ -57,6 +61,7 @@ def command(
     names: tuple[str, ...],
     spec_file: str | None,
     out: str | None,
+    force: bool,
     rate_hz: float,
     duration_s: float | None,
 ) -> None:
@@ -75,9 +80,11 @@ def command(
         raise click.UsageError(f"--out {out}: a picture ends in {', '.join(_PICTURES)}")
     if out is None and not terminal():
         raise Failure("the output is no terminal to draw on", "add --out FILE.png")
+    if out is not None:
+        check_output(out, force=force)
     _need("matplotlib" if out is not None else "plotext")  # before anything is measured
     if not is_link(source):
-        _draw(_recorded(source, names, spec_file), Path(source).name, out)
+        _draw(_recorded(source, names, spec_file), Path(source).name, out, force=force)
         return
     with ended_by_signals(), open_target(source, spec_file, quiet=out is None) as target:
         found = sampled_items(target, names, "plot")
@@ -94,7 +101,7 @@ def command(
         except LinkError as error:
             failed = error  # after what came until then has been drawn
         if out is not None and (failed is None or series.count):
-            _draw(series, source, out)
+            _draw(series, source, out, force=force)
         if failed is not None:
             raise failed
 
@@ -167,7 +174,7 @@ def _matches(name: str, pattern: str) -> bool:
     return fnmatchcase(name, pattern) or name.startswith(f"{pattern}.")
 
 
-def _draw(series: AllSeries, title: str, out: str | None) -> None:
+def _draw(series: AllSeries, title: str, out: str | None, *, force: bool) -> None:
     if out is None:
         _draw_terminal(series, title, clear=False)
         return
@@ -182,6 +189,8 @@ def _draw(series: AllSeries, title: str, out: str | None) -> None:
         kind = one.unit, tuple(one.members)
         counts[kind] = counts.get(kind, 0) + 1
         panels.setdefault((*kind, (counts[kind] - 1) // _LINES_MOST), []).append(name)
+    if len(panels) > _PANELS_MOST:
+        raise Failure(f"{len(panels)} panels do not fit into a picture", "name what to draw, such as 'x.*'")
     figure, axes = pyplot.subplots(
         len(panels),
         1,
@@ -193,21 +202,26 @@ def _draw(series: AllSeries, title: str, out: str | None) -> None:
     for axis, ((unit, members, _), names) in zip(axes[:, 0], panels.items(), strict=True):
         for name in names:
             one = series[name]
-            axis.step(one.times_s, one.numbers, where="post", label=name, linewidth=1.2)
+            axis.step(one.times_s, one.numbers, where="post", label=_text(name), linewidth=1.2)
         if members:
-            axis.set_yticks(range(len(members)), members)
-        axis.set_ylabel(unit)
+            axis.set_yticks(range(len(members)), map(_text, members))
+        axis.set_ylabel(_text(unit))
         axis.grid(alpha=0.3)
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
     axes[-1, 0].set_xlabel("s")
-    figure.suptitle(title)
+    figure.suptitle(_text(title))
+    picture = BytesIO()
     try:
-        figure.savefig(out, dpi=130)
-    except OSError as error:
-        raise Failure(f"{out}: {error.strerror or error}") from error
+        figure.savefig(picture, format=Path(out).suffix[1:].lower(), dpi=130)
     finally:
         pyplot.close(figure)
+    write_output(out, picture.getvalue(), force=force)
     click.echo(f"{out}: {series.count:,} values of {len(series)} items")
+
+
+def _text(text: str) -> str:
+    """Return a text for matplotlib, which sets what stands between dollars as a formula."""
+    return text.replace("$", r"\$")
 
 
 def _draw_terminal(series: AllSeries, title: str, *, clear: bool) -> None:

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 import click
 
 from unitylink.errors import LinkError
+from unitylink.output_file import check_output
 from unitylink.program import ended_by_signals
 
 from .link_option import link_argument, open_target, spec_option
-from .output import json_option, print_json
+from .output import force_option, json_option, print_json
 from .sampled import count_option, duration_option, rate_option, sampled_items
 from .series import parts_of
 from .topics import topics_of
@@ -32,6 +33,7 @@ _GATHER_S = 0.02  # what came within this time is written together, which halves
 _HOLD_S = 1.0  # for which samples are held back, so that they stand in the file in the order of their times
 _NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
 _SHOW_S = 0.5  # between two progress lines
+_FLUSH_S = 0.5  # between two looks at what waits to be written: a program that is killed loses no more
 
 
 @click.command()
@@ -41,6 +43,7 @@ _SHOW_S = 0.5  # between two progress lines
 @click.option(
     "--out", metavar="FILE", help="FILE.mcap or FILE.csv; the spec's name and the time, if not given."
 )
+@force_option
 @rate_option
 @count_option
 @duration_option
@@ -51,6 +54,7 @@ def command(
     names: tuple[str, ...],
     spec_file: str | None,
     out: str | None,
+    force: bool,
     rate_hz: float,
     count: int | None,
     duration_s: float | None,
@@ -61,7 +65,7 @@ def command(
     Items with PUBLISH come at their own rate; the others are read at --rate. NAME is as for `read`; without
     any, all READ items of the spec are recorded, and the WRITE items too: what they are set to. A sample is
     written with the time it came; samples that were lost are counted, and end the command with 1. The file is
-    whole whatever ends the recording.
+    whole whatever ends the recording, but kill -9 costs the last two seconds. A file that exists is kept.
 
     \b
     Examples:
@@ -72,6 +76,8 @@ def command(
     from unitylink.recording import Sample, check_name, create
 
     check_name(out if out is not None else "recording.mcap")  # before the device is asked for anything
+    if out is not None:
+        check_output(out, force=force)
     with ended_by_signals(), open_target(link, spec_file) as target:
         known = target.names
         items = sampled_items(target, names, "record", set_points=True)
@@ -87,7 +93,8 @@ def command(
         # Of the others the numbers are written as they are.
         texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
         topics: dict[tuple[str, ...], str] = {}  # known when it is known what is sampled together
-        with create(path, _origin(known, items), tuple(i.name for i in items), topics=topics) as writer:
+        names_of = tuple(i.name for i in items)
+        with create(path, _origin(known, items), names_of, topics=topics, force=force) as writer:
 
             def take(sampled: Sampled) -> None:
                 time_s, values, numbers = sampled
@@ -96,6 +103,7 @@ def command(
                     named |= {path: plain(named[path], texts[path]) for path in texts.keys() & named.keys()}
                 writer.add(Sample(since_1970_s + time_s, named))
 
+            flushed_s = began
             progress = _Progress(writer, path, quiet=as_json)
             try:
                 with sampler, suppress(KeyboardInterrupt):
@@ -104,6 +112,9 @@ def command(
                         if sample is not None:
                             take(sample)
                         progress.show()
+                        if time.monotonic() - flushed_s > _FLUSH_S:
+                            flushed_s = time.monotonic()
+                            writer.flush()
             except LinkError as error:
                 failed = error  # after it has been told what the file holds
             for sample in sampler.rest():

@@ -20,6 +20,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_native": set(),
     "program": {"errors"},
     "optional": {"errors"},
+    "output_file": {"errors"},
     "lazy": set(),
     "isochrony": SHARED,
     # How late a publish can be counts in the budget.
@@ -60,14 +61,14 @@ MAY_IMPORT: dict[str, set[str]] = {
     # A node is built on layer 4; who starts it hands it what opens links.
     "ros": {"optional", "program", "layer4_data", "layer2_message", "spec", "values", *SHARED},
     "resources": SHARED,
-    "recording": {"optional", *SHARED},
+    "recording": {"optional", "output_file", *SHARED},
     # The doctor tries what a link would do, below it and through it.
     "ports": {"wire_hash", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},
     # A bitstream is made of generated VHDL; its report has the budget of the spec.
     "boards": {"board_configuration", "generate", "gateware", "resources", "spec", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
-    "capture": {"layer1_stream", *SHARED},
+    "capture": {"layer1_stream", "output_file", *SHARED},
     # The table of link URLs; what makes a virtual board is imported when one is asked for.
     "schemes": {"simulate", *SHARED},
     "connection": {"schemes", "layer0_driver", "layer2_message", *SHARED},

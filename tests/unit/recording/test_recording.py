@@ -89,7 +89,7 @@ def test_what_is_no_number_is_empty_in_csv(tmp_path: Path) -> None:
 def test_one_that_was_cut_off_at_once_is_told_from_another_file(tmp_path: Path) -> None:
     write(tmp_path / "arm.mcap", 1)
     (tmp_path / "arm.mcap").write_bytes((tmp_path / "arm.mcap").read_bytes()[:20])
-    with pytest.raises(RecordingTruncated, match="cut off before its first sample"):
+    with pytest.raises(RecordingTruncated, match="cut off or damaged before its first sample"):
         list(samples(tmp_path / "arm.mcap"))
     (tmp_path / "arm.mcap").write_bytes(b"PK some other kind of file")
     with pytest.raises(UnityLinkError, match="not an MCAP file"):

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files that a program makes for a user: none is written over another one unless that was asked for.
+
+The native core has the same rule for `trace=` (`native/src/layer0_driver/capture.cpp`).
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from unitylink.errors import UnityLinkError
+
+
+def check_output(path: str | Path, *, force: bool = False) -> None:
+    """Raise the UnityLinkError of `create_output` for what lies there already; make nothing.
+
+    For commands that measure first and write then.
+    """
+    try:
+        there = os.lstat(path)
+    except (OSError, ValueError):
+        return  # whether one can be made there is told by making it
+    if stat.S_ISLNK(there.st_mode):
+        try:
+            aim = os.stat(path)
+        except OSError:
+            aim = None
+        if aim is None or not _a_stream(aim):
+            raise UnityLinkError(f"{path}: a symbolic link; name the file itself, which is not written to")
+    elif stat.S_ISDIR(there.st_mode):
+        raise UnityLinkError(f"{path}: a folder; name a file in it")
+    elif stat.S_ISREG(there.st_mode) and not force:
+        raise UnityLinkError(
+            f"{path}: there is such a file already; name another, or have it replaced with --force"
+        )
+
+
+def create_output(path: str | Path, *, force: bool = False) -> int:
+    """Make a file and return its descriptor, for writing; a pipe or device that is there is opened.
+
+    A file that exists is replaced only with `force`, and no symbolic link leads to another one: else
+    UnityLinkError, as for a place where none can be made.
+
+    >>> import tempfile
+    >>> path = tempfile.mkdtemp() + "/arm.csv"
+    >>> os.close(create_output(path))
+    >>> create_output(path)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    unitylink.errors.UnityLinkError: ...arm.csv: there is such a file already; name another, ...
+    """
+    check_output(path, force=force)
+    try:
+        try:
+            if _a_stream(os.stat(path)):
+                return os.open(path, os.O_WRONLY | os.O_CLOEXEC)
+            os.unlink(path)  # a regular file, with force: who else has it open or linked keeps the old one
+        except FileNotFoundError:
+            pass
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+    except (OSError, ValueError) as error:
+        raise UnityLinkError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
+
+
+def write_output(path: str | Path, data: bytes, *, force: bool = False) -> None:
+    """Write a file in one piece, by the rules of `create_output`; one that fails leaves none behind."""
+    descriptor = create_output(path, force=force)
+    try:
+        with open(descriptor, "wb") as stream:
+            stream.write(data)
+    except OSError as error:
+        if stat.S_ISREG(os.lstat(path).st_mode):
+            os.unlink(path)
+        raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+
+
+def _a_stream(there: os.stat_result) -> bool:
+    """Is it what bytes go into and are gone: a pipe, a terminal, /dev/null?"""
+    return stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode) or stat.S_ISSOCK(there.st_mode)
