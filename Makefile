@@ -14,7 +14,8 @@
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them; ROWS="core lite": these only)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
-#   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings)
+#   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings), and of the histories of
+#                programs that get killed (SECONDS=7200 MESSAGES=4000000: so many of their messages)
 #   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 240000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
@@ -125,6 +126,7 @@ fuzz: $(VENV)/.built
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)
+	$(BIN)/python tests/apart/histories.py --board $(SANITIZED)-address,undefined/journal_board --seconds $(SECONDS) --messages $(MESSAGES)
 
 sanitize: $(VENV)/.built
 	@tools/setup.sh system

@@ -70,7 +70,7 @@ def program() -> Callable[[str], Path]:
     """The path of a native bench program by its name; all are built if one is not."""
     from unitylink.tools.bench.programs import native
 
-    names = ("bench_round_trip", "bench_publish_source", "bench_uartbone")
+    names = ("bench_round_trip", "bench_publish_source", "bench_uartbone", "journal_board")
     if not all((ROOT / "build" / "native" / name).exists() for name in names):
         subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
     return lambda name: native(ROOT, name)

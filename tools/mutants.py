@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Make the mistakes of native/mutants.toml, one at a time, and see the fault simulation or a test catch each.
+"""Make the mistakes of native/mutants.toml, one at a time, and see each caught.
+
+By the fault simulation, by a native test, or by the histories between programs (tests/apart).
 
     python tools/mutants.py              all of them
     python tools/mutants.py --sample 3   three of them
@@ -30,6 +32,8 @@ MESSAGES = 10_000
 SEEDS = 24  # a history each, until one of them fails: some mistakes show in one of twelve
 MAIN = ROOT / "native" / "fuzz" / "fuzz_faults.cpp"
 TESTS = ROOT / "native" / "test"  # of a mutant with `test` that one is run instead of the simulation
+BOARD = ROOT / "native" / "fuzz" / "journal_board.cpp"  # one with `apart` is the board there
+HISTORIES = ROOT / "tests" / "apart" / "histories.py"
 FLAGS = ["-std=c++20", "-O1", "-pthread"]
 
 
@@ -58,7 +62,9 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
     """Compile and link one mutant."""
     include = [f"-I{folder}", f"-I{SOURCES}", f"-I{ROOT / 'native' / 'include'}"]
     objects = []
-    mains = [TESTS / mutant["test"], TESTS / "main.cpp"] if "test" in mutant else [MAIN]
+    mains = [BOARD if "apart" in mutant else MAIN]
+    if "test" in mutant:
+        mains = [TESTS / mutant["test"], TESTS / "main.cpp"]
     for number, unit in enumerate([*changed(mutant, folder), *mains]):
         objects.append(str(folder / f"{number}.o"))
         subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)
@@ -77,6 +83,17 @@ def caught(mutant: dict[str, Any]) -> str:
             done = subprocess.run([str(program)], capture_output=True, text=True, timeout=120, check=False)
             failed = [line.strip() for line in done.stdout.splitlines() if "ERROR: CHECK" in line]
             return (failed or [f"it ended with {done.returncode}"])[0] if done.returncode else ""
+        if "apart" in mutant:
+            history = ["--profile", mutant["apart"], "--messages", str(MESSAGES), "--board", str(program)]
+            done = subprocess.run(
+                [sys.executable, str(HISTORIES), *history, "--keep", str(Path(folder) / "history")],
+                capture_output=True,
+                text=True,
+                timeout=300,
+                check=False,
+            )
+            accused = [line.strip() for line in done.stdout.splitlines() if ", executed [" in line]
+            return accused[0] if done.returncode and accused else ""
         for seed in range(1, SEEDS + 1):
             history = ["--seed", str(seed), "--messages", str(MESSAGES), "--profile", mutant["profile"]]
             done = subprocess.run(

@@ -3,8 +3,10 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <thread>
 #include <vector>
 
@@ -96,6 +98,26 @@ TEST_CASE("clients come and go, and the board remembers what they set") {
   }
   CHECK(board.get(0x10).value == 19);
   CHECK(board.statistics().clients == 20);
+}
+
+TEST_CASE("a board takes the place of one that was killed, whose link is left behind") {
+  const std::string path = "/tmp/unitylink-killed-" + std::to_string(::getpid()) + ".tty";
+  int ready[2];
+  REQUIRE(::pipe(ready) == 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto endpoint = make_endpoint("pty:" + path, "");
+    static_cast<void>(::write(ready[1], "!", 1) + ::pause());
+    ::_exit(1);
+  }
+  char byte = 0;
+  REQUIRE(::read(ready[0], &byte, 1) == 1);
+  CHECK_THROWS_AS(make_endpoint("pty:" + path, ""), EndpointError);  // it lives
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  CHECK(make_endpoint("pty:" + path, "")->url() == "serial:" + path);
+  ::close(ready[0]);
+  ::close(ready[1]);
 }
 
 TEST_CASE("words that count and words that echo") {

@@ -78,14 +78,6 @@ class TerminalEndpoint final : public Endpoint {
   }
 
   void link(const std::string& path) {
-    struct stat status {};
-    if (::lstat(path.c_str(), &status) == 0) {
-      // A link left behind by a board that was killed points to a terminal that is gone.
-      if (!S_ISLNK(status.st_mode) || ::stat(path.c_str(), &status) == 0) {
-        throw EndpointError("pty:" + path + ": the file exists; choose another name or remove it");
-      }
-      ::unlink(path.c_str());
-    }
     if (::symlink(path_.c_str(), path.c_str()) != 0) {
       throw EndpointError("pty:" + path + ": " + std::strerror(errno));
     }
@@ -98,9 +90,23 @@ class TerminalEndpoint final : public Endpoint {
   bool open_ = false;
 };
 
+// A link left behind by a board that was killed points to a terminal that is gone: until the next is opened, which gets its number.
+void make_way(const std::string& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) {
+    if (!S_ISLNK(status.st_mode) || ::stat(path.c_str(), &status) == 0) {
+      throw EndpointError("pty:" + path + ": the file exists; choose another name or remove it");
+    }
+    ::unlink(path.c_str());
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Endpoint> make_terminal_endpoint(const std::string& path) {
+  if (!path.empty()) {
+    make_way(path);
+  }
   return std::make_unique<TerminalEndpoint>(path);
 }
 

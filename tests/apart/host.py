@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A host that is meant to be killed: python host.py URL FOLDER SEED WORDS CLIENTS KILL_S
+
+Clients in threads of one program do what they like with words of their own until they have done WORDS, and
+note what they ask and what they are told. KILL_S: the program is killed after about so many seconds, and
+another takes its place; 0: never.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import mmap
+import os
+import random
+import signal
+import struct
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from journal import BORN, DONE, GOT, NOT, PART, POST, POSTS, RECORD, REQUESTS, UNKNOWN, WISH
+
+from unitylink import LinkError, OutcomeUnknown, connect
+from unitylink.layer2_message import ExchangeGroup, Link
+
+CLIENT_WORDS = 16  # of each client
+MOST = 24  # words in a call
+GROUP = 4  # words each way in an exchange group
+PAUSE_S = 0.002  # before asking again where there was an error: the line may be gone
+
+
+class Life:
+    """What outlives the program, for the next: how many words each client has done, and values used."""
+
+    def __init__(self, clients: int) -> None:
+        self._memory = mmap.mmap(-1, 8 * (2 * clients + 2))
+        self.clients = clients
+
+    def get(self, index: int) -> int:
+        return int(struct.unpack_from("<Q", self._memory, 8 * index)[0])
+
+    def add(self, index: int, count: int) -> int:
+        value = self.get(index) + count
+        struct.pack_into("<Q", self._memory, 8 * index, value)
+        return value
+
+
+class Client:
+    """It believes nothing, and notes all."""
+
+    def __init__(self, number: int, link: Link, life: Life, folder: Path, seed: int) -> None:
+        self.number, self.link, self.life = number, link, life
+        self.random = random.Random(seed)
+        self.addresses = range(0x100 + 0x20 * number, 0x100 + 0x20 * number + CLIENT_WORDS)
+        self.file = os.open(folder / f"client-{number}", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+        self.group: ExchangeGroup | None = None
+        self.note((BORN, 0, 0))
+
+    def note(self, *records: tuple[int, int, int]) -> None:
+        """One call of the system: all of them are there, or none is."""
+        os.write(self.file, b"".join(RECORD.pack(*record) for record in records))
+
+    def some(self, most: int = MOST) -> list[int]:
+        return self.random.choices(self.addresses, k=self.random.randint(1, most))
+
+    def wish(self, addresses: list[int], kind: int = WISH) -> list[int]:
+        last = self.life.add(2 * self.number + 1, len(addresses))
+        first = (self.number + 1 << 26) + last - len(addresses)
+        values = list(range(first + 1, first + len(addresses) + 1))
+        self.note(*((kind, address, value) for address, value in zip(addresses, values, strict=True)))
+        return values
+
+    def tell(self, act: Callable[[], object], failed: int, queue: int = REQUESTS) -> bool:
+        """Do it and note the outcome; `failed` where it was an error, but not that nobody knows."""
+        try:
+            act()
+        except OutcomeUnknown:
+            self.note((PART if failed == PART else UNKNOWN, queue, 0))
+            return False
+        except LinkError:
+            self.note((failed, queue, 0))
+            raise
+        self.note((DONE, queue, 0))
+        return True
+
+    def got(self, addresses: list[int], words: list[int]) -> None:
+        self.note(*((GOT, address, word) for address, word in zip(addresses, words, strict=True)))
+
+    def read(self) -> int:
+        addresses = self.some(1)
+        self.got(addresses, [self.link.read(addresses[0])])
+        return 1
+
+    def read_many(self) -> int:
+        addresses = self.some()
+        read = self.random.choice((self.link.read_many, self.link.read_each))
+        self.got(addresses, read(addresses).tolist())
+        return len(addresses)
+
+    def write(self) -> int:
+        addresses = self.some(1)
+        (value,) = self.wish(addresses)
+        self.tell(lambda: self.link.write(addresses[0], value), NOT)
+        return 1
+
+    def write_many(self) -> int:
+        addresses = self.some()
+        values = self.wish(addresses)
+        self.tell(lambda: self.link.write_many(addresses, values), PART)
+        return len(addresses)
+
+    def exchange(self) -> int:
+        """Write and read in one message, by name or as a group."""
+        framed = self.link.protocol == "framed"
+        named = self.random.random() < 0.5
+        writes, reads = (self.some(8), self.some(8)) if named else (list(self.addresses[:GROUP]),) * 2
+        if not named and self.group is None:
+            self.group = self.link.exchange_group(writes=writes, reads=reads)
+        values = self.wish(writes)
+        words: list[int] = []
+
+        def act() -> None:
+            if named:
+                words.extend(self.link.exchange(reads, list(zip(writes, values, strict=True))).tolist())
+            elif self.group is not None:
+                words.extend(int(word) for word in self.group.exchange(values))
+
+        if self.tell(act, NOT if framed else PART):  # classic: several messages, and any may fail
+            self.got(reads, words)
+        return len(writes) + len(reads)
+
+    def post(self) -> int:
+        """Posts are told of by the next sync, whose answer is the link's: one client has them all."""
+        addresses = self.some()
+        if self.number > 0 or self.link.protocol != "framed":
+            return self.write_many()
+        values = self.wish(addresses, POST)
+        try:
+            self.link.post_many(addresses, values)
+        except LinkError:
+            self.note((UNKNOWN, POSTS, 0))  # some of them may be on their way
+            raise
+        if self.random.random() < 0.5:
+            try:
+                self.link.sync()
+                self.note((DONE, POSTS, 0))
+            except OutcomeUnknown:
+                self.note((UNKNOWN, POSTS, 0))
+        return len(addresses)
+
+    def run(self, words: int) -> None:
+        kinds = [
+            self.read,
+            self.read_many,
+            self.read_many,
+            self.write,
+            self.write_many,
+            self.exchange,
+            self.post,
+        ]
+        while self.life.get(2 * self.number) < words and not self.link.closed:
+            try:
+                self.life.add(2 * self.number, self.random.choice(kinds)())
+            except LinkError:
+                time.sleep(PAUSE_S)
+        os.close(self.file)
+
+
+def live(url: str, folder: Path, seed: int, words: int, life: Life) -> None:
+    """Be the program, once: until the clients have done all, however often the link ends."""
+    while any(life.get(2 * number) < words for number in range(life.clients)):
+        try:
+            link = connect(url)
+        except LinkError:
+            time.sleep(PAUSE_S)
+            continue
+        with link:
+            clients = [Client(n, link, life, folder, seed * 64 + n) for n in range(life.clients)]
+            threads = [threading.Thread(target=client.run, args=(words,)) for client in clients]
+            for thread in threads:
+                thread.start()
+            counted = 0
+            while any(thread.is_alive() for thread in threads):
+                threads[0].join(0.005)
+                told = link.statistics()
+                life.add(2 * life.clients, told.requests + told.posts - counted)
+                counted = told.requests + told.posts
+        seed += 1000
+
+
+def main(url: str, folder: Path, seed: int, words: int, *, clients: int, kill_s: float) -> int:
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # who started it has ended: so does it
+    life = Life(clients)
+    chance = random.Random(seed)
+    kills = 0
+    for number in itertools.count():
+        child = os.fork()
+        if child == 0:
+            ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+            threading.excepthook = lambda told: (sys.__excepthook__(*told[:3]), os._exit(3))  # type: ignore[arg-type,func-returns-value]
+            try:
+                live(url, folder, seed + number, words, life)
+            except BaseException:
+                sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
+                os._exit(3)
+            os._exit(0)
+        until = time.monotonic() + (chance.uniform(0.2, 1.8) * kill_s if kill_s else float("inf"))
+        while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
+            time.sleep(0.005)
+        if ended[0] == 0:
+            os.kill(child, signal.SIGKILL)
+            ended = os.waitpid(child, 0)
+            kills += 1
+        code = os.waitstatus_to_exitcode(ended[1])
+        if code != -signal.SIGKILL:
+            print(f"{kills} {life.get(2 * clients)}", flush=True)
+            return code
+    return 0
+
+
+if __name__ == "__main__":
+    url, folder, seed, words, clients, kill_s = sys.argv[1:]
+    sys.exit(main(url, Path(folder), int(seed), int(words), clients=int(clients), kill_s=float(kill_s)))
