@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <sys/stat.h>
 #include <termios.h>
+#include <utility>
 
 #include "device/endpoints.hpp"
 
@@ -90,12 +91,21 @@ class TerminalEndpoint final : public Endpoint {
   bool open_ = false;
 };
 
+// Whether the terminal behind a link was made after it: then the board's has gone, and another got its number.
+bool younger(const struct stat& terminal, const struct stat& link) {
+  return S_ISCHR(terminal.st_mode) &&
+         std::pair(terminal.st_ctim.tv_sec, terminal.st_ctim.tv_nsec) > std::pair(link.st_ctim.tv_sec, link.st_ctim.tv_nsec);
+}
+
 // A link left behind by a board that was killed points to a terminal that is gone: until the next is opened, which gets its number.
 void make_way(const std::string& path) {
-  struct stat status {};
-  if (::lstat(path.c_str(), &status) == 0) {
-    if (!S_ISLNK(status.st_mode) || ::stat(path.c_str(), &status) == 0) {
+  struct stat link {}, target {};
+  if (::lstat(path.c_str(), &link) == 0) {
+    if (!S_ISLNK(link.st_mode)) {
       throw EndpointError("pty:" + path + ": the file exists; choose another name or remove it");
+    }
+    if (::stat(path.c_str(), &target) == 0 && !younger(target, link)) {
+      throw EndpointError("pty:" + path + ": a link to what is in use; choose another name or remove it");
     }
     ::unlink(path.c_str());
   }

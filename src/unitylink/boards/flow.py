@@ -20,6 +20,7 @@ from unitylink.spec.model import Spec
 
 from .families import FAMILIES, Family, overflow
 from .fit import remedies
+from .folder import make_folder
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .manifest import CHIP_CLOCK_HZ, Board
@@ -60,7 +61,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     place = family.place_command(board)  # before anything takes long
     find_program(family.packers, family.pack_remedy)
     folder = order.folder
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
     configuration = board.configuration(spec, order.protocol, order.settings)

@@ -14,6 +14,7 @@ from unitylink.gateware import Port, gateware_sources, netlist, ports_of
 from unitylink.generate import write
 from unitylink.generate.quoting import Tcl
 
+from .folder import make_folder
 from .line import check_line, told_baud_hz
 from .logic import Wanted, design_sources, logic_of, spec_of
 from .pins import CLOCKS
@@ -58,7 +59,7 @@ def write_project(order: VendorOrder) -> list[Path]:
     if order.vendor not in VENDORS:
         raise BoardError(f"vendor:{order.vendor} is not known; there are: vendor:{', vendor:'.join(VENDORS)}")
     spec = spec_of(order)
-    order.folder.mkdir(parents=True, exist_ok=True)
+    make_folder(order.folder)
     configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both", **order.settings)
     write(spec, order.folder, "vhdl", configuration)
     logic = logic_of(spec, order, configuration)

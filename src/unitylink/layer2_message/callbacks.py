@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import logging
 import threading
+import warnings
+from collections.abc import Callable
 from math import inf
 from typing import Protocol
 
@@ -13,6 +15,7 @@ from unitylink.errors import LinkError
 from .engine import Engine
 
 _PATIENCE_NS = 200_000_000
+STUCK_S = 5.0  # one call that takes longer is not waited for at the end
 
 _log = logging.getLogger("unitylink.link")
 _here = threading.local()
@@ -27,6 +30,7 @@ class Deliverable(Protocol):
     """A subscription, as the callback thread sees it."""
 
     gather_s: float  # how long what has come may wait; inf: as long as the others
+    told: int  # how many calls have been begun
 
     @property
     def ended(self) -> bool:
@@ -62,10 +66,11 @@ class CallbackThread:
             self._changed.notify_all()
 
     def finish(self, subscription: Deliverable) -> None:
-        """Wait until all that had come of a subscription which has ended was called back for."""
-        with self._changed:
-            self._changed.notify_all()  # the thread may be at rest
-            self._changed.wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
+        """Wait until all that had come of a subscription which has ended was called back for.
+
+        One call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        """
+        self._wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
 
     def disown(self) -> None:
         """Forget the thread, which a forked child does not have, and the lock that it may have held."""
@@ -74,15 +79,35 @@ class CallbackThread:
         self._thread = None
 
     def stop(self) -> None:
-        """Wait until all that came before the link ended was called back for; in a callback, end with it."""
+        """Wait until all that came before the link ended was called back for; in a callback, end with it.
+
+        One call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        """
         thread = self._thread
         if thread is threading.current_thread():
             for subscription in self._subscriptions:
                 subscription.hush()
         elif thread is not None:
-            with self._changed:
-                self._changed.notify_all()  # it may be at rest
-            thread.join()
+            if self._wait_for(lambda: self._thread is not thread):
+                thread.join()
+            else:
+                for subscription in self._subscriptions:
+                    subscription.hush()
+
+    def _wait_for(self, done: Callable[[], bool]) -> bool:
+        """Wait while callbacks return; False, having warned, where one does not."""
+        with self._changed:
+            self._changed.notify_all()  # the thread may be at rest
+            before = -1
+            while not self._changed.wait_for(done, STUCK_S):
+                told = sum(subscription.told for subscription in self._subscriptions)
+                if told == before:
+                    stuck = " or ".join(map(repr, self._subscriptions))
+                    text = f"a callback of {stuck} has not returned for {STUCK_S:g} s; it is not waited for"
+                    warnings.warn(text, RuntimeWarning, stacklevel=4)
+                    return False
+                before = told
+        return True
 
     def _run(self) -> None:
         _here.calls = True

@@ -46,12 +46,14 @@ class EventListener:
         self._native, self._callback = native, callback
         self._next = native.events(0)[1]
         self.gather_s = inf  # as long as the others may: events are rare
+        self.told = 0
 
     def deliver(self) -> None:
         rows, self._next = self._native.events(self._next)
         for row in rows:
             if self.ended:
                 return
+            self.told += 1
             try:
                 self._callback(LinkEvent(*row))
             except BaseException:  # sys.exit() too: it would silence the subscriptions

@@ -65,6 +65,7 @@ class Subscription:
         self._lost: tuple[int, int] | None = None
         self._callback: PublishCallback | None = None
         self.gather_s = 0.0
+        self.told = 0  # calls back that were begun
         self._arrays: ArraysCallback | None = None
         self._first: Publish | None = None
 
@@ -157,7 +158,8 @@ class Subscription:
         What had come is not lost: the callback has been called for all of it when this returns, and is not
         called again; without one it can still be drained, whatever becomes of the group. Called within a
         callback, of whatever subscription, it waits for nobody: what was not called back for can be drained.
-        Anywhere else it waits for a call under way, so hold no lock that the callback needs.
+        Anywhere else it waits for a call under way, so hold no lock that the callback needs; one that
+        does not return for five seconds is left behind, with a RuntimeWarning.
         """
         within = called_back()
         if within:
@@ -226,6 +228,7 @@ class Subscription:
             self._tell(callback, single)
 
     def _tell(self, callback: PublishCallback, publish: Publish) -> None:
+        self.told += 1
         try:
             callback(*publish)
         except BaseException:  # sys.exit() too: it would silence the other subscriptions
@@ -233,6 +236,7 @@ class Subscription:
 
     def _deliver_all(self, callback: PublishCallback | None) -> None:
         times, values = self._native.drain(self._identity, self._words)
+        self.told += 1
         if self._arrays is not None and len(times) > 1:  # one alone is sooner told as it is
             try:
                 if self._arrays(times, values):
@@ -244,6 +248,7 @@ class Subscription:
         while callback is not None:
             try:
                 for time_s, words in self._rows:
+                    self.told += 1
                     callback(time_s, words)
                     if self._callback is not callback:  # it closed the subscription, or gave another
                         break

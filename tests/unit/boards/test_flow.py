@@ -103,6 +103,14 @@ def test_a_line_that_is_too_fast(order: Order) -> None:
         )
 
 
+def test_no_link_in_the_folder_is_followed(order: Order, tmp_path: Path) -> None:
+    order.folder.mkdir(parents=True, exist_ok=True)
+    (order.folder / "design.v").symlink_to(tmp_path / "elsewhere.v")
+    with pytest.raises(BoardError, match=r"design\.v is a symbolic link to .*build elsewhere with --out"):
+        build_bitstream(order)
+    assert not (tmp_path / "elsewhere.v").exists()
+
+
 def test_what_an_earlier_build_left_is_forgotten(tmp_path: Path) -> None:
     for name in ("report.json", "report.txt", "a.bin", "mine.txt"):
         (tmp_path / name).touch()

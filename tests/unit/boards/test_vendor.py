@@ -73,3 +73,17 @@ def test_options_that_are_missing(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["build", SERVO]) == 2
     assert main(["build", "--list"]) == 0
     assert "ice40-hx8k" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("vendor", ["vivado", "quartus"])
+def test_no_link_in_the_folder_leads_what_is_built_elsewhere(
+    vendor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.tcl"
+    mine.write_text("mine")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "servo.tcl").symlink_to(mine)
+    assert main(order(folder, vendor)) == 1
+    assert "servo.tcl is a symbolic link to" in capsys.readouterr().err
+    assert mine.read_text() == "mine" and [path.name for path in folder.iterdir()] == ["servo.tcl"]

@@ -240,3 +240,54 @@ def test_what_had_come_when_the_port_went_is_called_back(link: Link, device: Any
     go_on.set()
     (subscription if what == "subscription" else link).close()
     assert got == list(range(50))
+
+
+@pytest.mark.parametrize("what", ["link", "subscription", "event"])
+def test_a_callback_that_does_not_return_is_left_behind(
+    link: Link, device: Any, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("unitylink.layer2_message.callbacks.STUCK_S", 0.1)
+    subscription = link.subscribe([1], divisor=10)
+    within, go_on = threading.Event(), threading.Event()
+    calls: list[object] = []
+
+    def stuck(*publish: object) -> None:
+        calls.append(publish)
+        within.set()
+        go_on.wait()
+
+    if what == "event":
+        link.on_event(lambda _: None)
+    subscription.on_publish(stuck)
+    numbered(device, subscription, range(3))
+    assert within.wait(10)
+    try:
+        with pytest.warns(RuntimeWarning, match="<Subscription of 1 words.*> has not returned for 0.1 s"):
+            (subscription if what == "subscription" else link).close()
+        threads = [thread for thread in threading.enumerate() if thread.name == "unitylink callbacks"]
+    finally:
+        go_on.set()
+    for thread in threads:
+        thread.join(10)
+        assert what == "subscription" or not thread.is_alive()
+    assert len(calls) == 1, "it is not called again"
+
+
+def test_callbacks_that_are_slow_but_return_are_waited_for(
+    link: Link, device: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("unitylink.layer2_message.callbacks.STUCK_S", 0.2)
+    subscription = link.subscribe([1], divisor=10)
+    calls: list[int] = []
+
+    def slow(_: float, words: tuple[int, ...]) -> None:
+        threading.Event().wait(0.05)
+        calls.append(words[0])
+
+    subscription.on_publish(slow)
+    numbered(device, subscription, range(12))
+    while not calls:
+        threading.Event().wait(0.001)
+    link.close()
+    assert calls == list(range(len(calls)))
+    assert not len(subscription.drain()[1]), "all that had come was called back for"

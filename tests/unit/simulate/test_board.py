@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import os
+import pty
 import select
 import socket
 import sys
 import threading
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -157,10 +160,54 @@ def test_pty_at_a_path_of_its_own(tmp_path: Path) -> None:
     with pytest.raises(LinkNotFound, match="exists"):
         Board(endpoint=f"pty:{path}")
     assert path.read_text() == "mine"
-    stale = tmp_path / "stale.tty"
-    stale.symlink_to(tmp_path / "gone")
-    with Board(endpoint=f"pty:{stale}") as board, Link(f"{board.url}?timeout=10") as link:
+
+
+def gone(path: Path, _: ExitStack) -> None:
+    """As a killed board leaves it: nobody has the number of its terminal, or the next board gets it."""
+    for descriptor in linked(path):
+        os.close(descriptor)
+
+
+def linked(path: Path) -> tuple[int, int]:
+    master, slave = pty.openpty()
+    path.symlink_to(os.ttyname(slave))
+    return master, slave
+
+
+def of_another(path: Path, stack: ExitStack) -> None:
+    """The number of its terminal is that of another one by now."""
+    gone(path, stack)
+    while not path.exists() or path.stat().st_ctime_ns <= path.lstat().st_ctime_ns:
+        if path.exists():  # made within the same tick of the clock as the link
+            stack.close()
+        for descriptor in pty.openpty():
+            stack.callback(os.close, descriptor)
+
+
+def dangling(path: Path, _: ExitStack) -> None:
+    path.symlink_to("gone")
+
+
+@pytest.mark.parametrize("leave", [dangling, gone, of_another])
+def test_the_link_of_a_board_that_was_killed_is_taken_over(
+    leave: Callable[[Path, ExitStack], None], tmp_path: Path
+) -> None:
+    path = tmp_path / "board.tty"
+    with ExitStack() as stack:
+        leave(path, stack)
+        with Board(endpoint=f"pty:{path}") as board, Link(f"{board.url}?timeout=10") as link:
+            assert link.read(0) == 0
+
+
+def test_the_link_of_a_board_that_runs_is_not(tmp_path: Path) -> None:
+    path = tmp_path / "board.tty"
+    with Board(endpoint=f"pty:{path}") as board, Link(f"{board.url}?timeout=10") as link:
+        with pytest.raises(LinkNotFound, match="a link to what is in use; choose another name"):
+            Board(endpoint=f"pty:{path}")
         assert link.read(0) == 0
+    path.symlink_to(tmp_path)
+    with pytest.raises(LinkNotFound, match="in use"):
+        Board(endpoint=f"pty:{path}")
 
 
 def test_a_client_that_does_not_read_stops_the_board_and_loses_nothing() -> None:

@@ -45,7 +45,7 @@ def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str,
         str(folder / "walker.ul"),
         "--json",
     ]
-    command += ["--out", str(folder / "walker.mcap"), "--duration", str(duration_s)]
+    command += ["--out", str(folder / "walker.mcap"), "--force", "--duration", str(duration_s)]
     before_s = _cpu_s()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if not done.stdout.strip():

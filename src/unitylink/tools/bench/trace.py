@@ -6,6 +6,7 @@ Two boards would not do: where the machine places their processes makes more of 
 
 from __future__ import annotations
 
+import itertools
 import tempfile
 from pathlib import Path
 
@@ -19,9 +20,9 @@ def measure(run: Run) -> Figure:
     """Measure the figure."""
     with tempfile.TemporaryDirectory() as folder, twin("tcp") as board:
         url = board.line()
-        traced_url = f"{url}?trace={Path(folder) / 'bench.pcapng'}"
+        captures = (Path(folder) / f"{number}.pcapng" for number in itertools.count())
         result = in_turns(
-            lambda count: reads_of(traced_url, count),
+            lambda count: reads_of(f"{url}?trace={next(captures)}", count),
             lambda count: reads_of(url, count),
             rounds=run.rounds(101),
             count=200 if not run.quick else 50,
