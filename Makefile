@@ -17,7 +17,7 @@
 #   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings), and of the histories of
 #                programs that get killed (SECONDS=7200 MESSAGES=4000000: so many of their messages)
 #   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
-#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 240000); make mutants: what it must catch
+#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 360000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make unit    the Python tests that need no board process, in about a minute

@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <random>
 #include <string>
 #include <tuple>
@@ -76,6 +77,14 @@ DeviceConfiguration configuration_of(nb::handle object) {
     }
     return result;
   };
+  const auto addresses = [](nb::handle list, const char* name) {
+    std::vector<std::uint32_t> result;
+    for (nb::handle address : list) {
+      result.push_back(word_of(nb::object(nb::borrow(address)), name));
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+  };
   DeviceConfiguration result;
   each_setting(result, SettingReader{object});
   result.bus_error_ranges = ranges(object.attr("bus_error_ranges"), "bus_error_ranges");
@@ -104,6 +113,8 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle safe : nb::object(object.attr("safe_words"))) {
     result.safe_words.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
   }
+  result.flag_words = addresses(object.attr("flag_words"), "flag_words");
+  result.strobe_words = addresses(object.attr("strobe_words"), "strobe_words");
   if (const std::string problem = result.problem(); !problem.empty()) {
     raise_error("ValueRangeError", "board configuration: " + problem);
   }

@@ -81,13 +81,16 @@ class BoardConfiguration(Settings):
     """Every setting of a device (docs/settings.md), what its spec's tables say, and the slaves on its bus.
 
     Widths are in bits, addresses in words. `safe_words` is what the dead-man writes: (address, word) in
-    order. Raises ValueRangeError for what no device can have.
+    order; `flag_words` are the addresses where a write clears bits (W1C), `strobe_words` those where a PULSE
+    shares its word with a READ, which stays. Raises ValueRangeError for what no device can have.
 
     >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
     166
     """
 
     safe_words: tuple[tuple[int, int], ...] = ()
+    flag_words: tuple[int, ...] = ()
+    strobe_words: tuple[int, ...] = ()
     bus_error_ranges: tuple[tuple[int, int], ...] = ()  # first..last address answered with a bus error
     silent_ranges: tuple[tuple[int, int], ...] = ()  # first..last address not answered at all
     tosnet: TosnetConfiguration | None = None
@@ -153,8 +156,14 @@ class BoardConfiguration(Settings):
             slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
             wide = max(slave_bits, highest.bit_length())
             address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
+        read, strobes, flags = (
+            {address for e in elements if e.access == access for address in e.addresses}
+            for access in ("READ", "PULSE", "W1C")
+        )
         chosen: dict[str, Any] = {
             "address_bits": address_bits,
+            "flag_words": tuple(sorted(flags)),
+            "strobe_words": tuple(sorted(strobes & read)),
             "tosnet": tosnet,
             "fifos": _fifos_of(spec, overrides.get("clock_hz", CLOCK_HZ_DEFAULT)),
             "double_buffers": tuple(

@@ -31,6 +31,15 @@ MORE = int(os.environ.get("UNITYLINK_PARITY", "0"))
 TIMEOUT = "timeout=20"  # of a busy machine
 
 
+SIDES = (
+    "@flags = {0:#x}: u8 W1C();",
+    "@state = {1:#x}: u8 READ();",
+    "@start = {1:#x}: u8 PULSE();",
+    "@stop = {2:#x}: u8 PULSE();",
+    "@level = {2:#x}: u8 READ();",
+)
+
+
 class Still:
     """A plant in which nothing moves: the test sets what the board's side has."""
 
@@ -68,6 +77,8 @@ class Drawn:
             width = draw.choice(("u8", "i16", "u32"))
             lines.append(f"@out{number} = {address:#x}: {width} WRITE();")
             address += step
+        for line in SIDES:  # a word with two sides, in either order of the text
+            lines.append(line.format(address, address + 1, address + 2))
         text = "link plain;\npublic drawn() {\n   " + "\n   ".join(lines) + "\n}\n"
         spec = compile_text(text.encode(), "drawn.ul").spec
         assert spec is not None, text
@@ -123,14 +134,33 @@ def test_twin_and_gateware_are_the_same_device(drawn: Drawn, cycle: int | None) 
             assert max(len(paths) for paths, _, _ in split) == 60, "one rate has more than a publish carries"
             assert all(hardware for _, _, hardware in split)
         exchange(drawn.spec, told.exchange_size, cycle, [(model, to_model), (compiled, to_compiled)])
+        if cycle is None:
+            words_with_two_sides(drawn.spec, model, to_model)
+            words_with_two_sides(drawn.spec, compiled, to_compiled)
         groups_that_there_are_not(told, to_model, to_compiled)
+
+
+def words_with_two_sides(spec: Spec, board: Board, link: Link) -> None:
+    """Ones that the PC writes clear flags, each time; a PULSE leaves the READ of its word alone."""
+    robot, address = load_spec_objects(spec, link), {path: one.address for path, one in spec.walk()}
+    board.registers[address["flags"]] = 0xFF
+    for mask, left in ((0x0F, 0xF0), (0x10, 0xE0), (0x10, 0xE0)):
+        robot["flags"].clear(mask)
+        assert robot["flags"].read() == board.registers[address["flags"]] == left
+    board.registers[address["flags"]] = 0x10
+    robot["flags"].clear(0x10)
+    assert robot["flags"].read() == 0
+    for read, pulse in (("state", "start"), ("level", "stop")):
+        board.registers[address[read]] = 0x55
+        robot[pulse].pulse(3)
+        assert robot[read].read() == board.registers[address[read]] == 0x55
 
 
 def exchange(spec: Spec, most: int, cycle: int | None, sides: list[tuple[Board, Link]]) -> None:
     """A control cycle of as many words as an exchange group holds, with random words, on both sides."""
     draw = random.Random(7)
     elements = [element for _, element in spec.walk()]
-    outputs = [e.address for e in elements if e.writable and e.link.kind == "memory"]
+    outputs = [e.address for e in elements if e.access == "WRITE" and e.link.kind == "memory"]
     committed = [e.address for e in elements if e.writable and e.link.kind == "tosnet"]
     inputs = [e.address for e in elements if e.pollable and not e.writable]
     writes = (outputs + committed)[: most // 2]

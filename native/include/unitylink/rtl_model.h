@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-#define UNITYLINK_RTL_ABI 1u /* raised whenever something below changes */
+#define UNITYLINK_RTL_ABI 2u /* raised whenever something below changes */
 
 /* A byte moves at the end of a clock in which its valid and its ready are both high. */
 typedef struct unitylink_rtl_pins {
@@ -36,6 +36,7 @@ typedef struct unitylink_rtl {
   void (*clock)(void *model, unitylink_rtl_pins *pins);
   void (*set_word)(void *model, uint32_t index, uint32_t value);
   uint32_t (*get_word)(const void *model, uint32_t index);
+  uint32_t (*was_written)(const void *model, uint32_t index); /* 1 in the first clock of a new word */
   void (*set_event)(void *model, uint32_t group, uint32_t high);
   const char *(*failure)(const void *model); /* the assertion of the gateware that failed, "" while none has */
 } unitylink_rtl;

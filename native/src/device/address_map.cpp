@@ -11,6 +11,10 @@ namespace unitylink::device {
 
 namespace {
 
+bool among(const std::vector<std::uint32_t>& words, std::uint32_t address) noexcept {
+  return std::binary_search(words.begin(), words.end(), address);
+}
+
 bool within(const std::vector<AddressRange>& ranges, std::uint32_t address) noexcept {
   return std::any_of(ranges.begin(), ranges.end(),
                      [address](const AddressRange& range) { return range.first <= address && address <= range.last; });
@@ -21,6 +25,8 @@ bool within(const std::vector<AddressRange>& ranges, std::uint32_t address) noex
 AddressMap::AddressMap(const DeviceConfiguration& configuration, const EventSink& sink)
     : errors_(configuration.bus_error_ranges),
       silent_(configuration.silent_ranges),
+      flags_(configuration.flag_words),
+      strobes_(configuration.strobe_words),
       address_mask_(configuration.address_mask()),
       data_mask_(configuration.data_mask()) {
   const auto add = [this](std::uint32_t base, std::uint32_t size, std::unique_ptr<Bus> slave) {
@@ -67,9 +73,15 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
     return status;
   }
   Region& at = region(address);
-  const BusStatus status = at.slave->write(address - at.range.first, value & data_mask_, now);
+  const std::uint32_t word = value & data_mask_;
+  BusStatus status = BusStatus::ok;
+  if (among(flags_, address)) {
+    status = at.slave->write(address - at.range.first, at.slave->read(address - at.range.first, now).value & ~word, now);
+  } else if (!among(strobes_, address)) {
+    status = at.slave->write(address - at.range.first, word, now);
+  }
   if (observer_ && status == BusStatus::ok) {
-    observer_(address, value & data_mask_);
+    observer_(address, word);
   }
   return status;
 }

@@ -43,6 +43,8 @@ class AddressMap final : public Bus {
 
   std::vector<AddressRange> errors_;
   std::vector<AddressRange> silent_;
+  std::vector<std::uint32_t> flags_;
+  std::vector<std::uint32_t> strobes_;
   std::vector<Region> regions_;  // the last is the memory everywhere else
   std::vector<Bus*> timed_;      // slaves that do something by themselves
   std::function<void(std::uint32_t, std::uint32_t)> observer_;

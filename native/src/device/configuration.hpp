@@ -58,6 +58,8 @@ struct DeviceConfiguration : Settings {
   std::uint16_t offers = 0;           // HELLO answers before: their count outlives a reset
   std::uint64_t offer_secret = 0;     // 0: their nonces count, as the gateware's do; else nobody can tell the next (session_offer.hpp)
   std::vector<SafeValue> safe_words;
+  std::vector<std::uint32_t> flag_words;    // in rising order: what the PC writes clears these bits (W1C)
+  std::vector<std::uint32_t> strobe_words;  // in rising order: what the PC writes is a PULSE, and not what it reads there
   std::vector<AddressRange> bus_error_ranges;  // answered with a bus error
   std::vector<AddressRange> silent_ranges;     // not answered at all
   TosnetConfiguration tosnet;

@@ -55,6 +55,11 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
   if (!state_) {
     throw RtlError(library + ": no memory for the compiled gateware");
   }
+  for (const std::uint32_t address : configuration_.flag_words) {
+    if (read_index_.contains(address) && write_index_.contains(address)) {
+      flags_.push_back({read_index_.at(address), write_index_.at(address)});
+    }
+  }
   pins_.reset = 1;
   for (Clock clock = 0; clock < reset_clocks; ++clock) {
     model_->clock(state_.get(), &pins_);
@@ -105,6 +110,11 @@ void RtlDevice::step() {
   error_ = 0;
   model_->clock(state_.get(), &pins_);
   ++clock_;
+  for (const Flags& flags : flags_) {
+    if (model_->was_written(state_.get(), flags.write) != 0) {
+      give(flags.read, given_[flags.read] & ~model_->get_word(state_.get(), flags.write));
+    }
+  }
   if (!rising_.empty()) {
     for (const std::uint32_t group : falling_) {
       model_->set_event(state_.get(), group, 0);
@@ -138,11 +148,11 @@ bool RtlDevice::take(TimedByte& byte) noexcept {
 }
 
 BusReply RtlDevice::get(std::uint32_t address) {
+  if (const auto place = read_index_.find(address); place != read_index_.end()) {
+    return {BusStatus::ok, given_[place->second]};  // of a word with both sides what the PC reads, as on the twin
+  }
   if (const auto place = write_index_.find(address); place != write_index_.end()) {
     return {BusStatus::ok, model_->get_word(state_.get(), place->second)};
-  }
-  if (const auto place = read_index_.find(address); place != read_index_.end()) {
-    return {BusStatus::ok, given_[place->second]};
   }
   return {BusStatus::error, 0};
 }
@@ -152,9 +162,13 @@ BusStatus RtlDevice::set(std::uint32_t address, std::uint32_t value) {
   if (place == read_index_.end()) {
     return BusStatus::error;
   }
-  given_[place->second] = value;
-  model_->set_word(state_.get(), place->second, value);
+  give(place->second, value);
   return BusStatus::ok;
+}
+
+void RtlDevice::give(std::uint32_t index, std::uint32_t value) {
+  given_[index] = value;
+  model_->set_word(state_.get(), index, value);
 }
 
 bool RtlDevice::has_failed() const noexcept { return *model_->failure(state_.get()) != '\0'; }

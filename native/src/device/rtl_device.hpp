@@ -51,7 +51,14 @@ class RtlDevice final : public ServedDevice {
   [[nodiscard]] std::string failure() const override;
 
  private:
+  // A word whose bits the PC clears by writing ones, as the logic behind the registers does: by index.
+  struct Flags {
+    std::uint32_t read;
+    std::uint32_t write;
+  };
+
   void step();
+  void give(std::uint32_t index, std::uint32_t value);
   [[nodiscard]] bool has_failed() const noexcept;
 
   DeviceConfiguration configuration_;
@@ -60,6 +67,7 @@ class RtlDevice final : public ServedDevice {
   std::unordered_map<std::uint32_t, std::uint32_t> read_index_;
   std::unordered_map<std::uint32_t, std::uint32_t> write_index_;
   std::vector<std::uint32_t> given_;  // what `set` was given, by index
+  std::vector<Flags> flags_;
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   unitylink_rtl_pins pins_{};

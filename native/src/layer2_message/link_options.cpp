@@ -32,7 +32,8 @@ constexpr Override overrides[] = {
 };
 
 constexpr const char* known =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, trace, baud (serial), speed_hz and poll (spi), node, baud, poll and silence (rs485), "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, trace, baud (serial), "
+    "speed_hz, poll and waiting (spi), channel, mode, baud, latency and event (ftdi), node, baud, poll and silence (rs485), plant and root (sim, rtl), "
     "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from statistics import median
 
 import pytest
@@ -11,8 +13,20 @@ from click.testing import CliRunner
 from unitylink import _native
 from unitylink.tools.faults import RUN_MESSAGES, History, command, histories
 
+ROOT = Path(__file__).resolve().parents[3]
 PROFILES = [name for name, _ in _native.fault_profiles()]
 LIARS = ["dead", "half-dead", "closing", "renewing", "refusing"]  # devices; the others are wires
+
+
+def test_pages_name_the_profiles_and_the_shards_of_a_soak() -> None:
+    """`make soak` says where the next shard begins, docs/faults.md and the help which profiles there are."""
+    shard = len(PROFILES) * RUN_MESSAGES  # messages that each seed gives, one history a profile
+    assert f"SEED + MESSAGES / {shard})" in (ROOT / "Makefile").read_text("utf-8")
+    table = (ROOT / "docs" / "faults.md").read_text("utf-8").partition("## The profiles")[2]
+    assert re.findall(r"^\| `([\w-]+)` \|", table.partition("## When it fails")[0], re.M) == PROFILES
+    assert command.help is not None
+    said = command.help.partition("Profiles: ")[2].partition(";")[0]
+    assert said.split() == PROFILES
 
 
 @pytest.mark.parametrize("protocol", ["framed", "classic"])

@@ -68,7 +68,10 @@ class _Planner:
             for path, element in spec.walk()
             if element.initial is not None and element.writable
         ]
-        self.accesses = {address: e.access for _, e in spec.walk() for address in e.addresses}
+        self.accesses: dict[int, set[str]] = {}  # several where a PULSE shares its word with what is read
+        for _, element in spec.walk():
+            for address in element.addresses:
+                self.accesses.setdefault(address, set()).add(element.access)
         for path, element in spec.walk():
             last, bits = element.addresses[-1], configuration.address_bits
             if last >> bits:
@@ -312,13 +315,13 @@ class _Planner:
 
     def _wire(self, base: int, offset: int) -> Wire:
         address = base + offset
-        access = self.accesses.get(address, "")
+        accesses = self.accesses.get(address, set())
         return Wire(
             offset,
             self.words.read.get(address),
             self.words.write.get(address),
-            pulse=access == "PULSE",
-            taken=access == "READCLEAR",
+            pulse="PULSE" in accesses,
+            taken="READCLEAR" in accesses,
         )
 
     def _tosnet_range(self) -> tuple[Range, ...]:

@@ -157,6 +157,7 @@ def _kind(verilog: str, top: str) -> list[str]:
     return [
         f"-DREAD_WORDS={bits.get('read_words', 0) // 32}",
         f"-DWRITE_WORDS={bits.get('write_words', 0) // 32}",
+        f"-DWRITTEN={bits.get('written', 0)}",
         f"-DGROUPS={bits.get('events', 0)}",
         f"-DEITHER_EDGE={either_edge_will_do(verilog):d}",
     ]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C side of compiled gateware: what Verilator made of model.v, behind the function table of rtl_model.h.
-// READ_WORDS, WRITE_WORDS and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a clock of the design, so that
+// READ_WORDS, WRITE_WORDS, WRITTEN and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a clock of the design, so that
 // one evaluation does for it.
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +34,15 @@ void put_bit(Port& port, std::uint32_t bit, bool value) {
     port = static_cast<Port>(value ? port | mask : port & ~mask);
   } else {
     put_bit(port.at(bit / 32), bit % 32, value);
+  }
+}
+
+template <class Port>
+[[maybe_unused]] std::uint32_t bit_of(const Port& port, std::uint32_t bit) {
+  if constexpr (std::is_integral_v<Port>) {
+    return static_cast<std::uint32_t>(port >> bit & 1u);
+  } else {
+    return bit_of(port.at(bit / 32), bit % 32);
   }
 }
 
@@ -108,6 +117,14 @@ std::uint32_t get_word([[maybe_unused]] const void* handle, [[maybe_unused]] std
 #endif
 }
 
+std::uint32_t was_written([[maybe_unused]] const void* handle, [[maybe_unused]] std::uint32_t index) {
+#if WRITTEN > 0
+  return bit_of(static_cast<const Model*>(handle)->top->written, index);
+#else
+  return 0;
+#endif
+}
+
 void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t group, [[maybe_unused]] std::uint32_t high) {
 #if GROUPS > 0
   put_bit(model_of(handle).top->events_next, group, high != 0);
@@ -117,7 +134,7 @@ void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t gro
 const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }
 
 constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS, create,    destroy,
-                                 clock,             set_word,   get_word,    set_event, failure};
+                                 clock,             set_word,   get_word,    was_written, set_event, failure};
 
 }  // namespace
 
