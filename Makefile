@@ -126,6 +126,7 @@ fuzz: $(VENV)/.built
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)
+	$(BIN)/python tests/unit/hostile/fuzz_inputs.py --seconds $(SECONDS)
 	$(BIN)/python tests/apart/histories.py --board $(SANITIZED)-address,undefined/journal_board --seconds $(SECONDS) --messages $(MESSAGES)
 
 sanitize: $(VENV)/.built

@@ -74,6 +74,12 @@ def scheme_of(url: str) -> Scheme:
     'a board on the network, or `unitylink simulate`'
     """
     name, colon, _ = url.partition(":")
+    try:
+        whole = b"\0" not in url.encode()
+    except UnicodeEncodeError:  # a word of a command line that is no UTF-8
+        whole = False
+    if not whole:
+        raise UrlError(f"link URL {url!r}: it is no UTF-8, or has a NUL in it")
     if colon and name in SCHEMES:
         return SCHEMES[name]
     wrong = f"no scheme {name!r}" if colon else "no scheme and colon at its beginning"

@@ -119,7 +119,7 @@ def read_report(folder: Path) -> dict[str, Any]:
             and isinstance(report["bitstream"], str)
         ):
             return report
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, RecursionError):
         pass
     raise BoardError(
         f"{folder} is no folder that `unitylink build SPEC --board NAME` finished: {path} is not its report"

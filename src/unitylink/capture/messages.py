@@ -179,7 +179,8 @@ class MessageReader:
             return _PLAIN_REQUESTS[command]
         if command == protocol.COMMAND_WRITE_EVENT_MASK:
             return f"publish on event: groups {_groups_of(data)}"
-        if command in (protocol.COMMAND_READ_GROUP, protocol.COMMAND_WRITE_GROUP_RATE) and data:
+        rates = protocol.COMMAND_READ_GROUP, protocol.COMMAND_WRITE_GROUP_RATE
+        if command in rates and 0 < len(data) <= _RATE_BYTES_MOST:
             rate = int.from_bytes(data[1:], "big")
             if command == protocol.COMMAND_READ_GROUP:
                 return f"what is group {data[0]} set to?"
@@ -289,11 +290,16 @@ _PLAIN_REQUESTS = {
 }
 
 
+_RATE_BYTES_MOST = 1 + 4  # the group, and its rate
+
+
 def _hex_word(address: int, word: int) -> str:
     return f"0x{word:x}"
 
 
 def _groups_of(mask: bytes) -> str:
+    if len(mask) > protocol.GROUPS_MAX // 8:
+        return "more than there are"
     value = int.from_bytes(mask, "big")
     return ", ".join(str(bit) for bit in range(8 * len(mask)) if value >> bit & 1) or "none"
 

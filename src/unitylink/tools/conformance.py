@@ -84,7 +84,7 @@ def _load(path: Path) -> list[Any]:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise RecordingError(f"{path}: {error.strerror}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise RecordingError(f"{path}: not JSON: {error}") from error
     if not isinstance(document, dict) or not isinstance(document.get("runs"), list):
         raise RecordingError(f'{path}: not a set of recordings: an object with a list "runs" is expected')
@@ -182,6 +182,7 @@ def render(report: Report) -> None:
             console.print(
                 f"\nrun {exchange.run}, {exchange.name} ({exchange.status}, {exchange.compare})",
                 style="bold red",
+                markup=False,
             )
             for line in difference(exchange):
                 console.print(f"  {line}", markup=False)

@@ -19,6 +19,7 @@ from unitylink.values import Quantity, field_names, format_value, member_text
 from .names import Item
 
 _SINGLE = 32  # bits
+_MOST_BITS = 64  # of a number that an item may have
 _NUMBER = re.compile(
     r"([+-]?(?:0[xXoObB][0-9a-fA-F_]+|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf|nan))\s*(.*)"
 )
@@ -80,7 +81,10 @@ def _real(text: str, name: str, quantity: Quantity) -> Any:
         raise click.UsageError(f"{name}: '{text}' is no number; write 1.5, -30, 2e-3{unit}")
     digits, unit = match[1], match[2].strip()
     whole = digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b")
-    number: Any = int(digits, 0) if whole else float(digits)
+    try:
+        number: Any = int(digits, 0) if whole else float(digits)
+    except ValueError:  # 0_, or more digits than a number has
+        raise click.UsageError(f"{name}: '{text}' is no number") from None
     if not unit or unit == quantity.unit:
         return number if quantity.scaled or quantity.type.kind == "float" else _whole(number, text, name)
     converted = _converted(number, unit, name, quantity)
@@ -88,7 +92,7 @@ def _real(text: str, name: str, quantity: Quantity) -> Any:
 
 
 def _whole(number: float, text: str, name: str) -> int:
-    if number != round(number):
+    if not math.isfinite(number) or number != round(number):
         raise click.UsageError(f"{name}: '{text}' is {number:g} and no integer; it counts whole steps")
     return round(number)
 
@@ -97,6 +101,8 @@ def _converted(number: float, given: str, name: str, quantity: Quantity) -> floa
     from unitylink.spec.units import unit
 
     stored = f"it is in {quantity.unit}" if quantity.unit else "it has no unit"
+    if isinstance(number, int) and number.bit_length() > _MOST_BITS:
+        raise click.UsageError(f"{name}: a number that nothing can hold")
     source, target = unit(given), unit(quantity.unit) if quantity.unit else None
     if source is None or target is None or source.dimension != target.dimension or not math.isfinite(number):
         raise click.UsageError(f"{name}: '{number:g} {given}' cannot be converted; {stored}")

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What readers of mutated inputs have in common: a spec, a command in this process, what may be raised."""
+
+import io
+import os
+from contextlib import redirect_stderr, redirect_stdout
+from functools import cache
+from pathlib import Path
+
+from unitylink.cli import main
+from unitylink.spec import Spec, load
+from unitylink.tools.names import Names
+
+ROOT = Path(__file__).resolve().parents[3]
+TYPED = ROOT / "tests" / "unit" / "generate" / "typed.ul"
+
+
+@cache
+def typed() -> Spec:
+    return load(TYPED)
+
+
+@cache
+def elements() -> Names:
+    return Names(typed())
+
+
+class Registers(dict[int, int]):
+    """As much of a board's registers as a plant sets."""
+
+    data_bits = 32
+
+
+def command(words: list[str], folder: Path) -> None:
+    """Run a command in this process: what leaves `main` would be a traceback, and so is what it prints."""
+    before = Path.cwd()
+    os.chdir(folder)
+    out, err = io.StringIO(), io.StringIO()
+    try:
+        with redirect_stdout(out), redirect_stderr(err):
+            main(words)
+    finally:
+        os.chdir(before)
+    assert "Traceback" not in err.getvalue(), err.getvalue()
+
+
+class allowed:
+    """What may be raised at an input that is wrong: an error of ours, or a usage error of a command."""
+
+    def __init__(self, *more: type[Exception]) -> None:
+        import click
+
+        from unitylink.errors import UnityLinkError
+
+        self.kinds = (UnityLinkError, click.ClickException, *more)
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: object) -> bool:
+        return isinstance(error, self.kinds)
