@@ -48,6 +48,18 @@ def test_no_row_has_grown_since_it_was_recorded(flow: Any) -> None:
     assert not found, "if it is meant, `make synth ACCEPT=1`"
 
 
+def test_pages_have_the_figures_of_the_record() -> None:
+    page = " ".join((ROOT / "docs" / "gateware" / "core.md").read_text(encoding="utf-8").split())
+    core, without = (RECORD[name]["ice40"] for name in ("core", "no_publishing"))
+    assert f"has {core['cells']} logic cells and {core['memories']} block RAMs" in page
+    assert f"without publishing {without['cells']} and {without['memories']} " in page
+    framed, text = (RECORD[name]["ice40"]["memories"] for name in ("hello_led_framed", "hello_led"))
+    design = (ROOT / "docs" / "generate-vhdl.md").read_text(encoding="utf-8")
+    assert f"{framed} with frames alone, {text} with text alone" in design
+    low, high = core["mhz_range"]
+    assert f"Its clock is {core['mhz']} MHz (57), the median of three placements ({low} to {high})" in page
+
+
 def test_a_row_that_has_grown_is_told(flow: Any) -> None:
     row = next(row for row in rows() if row.name == "uart")
     smaller = {"ice40": {"luts": RECORD["uart"]["ice40"]["luts"] // 2, "flip_flops": 1000}}
