@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 from unitylink.cli import main
@@ -33,6 +34,11 @@ def test_servo_on_icebreaker(tmp_path: Path) -> None:
     assert 0x7EAA997E.to_bytes(4, "big") in bitstream[:256] and len(bitstream) > 100_000
     cells = {area["what"]: area for area in report["area"]}
     assert 1000 < cells["logic cells"]["used"] <= cells["logic cells"]["available"] == 5280
+    page = " ".join((ROOT / "docs" / "build.md").read_text("utf-8").split())
+    told = re.search(r"takes (\d+) of 5280 cells and (\d+) of 30 block RAMs of the UP5K", page)
+    assert told is not None
+    assert abs(int(told[1]) / cells["logic cells"]["used"] - 1) < 0.02  # of this or another yosys
+    assert (int(told[2]), 30) == (cells["block RAM"]["used"], cells["block RAM"]["available"])
     assert report["fmax_hz"] >= report["clock_hz"] == 12_000_000
     assert report["url"] == "serial:/dev/ttyUSB1?baud=1000000"
     assert report["pins"]["servos[1]"] == "P1A2 (site 2)"

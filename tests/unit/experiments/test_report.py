@@ -17,14 +17,23 @@ import pytest
 from click.testing import CliRunner
 
 from unitylink.experiments import PARTS, markdown, pictures, report, ros_rates, scaling, software_cost, write
-from unitylink.experiments.ablations import ablations
+from unitylink.experiments.ablations import ABLATIONS, ablations
 from unitylink.experiments.claims import CLAIMS
 from unitylink.experiments.document import Heading
 from unitylink.experiments.gateware import GATEWARES
 from unitylink.experiments.link_parameters import LINKS
 from unitylink.experiments.model_figures import model_figures
 from unitylink.experiments.software_cost import SoftwareCost
-from unitylink.experiments.table_one import APPROXIMATE, CELLS, LONG, TEXT, Cell
+from unitylink.experiments.table_one import (
+    APPROXIMATE,
+    CELLS,
+    HOST,
+    LONG,
+    ONE_PACKET,
+    STACK_SI,
+    TEXT,
+    Cell,
+)
 from unitylink.tools.bench import FIGURES, Report
 from unitylink.tools.bench.figure import Figure
 from unitylink.tools.experiments import command
@@ -80,6 +89,23 @@ def test_a_cause_moves_its_cell_towards_the_paper_or_is_not_called_one() -> None
     for cell, row in zip((*CELLS, *TEXT), (*RESULTS["table_one"], *RESULTS["text"]), strict=True):
         for tried in row["tried"]:
             assert tried["model"] == pytest.approx(changed[tried["ablation"]][cell.model])
+
+
+def test_the_numbers_in_the_texts_of_causes_follow_from_paper_and_model() -> None:
+    figures = model_figures(SoftwareCost(**RESULTS["software_cost"]))
+    script = [cell for cell in CELLS if (cell.row, cell.quantity) == ("Low-level python", "latency")]
+    less_us = [round(1e6 * (figures[cell.model] - cell.paper)) for cell in script]
+    assert f"the paper {min(less_us)} to {max(less_us)} us less" in HOST.words
+    paper = {(cell.table, cell.row): 1e6 * cell.paper for cell in CELLS if cell.quantity == "latency"}
+    cost = {
+        table: round(paper[table, "Unity-SW"] - paper[table, "Low-level python"])
+        for table in ("Read", "Read:SI", "Write", "Write:SI")
+    }
+    assert f"a read {cost['Read']} us without SI and {cost['Read:SI']} us with it" in STACK_SI.words
+    assert f"a write {cost['Write']} and {cost['Write:SI']} us" in STACK_SI.words
+    assert f"({cost['Read']} and {cost['Write']} us)" in ABLATIONS["stack"].words
+    (burst,) = [cell for cell in CELLS if cell.cause is ONE_PACKET]
+    assert f"needed {figures[burst.model] / burst.paper:.1f} microframes" in ONE_PACKET.words
 
 
 def test_the_report_of_a_run_is_written_whole(tmp_path: Path) -> None:
