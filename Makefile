@@ -19,6 +19,7 @@
 #   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
 #   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 360000); make mutants: what it must catch
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
+#   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
 #   make unit    the Python tests that need no board process, in about a minute
 #   make native-tests   the C++ tests alone
@@ -33,7 +34,7 @@ SECONDS ?= 60
 MESSAGES ?= 1000000000
 SEED ?= 1
 
-.PHONY: experiments experiments-json wheel demo extras demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
+.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -139,6 +140,9 @@ mutants: $(NATIVE)/.built
 
 soak: $(VENV)/.built
 	$(BIN)/unitylink faults --messages $(MESSAGES) --seed $(SEED) --jobs 2
+
+sbom: $(VENV)/.built
+	$(BIN)/python tools/sbom.py > build/sbom.cdx.json
 
 wheel: $(VENV)/.built
 	@tools/setup.sh group wheel

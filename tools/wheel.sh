@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the wheel and the sdist of this checkout into build/wheels (or the folder named), the wheel with the oldest manylinux tag its symbols allow.
+# Builds the wheel, the sdist and the bill of materials of this checkout into build/wheels (or the folder named), the wheel with the oldest manylinux tag its symbols allow.
 # A wheel for all machines is built by cibuildwheel in an older Linux: see pyproject.toml.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,4 +16,5 @@ rm -rf "$out" && mkdir -p "$out/plain"
 "$bin/auditwheel" repair --wheel-dir "$out" "$out"/plain/*.whl > build/auditwheel.log 2>&1 || { cat build/auditwheel.log >&2; exit 1; }
 rm -r "$out/plain"
 "$bin/python" -c 'import scikit_build_core.build as b; import sys; b.build_sdist(sys.argv[1])' "$out" > build/sdist.log
+"$bin/python" tools/sbom.py > "$out/sbom.cdx.json"
 ls -l "$out"

@@ -313,7 +313,13 @@ class Codec:
         parts: dict[str, tuple[int, Codec]] = {}
         for field in self.type.fields:
             width = field.high - field.low + 1
-            codec = Codec(f"{self.name}.{field.name}", Quantity.of(field), width, self._classes)
+            codec = Codec(
+                f"{self.name}.{field.name}",
+                Quantity.of(field),
+                width,
+                self._classes,
+                commanded=self._commanded,
+            )
             if codec.width > width:
                 raise ValueRangeError(
                     f"{codec.name}: {field.type} does not fit bits {field.high} to {field.low}"

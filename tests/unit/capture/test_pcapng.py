@@ -91,6 +91,15 @@ def test_other_files_are_refused_with_what_they_are(tmp_path: Path) -> None:
         list(read_packets(tmp_path / "absent.pcapng"))
 
 
+def test_a_block_that_claims_to_be_huge_is_damage_and_is_not_waited_for(tmp_path: Path) -> None:
+    path = tmp_path / "c.pcapng"
+    whole = write(path, [Packet(0.0, "sent", b"#RLC\n")])
+    for length in (1 << 24 | 4, 0xFFFFFFFC, 8, 13):
+        path.write_bytes(whole + struct.pack("<II", 6, length))
+        with pytest.raises(UnityLinkError, match=f"damaged at byte {len(whole)}: a block of {length} bytes"):
+            list(read_packets(path))
+
+
 @pytest.fixture
 def lamp(tmp_path: Path) -> str:
     spec = tmp_path / "lamp.ul"

@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import math
 import struct
+from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
@@ -27,8 +28,10 @@ from unitylink.layer4_data import (
     Tree,
     ValueGroup,
     WriteValue,
+    load_spec_objects,
 )
 from unitylink.simulate import Board, BoardConfiguration
+from unitylink.spec import compile_text
 from unitylink.spec.model import Publish
 from unitylink.spec.types import EnumType, EnumValue, Field, ValueType
 from unitylink.values import Quantity
@@ -207,3 +210,62 @@ def test_an_event_publishes_through_its_own_line() -> None:
         too_far = ReadValue("far", memory, 7, publish=on_event, line=9, publisher=Publisher())
         with pytest.raises(DeviceMismatch, match="group 9 is asked for, and this gateware has 4"):
             too_far.publisher.start()
+
+
+PACKED = """
+enum mode: u2 { idle = 0; run = 1; }
+bits state: u64 { mode: mode @ 1..0; level: u4 @ 7..4 (MIN=2, MAX=5); gain: f32 @ 63..32; }
+public lamp() {
+   @plain = 0x10: state WRITE(); @both = 0x12: state READWRITE(); @go = 0x14: state PULSE();
+   @seen = 0x16: state W1C();
+}
+"""
+NOT_PACKED = {
+    "no member": 0x23,
+    "beyond its limits": 0xF0,
+    "not a number": 0x7FC0_0000_0000_0020,
+    "infinite": 0x7F80_0000_0000_0020,
+    "too long": 1 << 64,
+    "negative": -1,
+    "a field that is no number": {"mode": 0, "level": 3, "gain": math.nan},
+    "a field that is infinite": {"mode": 0, "level": 3, "gain": -math.inf},
+    "a field that is too large for 32 bits": {"mode": 0, "level": 3, "gain": 1e308},
+}
+
+
+@pytest.fixture(scope="module")
+def packed() -> Iterator[tuple[Link, Node]]:
+    spec = compile_text(PACKED).spec
+    with Board(spec) as board, Link(f"{board.url}?timeout=5") as link:
+        yield link, load_spec_objects(spec, link)
+
+
+@pytest.mark.parametrize("name", NOT_PACKED)
+def test_packed_values_that_cannot_be_are_refused_before_anything_is_sent(
+    name: str, packed: tuple[Link, Node]
+) -> None:
+    link, lamp = packed
+    value = NOT_PACKED[name]
+    group = ValueGroup([lamp["plain"], lamp["both"]])
+    whole = {"mode": "run", "level": 3, "gain": 1.0}
+    with group.cycle() as cycle:
+        before = link.statistics().requests
+        for write in (
+            lambda: lamp["plain"].write(value),
+            lambda: lamp["both"].write(value),
+            lambda: asyncio.run(lamp["plain"].write_async(value)),
+            lambda: lamp["go"].pulse(value),
+            lambda: lamp["seen"].clear(value),
+            lambda: group.write({"both": whole, "plain": value}),
+            lambda: asyncio.run(group.write_async({"both": whole, "plain": value})),
+            lambda: cycle({"both": whole, "plain": value}),
+        ):
+            with pytest.raises(ValueRangeError):
+                write()
+        assert link.statistics().requests == before
+
+
+def test_packed_values_that_can_be_are_written_as_they_are(packed: tuple[Link, Node]) -> None:
+    link, lamp = packed
+    lamp["plain"].write(0x3F80_0000_0000_0021)
+    assert link.read_many([0x10, 0x11]).tolist() == [0x21, 0x3F80_0000]

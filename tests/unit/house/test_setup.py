@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""tools/setup.sh installs nothing as root that it has not named, and nothing at all as anybody else."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+SETUP = Path(__file__).resolve().parents[3] / "tools" / "setup.sh"
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """A checkout and a machine that has neither GHDL nor Verilator, with an apt-get that notes its words."""
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools" / "setup.sh").write_text(SETUP.read_text(encoding="utf-8"), encoding="utf-8")
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    for name in ("bash", "mkdir", "flock", "dirname", "sed", "tail", "cat"):
+        found = next(
+            Path(place) / name for place in os.defpath.split(":")[::-1] if (Path(place) / name).exists()
+        )
+        (programs / name).symlink_to(found)
+    script(programs / "apt-get", 'echo "$@" >> said; cat told >> seen 2>/dev/null; exit 0')
+    return tmp_path
+
+
+def script(path: Path, text: str) -> None:
+    path.write_text(f"#!{path.parent / 'bash'}\n{text}\n")
+    path.chmod(0o755)
+
+
+def run(machine: Path, user: int) -> subprocess.CompletedProcess[str]:
+    script(machine / "bin" / "id", f"echo {user}")
+    with (machine / "told").open("w") as told:  # a file, so that apt-get sees what was told before it
+        command = [machine / "bin" / "bash", machine / "tools" / "setup.sh", "rtl"]
+        done = subprocess.run(
+            command,
+            env={"PATH": str(machine / "bin")},
+            stdout=told,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+    return done
+
+
+def test_as_root_it_names_what_it_installs_before_it_does(machine: Path) -> None:
+    done = run(machine, 0)
+    assert done.returncode == 0, done.stderr
+    assert "install" in (machine / "said").read_text() and "ghdl verilator" in (machine / "said").read_text()
+    first = (machine / "seen").read_text().splitlines()[0]
+    assert first == "installing with apt-get, as root: ghdl verilator"
+
+
+def test_as_anybody_else_it_names_what_is_missing_and_stops(machine: Path) -> None:
+    done = run(machine, 1000)
+    assert done.returncode == 1 and not (machine / "said").exists()
+    assert "missing: ghdl, verilator; on Debian or Ubuntu: sudo apt-get install ghdl verilator" in done.stderr
