@@ -137,6 +137,10 @@ WRONG = {
     "too wide": ("addrmap x { reg { regwidth=128; field {sw=r;hw=w;} a[127:0]; } q; };", "at most 64"),
     "nothing": ("", "no SystemRDL that compiles"),
     "not text": ("\udcff", "not UTF-8"),
+    "what the compiler itself ends at": (
+        UART.read_text("utf-8").replace("fast = 2'd1", "fast =,;1"),
+        "cannot be read: type.__new__",
+    ),
 }
 
 
