@@ -216,7 +216,8 @@ def ros(measured: dict[str, Any]) -> list[Block]:
     """Return the rates, and what could not be measured."""
     table = Table(
         "A single integer on a topic, sent as fast as it goes: messages a second of our node with the twin "
-        "behind it, and of a bare publisher or subscriber in the same run.",
+        "behind it (into the FPGA: writes that the twin has answered), and of a bare publisher or subscriber "
+        "in the same run.",
         ["topic", "paper", "our node", "bare", "share"],
         [
             [

@@ -9,6 +9,7 @@ import pytest
 
 from unitylink.board_configuration import DoubleBufferConfiguration, FifoConfiguration
 from unitylink.errors import ValueRangeError
+from unitylink.layer2_message import Link
 from unitylink.simulate import Board, BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.spec import Spec, compile_text
 
@@ -130,3 +131,20 @@ def test_what_cannot_be_is_refused_by_name(fields: dict[str, Any], words: str) -
     with pytest.raises(ValueRangeError) as caught, Board(configuration=BoardConfiguration(**fields)):
         pass
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ"])
+def test_words_with_two_sides(words: str) -> None:
+    """The PC clears flags by ones, and a PULSE does not touch the READ of its word, in either order."""
+    both = "".join(f"@{access.lower()} = 0x1: u8 {access}();" for access in words.split())
+    spec = spec_of(f"public port() {{ @flags = 0x0: u8 W1C(); {both} @alone = 0x2: PULSE(); }}")
+    configuration = BoardConfiguration.for_spec(spec)
+    assert (configuration.flag_words, configuration.strobe_words) == ((0,), (1,))
+    with Board(configuration=configuration) as board, Link(board.url) as link:
+        board.registers[0], board.registers[1] = 0xFF, 0x55
+        for mask in (0x0F, 0x0F, 0x10):
+            link.write(0, mask)
+        link.write(1, 3)
+        link.write(2, 1)
+        assert [link.read(address) for address in (0, 1, 2)] == [0xE0, 0x55, 1]  # a plant takes the last
+        assert [board.registers[address] for address in (0, 1)] == [0xE0, 0x55]
