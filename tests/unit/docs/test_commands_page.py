@@ -37,3 +37,15 @@ def test_every_command_and_what_it_prints_as_json() -> None:
 def test_every_figure_of_the_bench() -> None:
     page = (DOCS / "performance.md").read_text("utf-8")
     assert set(FIGURES) - first_cells(page.split("## How each is measured")[0]) == set()
+
+
+def test_the_last_table_asks_what_the_page_asks() -> None:
+    page = (DOCS / "performance.md").read_text("utf-8")
+    meant, _, last = page.partition("## How each is measured")
+    asked = re.findall(r"^\| (`[^|]*) \| ([^|]*) \|", meant, re.M)
+    rows = re.findall(r"^\| `([\w-]+)` \| ([^|]*) \|", last.partition("## Last table")[2], re.M)
+    assert len(rows) > 25
+    for name, told in rows:
+        (text,) = [text for names, text in asked if f"`{name}`" in names]
+        number = re.search(r"\d[\d.,]*\d|\d", told)
+        assert number is None or number[0] in re.findall(r"\d[\d.,]*\d|\d", text), f"{name}: {told}; {text}"
