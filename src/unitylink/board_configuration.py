@@ -156,9 +156,10 @@ class BoardConfiguration(Settings):
             slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
             wide = max(slave_bits, highest.bit_length())
             address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
+        plain = [element for element in elements if element.link.kind == "memory"]
         read, strobes, flags = (
-            {address for e in elements if e.access == access for address in e.addresses}
-            for access in ("READ", "PULSE", "W1C")
+            {address for e in plain if e.access in accesses for address in e.addresses}
+            for accesses in (("READ", "READCLEAR"), ("PULSE",), ("W1C",))
         )
         chosen: dict[str, Any] = {
             "address_bits": address_bits,

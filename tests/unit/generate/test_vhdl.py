@@ -108,6 +108,16 @@ def test_a_word_of_several_devices_has_one_field_and_both_directions() -> None:
     assert "to_pc.a.x" in user and "to_pc.b" not in user and "from_pc.c.z" in user
 
 
+@pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ", "READCLEAR PULSE", "PULSE READCLEAR"])
+def test_a_pulse_beside_what_is_read_hides_nothing_of_it(words: str) -> None:
+    """Whatever comes first in the text: the word is the logic's, the strobe lasts a clock, a read is told."""
+    both = " ".join(f"@{access.lower()} = 0x0: {access}();" for access in words.split())
+    design = generate_vhdl(spec_of(f"public robot() {{ {both} }}"))["vhdl/robot_design.vhd"]
+    assert "reads(0) <= read_words(31 downto 0);" in design
+    assert "<= writes(0) when changed(0) = '1' else (others => '0');" in design
+    assert ("was_read(0) <= taken(0);" in design) == ("READCLEAR" in words)
+
+
 def test_a_design_for_each_board_has_all_of_its_inputs() -> None:
     spec = load(PAIR)
     files = generate_vhdl(spec)

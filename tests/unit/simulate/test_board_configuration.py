@@ -133,7 +133,7 @@ def test_what_cannot_be_is_refused_by_name(fields: dict[str, Any], words: str) -
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ"])
+@pytest.mark.parametrize("words", ["READ PULSE", "PULSE READ", "READCLEAR PULSE"])
 def test_words_with_two_sides(words: str) -> None:
     """The PC clears flags by ones, and a PULSE does not touch the READ of its word, in either order."""
     both = "".join(f"@{access.lower()} = 0x1: u8 {access}();" for access in words.split())
@@ -148,3 +148,11 @@ def test_words_with_two_sides(words: str) -> None:
         link.write(2, 1)
         assert [link.read(address) for address in (0, 1, 2)] == [0xE0, 0x55, 1]  # a plant takes the last
         assert [board.registers[address] for address in (0, 1)] == [0xE0, 0x55]
+
+
+def test_a_queue_s_words_are_its_own() -> None:
+    spec = spec_of(
+        """public a(ctrl,comm) { MEMORY(CTRL=ctrl, COMM=comm); q: queue(); }
+        queue() { FIFO(BASE=0x80, DEPTH=8); @taken = 0x0: READCLEAR(); @put = 0x0: PULSE(); }"""
+    )
+    assert BoardConfiguration.for_spec(spec).strobe_words == ()
