@@ -124,6 +124,7 @@ fuzz: $(VENV)/.built
 	@tools/setup.sh system
 	@tools/setup.sh sanitized address,undefined
 	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
+	UNITYLINK_FAIL_EACH=1 $(SANITIZED)-address,undefined/unitylink_tests -tc="the n-th*,the clock jumps*"
 	@tools/setup.sh group test
 	$(BIN)/python tests/unit/spec/fuzz_specs.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)

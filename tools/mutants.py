@@ -64,7 +64,7 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
     objects = []
     mains = [BOARD if "apart" in mutant else MAIN]
     if "test" in mutant:
-        mains = [TESTS / mutant["test"], TESTS / "main.cpp"]
+        mains = [TESTS / name for name in (mutant["test"], "main.cpp", "failing.cpp")]
     for number, unit in enumerate([*changed(mutant, folder), *mains]):
         objects.append(str(folder / f"{number}.o"))
         subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)

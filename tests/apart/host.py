@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from journal import BORN, DONE, GOT, NOT, PART, POST, POSTS, RECORD, REQUESTS, UNKNOWN, WISH
+from journal import BORN, DONE, GOT, MORE, NOT, PART, POST, POSTS, RECORD, REQUESTS, UNKNOWN, WISH
 
 from unitylink import LinkError, OutcomeUnknown, connect
 from unitylink.layer2_message import ExchangeGroup, Link
@@ -87,7 +87,8 @@ class Client:
         return True
 
     def got(self, addresses: list[int], words: list[int]) -> None:
-        self.note(*((GOT, address, word) for address, word in zip(addresses, words, strict=True)))
+        kinds = [GOT, *[MORE] * (len(words) - 1)]
+        self.note(*zip(kinds, addresses, words, strict=True))
 
     def read(self) -> int:
         addresses = self.some(1)

@@ -18,7 +18,7 @@ BORN, WISH, POST = 1, 2, 3
 # ... and what it was told then of all its WISHes, or (address 1) of its POSTs, that have no outcome yet.
 # PART: the first of them, perhaps none and perhaps all.
 DONE, NOT, UNKNOWN, PART = 4, 5, 6, 7
-GOT = 8  # a word that was read
+GOT, MORE = 8, 9  # a word that was read; another one of the same call, which may have been read before it
 REQUESTS, POSTS = 0, 1
 _TOLD = {DONE: "done", NOT: "not executed", UNKNOWN: "unknown", PART: "unknown"}
 _BEGUN = 0xFFFFFFFF  # of the board, in place of an address
@@ -102,7 +102,7 @@ class Judge:
     def client(self, path: Path) -> None:
         """Judge what one client noted, in the order in which it did."""
         wishes: list[Wish] = []
-        reads: list[tuple[int, int, int]] = []  # wishes before, address, value
+        reads: list[tuple[int, list[tuple[int, int]]]] = []  # of a call: wishes before, and its words
         open_: dict[int, list[Wish]] = {REQUESTS: [], POSTS: []}
         parts: list[list[Wish]] = []
         for kind, address, value in RECORD.iter_unpack(whole(path)):
@@ -113,7 +113,9 @@ class Judge:
                 wishes.append(Wish(address, value))
                 open_[POSTS if kind == POST else REQUESTS].append(wishes[-1])
             elif kind == GOT:
-                reads.append((len(wishes), address, value))
+                reads.append((len(wishes), [(address, value)]))
+            elif kind == MORE:
+                reads[-1][1].append((address, value))
             else:
                 for wish in open_[address]:
                     wish.told = kind
@@ -128,11 +130,12 @@ class Judge:
         self._times(wishes, parts)
         self._order(wishes)
         self._reads(wishes, reads)
-        self.verdict.words += len(wishes) + len(reads)
+        read = sum(len(words) for _, words in reads)
+        self.verdict.words += len(wishes) + read
         for wish in wishes:
             name = _TOLD[wish.told]
             self.verdict.told[name] = self.verdict.told.get(name, 0) + 1
-        self.verdict.told["read"] = self.verdict.told.get("read", 0) + len(reads)
+        self.verdict.told["read"] = self.verdict.told.get("read", 0) + read
 
     def nobodys(self) -> None:
         """Judge what is left when all clients have been: executed, and nobody asked for it."""
@@ -163,25 +166,32 @@ class Judge:
             if wish.told == DONE and wish.at:
                 last = min(last, wish.at[0])
 
-    def _reads(self, wishes: list[Wish], reads: list[tuple[int, int, int]]) -> None:
-        """Hold that a read gives what stood there between the writes before it and those behind it."""
+    def _reads(self, wishes: list[Wish], reads: list[tuple[int, list[tuple[int, int]]]]) -> None:
+        """Hold that a read gives what stood there between what was done before it and what was behind it.
+
+        Reads of one call may be on their way together: where the board is killed, those that it had answered
+        tell of its life, and the others, asked again, of the next.
+        """
         ceilings = [1 << 62] * (len(wishes) + 1)
         for index in range(len(wishes) - 1, -1, -1):
             places = wishes[index].at
             ceilings[index] = min(ceilings[index + 1], places[0]) if places else ceilings[index + 1]
         floor, next_ = 0, 0
-        for before, address, value in reads:
+        for before, words in reads:
             while next_ < before:
                 if wishes[next_].told == DONE and wishes[next_].at:
                     floor = max(floor, wishes[next_].at[0])
                 next_ += 1
-            since = self._words.held(address, value, floor, ceilings[before])
-            if since is None:
-                self.verdict.violations.append(
-                    f"read {value:08x} at {address:04x}, which did not stand there then (from {floor} on)"
-                )
-            else:
-                floor = max(floor, since)
+            seen = floor
+            for address, value in words:
+                since = self._words.held(address, value, floor, ceilings[before])
+                if since is None:
+                    self.verdict.violations.append(
+                        f"read {value:08x} at {address:04x}, which did not stand there then (from {floor} on)"
+                    )
+                else:
+                    seen = max(seen, since)
+            floor = seen
 
 
 def whole(path: Path) -> bytes:

@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 import pytest
-from apart.journal import BORN, DONE, GOT, NOT, PART, POST, RECORD, UNKNOWN, WISH, judged
+from apart.journal import BORN, DONE, GOT, MORE, NOT, PART, POST, RECORD, UNKNOWN, WISH, judged
 
 BEGUN = (0xFFFFFFFF, 0)
 ONE, TWO, THREE = (0x10, 1), (0x11, 2), (0x10, 3)
@@ -24,6 +24,7 @@ RIGHT = {
     "a post": ([ONE, TWO], [(POST, *ONE), W2, OK, SYNCED]),
     "read again": ([ONE, THREE], [(GOT, 0x10, 0), W1, OK, (GOT, *ONE), W3, OK, (GOT, *THREE)]),
     "read behind an unknown write": ([ONE, THREE], [W1, OK, W3, DARK, (GOT, *ONE), (GOT, *THREE)]),
+    "read together while the board was killed": ([ONE, BEGUN], [W1, OK, (GOT, 0x10, 0), (MORE, *ONE)]),
     "read behind a restart": ([ONE, BEGUN], [W1, OK, (GOT, *ONE), (GOT, 0x10, 0)]),
 }
 WRONG = {

@@ -7,38 +7,12 @@
 #include <string_view>
 #include <utility>
 
-#include <unistd.h>
-
 #include "device/endpoint.hpp"
+#include "layer0_driver/descriptor.hpp"
 
 namespace unitylink::device {
 
 inline constexpr std::string_view busy_line = "?busy\n";
-
-// Owns a descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) noexcept : number_(number) {}
-  ~Descriptor() { reset(); }
-  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    reset(other.release());
-    return *this;
-  }
-
-  [[nodiscard]] int get() const noexcept { return number_; }
-  [[nodiscard]] bool open() const noexcept { return number_ >= 0; }
-  int release() noexcept { return std::exchange(number_, -1); }
-  void reset(int number = -1) noexcept {
-    if (number_ >= 0) {
-      ::close(number_);
-    }
-    number_ = number;
-  }
-
- private:
-  int number_;
-};
 
 // A client behind a stream socket.
 class StreamEndpoint : public Endpoint {

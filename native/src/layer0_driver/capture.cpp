@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor.hpp"
+
 namespace unitylink {
 namespace {
 
@@ -87,7 +89,9 @@ Outcome Capture::create(const std::string& path, std::string_view comment, std::
     const Status status = errno == EACCES || errno == EPERM || errno == EROFS ? Status::permission : Status::not_found;
     return {status, "trace=" + path + ": " + std::strerror(errno) + "; name a file in a folder that can be written"};
   }
+  Descriptor opened(descriptor);
   capture.reset(new Capture(descriptor, path, !stream));
+  opened.release();  // it is the capture's
   capture->buffer_ = head(comment);
   capture->buffer_.reserve(buffer_bytes);
   capture->flush();  // a full disk is known at once

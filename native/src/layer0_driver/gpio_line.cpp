@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 #include "layer0_driver/url.hpp"
 
@@ -30,8 +31,8 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
     return refused_port("GPIO line " + place, error, "gpiodetect and gpioinfo tell what there is",
                         "on Debian and Raspberry Pi OS: sudo adduser $USER gpio, then log in again");
   };
-  const int chip = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (chip < 0) {
+  const Descriptor chip(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+  if (!chip.open()) {
     return refused(errno);
   }
   gpio_v2_line_request request{};
@@ -39,8 +40,7 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
   request.num_lines = 1;
   request.config.flags = GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING;
   std::strncpy(request.consumer, "unitylink", sizeof request.consumer - 1);
-  const int error = ::ioctl(chip, GPIO_V2_GET_LINE_IOCTL, &request) == 0 ? 0 : errno;
-  ::close(chip);
+  const int error = ::ioctl(chip.get(), GPIO_V2_GET_LINE_IOCTL, &request) == 0 ? 0 : errno;
   if (error == ENOTTY) {
     return {Status::not_found, "GPIO line " + place + ": " + path + " is not a GPIO chip of the kernel"};
   }
@@ -51,7 +51,9 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
     return refused(error);
   }
   ::fcntl(request.fd, F_SETFL, O_NONBLOCK);
+  Descriptor opened(request.fd);
   line.reset(new GpioLine(request.fd));
+  opened.release();  // it is the line's
   return {};
 }
 

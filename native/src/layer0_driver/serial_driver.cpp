@@ -10,6 +10,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 
 namespace unitylink {
@@ -64,32 +65,30 @@ Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
       text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz < baud_hz_min)) {
     return {Status::bad_url, "link URL '" + url.text + "': baud=" + *text + " is not a baud rate such as 3000000"};
   }
-  const int descriptor = ::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) {
+  Descriptor port(::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!port.open()) {
     return cannot_open(url.path, errno);
   }
-  const auto give_up = [&](const Outcome& outcome) {
-    ::close(descriptor);
-    return outcome;
-  };
+  const int descriptor = port.get();
   if (::isatty(descriptor) == 0) {
-    return give_up({Status::not_found, "serial port " + url.path + ": this is not a serial port"});
+    return {Status::not_found, "serial port " + url.path + ": this is not a serial port"};
   }
   // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return give_up(cannot_open(url.path, EBUSY));
+    return cannot_open(url.path, EBUSY);
   }
   static_cast<void>(::ioctl(descriptor, TIOCEXCL));
   if (const int error = detail::make_raw(descriptor, static_cast<std::uint32_t>(baud_hz)); error != 0) {
     ::ioctl(descriptor, TIOCNXCL);
     if (error == EINVAL) {
-      return give_up({Status::mismatch, "serial port " + url.path + ": cannot run at " + std::to_string(baud_hz) + " baud"});
+      return {Status::mismatch, "serial port " + url.path + ": cannot run at " + std::to_string(baud_hz) + " baud"};
     }
-    return give_up(cannot_open(url.path, error));
+    return cannot_open(url.path, error);
   }
   ask_low_latency(descriptor);
   const std::uint64_t byte_time_ns = is_pseudo_terminal(descriptor) ? 0 : bits_per_byte * 1'000'000'000u / baud_hz;
   driver = std::make_unique<SerialDriver>(descriptor, byte_time_ns);
+  port.release();  // it is the driver's
   return {};
 }
 

@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 
 namespace unitylink {
@@ -97,20 +98,20 @@ Outcome open_socket(const Url& url, std::uint64_t timeout_ns, int cancelled, std
   const bool stream = url.scheme == "tcp";
   addrinfo hints{};
   hints.ai_socktype = stream ? SOCK_STREAM : SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(url.host.c_str(), url.port.c_str(), &hints, &found); error != 0) {
+  addrinfo* addresses = nullptr;
+  if (const int error = ::getaddrinfo(url.host.c_str(), url.port.c_str(), &hints, &addresses); error != 0) {
     return {Status::not_found, url.scheme + "://" + url.host + ":" + url.port + ": " + ::gai_strerror(error)};
   }
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> found(addresses, &::freeaddrinfo);
   int error = ECONNREFUSED;
-  for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
-    const int descriptor = ::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol);
-    if (descriptor < 0) {
+  for (const addrinfo* address = addresses; address != nullptr; address = address->ai_next) {
+    Descriptor socket(::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol));
+    if (!socket.open()) {
       error = errno;
       continue;
     }
-    error = connect_within(descriptor, *address, timeout_ns, cancelled);
+    error = connect_within(socket.get(), *address, timeout_ns, cancelled);
     if (error != 0) {
-      ::close(descriptor);
       if (error == ECANCELED) {
         break;
       }
@@ -118,14 +119,14 @@ Outcome open_socket(const Url& url, std::uint64_t timeout_ns, int cancelled, std
     }
     if (stream) {
       const int on = 1;
-      ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      driver = std::make_unique<DescriptorDriver>(descriptor);
+      ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      driver = std::make_unique<DescriptorDriver>(socket.get());
     } else {
-      driver = std::make_unique<UdpDriver>(descriptor);
+      driver = std::make_unique<UdpDriver>(socket.get());
     }
+    socket.release();  // it is the driver's
     break;
   }
-  ::freeaddrinfo(found);
   return error == 0 ? Outcome{} : cannot_connect(url, error);
 }
 

@@ -10,6 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 
 namespace unitylink {
@@ -26,11 +27,12 @@ Outcome cannot_open(const std::string& path, int error) {
 }  // namespace
 
 Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::unique_ptr<SpiPort>& port) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) {
+  Descriptor opened(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+  if (!opened.open()) {
     return cannot_open(path, errno);
   }
-  std::unique_ptr<SpiPort> made(new SpiPort(descriptor, speed_hz));
+  std::unique_ptr<SpiPort> made(new SpiPort(opened.get(), speed_hz));
+  const int descriptor = opened.release();  // it is the port's
   std::uint8_t mode = 0;
   if (::ioctl(descriptor, SPI_IOC_RD_MODE, &mode) != 0) {
     return cannot_open(path, errno);

@@ -134,6 +134,36 @@ std::string refused_text(const Exchange& exchange, const std::string& name) {
 constexpr const char* spoiled_text =
     " was answered, but behind a bus timeout, and 2012 gateware may then do something else at its address";
 
+std::string sentence(const Exchange& exchange, const FailureContext& context) {
+  const std::string name = name_of(exchange, context.address_bytes);
+  const std::string heard = exchange.datalink_code != 0 ? "; it said " + code_text(exchange.datalink_code) : "";
+  const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
+  switch (exchange.status) {
+    case Status::timeout:
+      return name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
+    case Status::unknown:
+      if (exchange.stray_cycle) {
+        return name + spoiled_text + ": it may or may not have been executed; read it back before going on";
+      }
+      return name + " was sent but its answer lost" + because + heard +
+                     ": it may or may not have been executed; read it back before going on";
+    case Status::closed: return name + ": the link is closed" + because;
+    case Status::down: return name + ": the line is gone" + because + " and is being opened again; nothing was sent";
+    case Status::busy: return name + ": the board serves another program; close that one first";
+    case Status::mismatch:
+      return name + ": another device now answers on this port; connect again";
+    case Status::denied:
+    case Status::bus_error: return refused_text(exchange, name);
+    case Status::cancelled: return name + ": given up, because another request of the same call failed";
+    case Status::protocol_error:
+      return !exchange.error.empty() ? refused_text(exchange, name)
+                     : exchange.stray_cycle  ? name + spoiled_text + "; read it again"
+                         : name + " not answered rightly after " + attempts_text(exchange) +
+                               (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
+    default: return name + ": " + status_text(exchange.status);
+  }
+}
+
 }  // namespace
 
 std::string hex_address(std::uint32_t address, std::uint32_t address_bytes) {
@@ -158,7 +188,7 @@ std::string duration_text(std::uint64_t ns) {
 Outcome behind_writes(Outcome outcome) {
   if (outcome.status == Status::down) {
     outcome.status = Status::unknown;
-    outcome.text += "; what the call had written before was executed";
+    outcome.text = in_words([&] { return outcome.text + "; what the call had written before was executed"; });
   }
   return outcome;
 }
@@ -180,38 +210,7 @@ Outcome describe(const Exchange& exchange, const FailureContext& context) {
   outcome.has_address = address_of(exchange, outcome.address);
   outcome.attempts = exchange.attempts;
   outcome.elapsed_ns = exchange.ended_ns - exchange.begun_ns;
-  const std::string name = name_of(exchange, context.address_bytes);
-  const std::string heard = exchange.datalink_code != 0 ? "; it said " + code_text(exchange.datalink_code) : "";
-  const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
-  switch (exchange.status) {
-    case Status::timeout:
-      outcome.text = name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
-      break;
-    case Status::unknown:
-      if (exchange.stray_cycle) {
-        outcome.text = name + spoiled_text + ": it may or may not have been executed; read it back before going on";
-        break;
-      }
-      outcome.text = name + " was sent but its answer lost" + because + heard +
-                     ": it may or may not have been executed; read it back before going on";
-      break;
-    case Status::closed: outcome.text = name + ": the link is closed" + because; break;
-    case Status::down: outcome.text = name + ": the line is gone" + because + " and is being opened again; nothing was sent"; break;
-    case Status::busy: outcome.text = name + ": the board serves another program; close that one first"; break;
-    case Status::mismatch:
-      outcome.text = name + ": another device now answers on this port; connect again";
-      break;
-    case Status::denied:
-    case Status::bus_error: outcome.text = refused_text(exchange, name); break;
-    case Status::cancelled: outcome.text = name + ": given up, because another request of the same call failed"; break;
-    case Status::protocol_error:
-      outcome.text = !exchange.error.empty() ? refused_text(exchange, name)
-                     : exchange.stray_cycle  ? name + spoiled_text + "; read it again"
-                         : name + " not answered rightly after " + attempts_text(exchange) +
-                               (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
-      break;
-    default: outcome.text = name + ": " + status_text(exchange.status); break;
-  }
+  outcome.text = in_words([&] { return sentence(exchange, context); });
   return outcome;
 }
 

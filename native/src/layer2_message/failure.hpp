@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,16 @@ struct FailureContext {
   std::uint64_t last_answer_ns = 0;  // 0: the device has never answered
   std::string_view reason;           // why the link has ended, empty when it has not
 };
+
+// A sentence; nothing where there is no memory for it: what happened is told all the same, and ends nothing.
+template <class Make>
+[[nodiscard]] std::string in_words(const Make& make) noexcept {
+  try {
+    return make();
+  } catch (const std::bad_alloc&) {
+    return {};
+  }
+}
 
 [[nodiscard]] std::string hex_address(std::uint32_t address, std::uint32_t address_bytes);
 [[nodiscard]] std::string duration_text(std::uint64_t ns);

@@ -43,11 +43,7 @@ Link::Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source,
       classic_(options.engine),
       gateware_(options.gateware) {}
 
-Link::~Link() {
-  close();
-  ::close(wake_descriptor_);
-  ::close(cancel_descriptor_);
-}
+Link::~Link() { close(); }
 
 Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
   Url url;
@@ -86,7 +82,7 @@ Outcome Link::open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource>
     settled.engine.seed = std::uint64_t{random()} << 32 | random();
   }
   std::unique_ptr<Link> opened(new Link(std::move(driver), std::move(source), settled));
-  if (opened->wake_descriptor_ < 0 || opened->cancel_descriptor_ < 0) {
+  if (!opened->wake_descriptor_.open() || !opened->cancel_descriptor_.open()) {
     return {Status::closed, std::string("no descriptor to wake threads with: ") + std::strerror(errno)};
   }
   Outcome outcome = opened->begin();
@@ -195,13 +191,13 @@ void Link::hand_over() noexcept {
   }
 }
 
-void Link::wake() noexcept { signal(wake_descriptor_); }
+void Link::wake() noexcept { signal(wake_descriptor_.get()); }
 
 // Everything the engine has to say, as far as the driver takes it.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
   if (!program_lives() && line_ != Line::gone && !engine_->ended()) {
-    lose(Status::closed, "the program gave no sign of life for " + duration_text(program_patience_ns_));
+    lose(Status::closed, in_words([&] { return "the program gave no sign of life for " + duration_text(program_patience_ns_); }));
   }
   while (!engine_->ended() && line_ != Line::gone) {
     const std::span<const std::uint8_t> bytes = engine_->transmit(now);
@@ -210,7 +206,7 @@ void Link::flush(std::uint64_t now) noexcept {
     }
     const Transfer transfer = driver_->send(bytes);
     if (transfer.status != Status::ok) {
-      lose(transfer.status, driver_->reason());
+      lose(transfer.status, in_words([&] { return driver_->reason(); }));
       return;
     }
     if (transfer.count == 0) {
@@ -229,7 +225,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const std::uint64_t completed = engine_->completed();
   const std::uint64_t published = engine_->statistics().publishes;
   pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
-                       {wake_descriptor_, POLLIN, 0}};
+                       {wake_descriptor_.get(), POLLIN, 0}};
   lock.unlock();
 
   timespec time{};
@@ -243,7 +239,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
   if (ready > 0 && waiting[1].revents != 0) {
     std::uint64_t count = 0;
-    static_cast<void>(!::read(wake_descriptor_, &count, sizeof count));
+    static_cast<void>(!::read(wake_descriptor_.get(), &count, sizeof count));
   }
   Transfer transfer;
   if (readable) {
@@ -253,7 +249,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
 
   for (int turn = 1; readable && !engine_->ended() && line_ != Line::gone; ++turn) {
     if (transfer.status != Status::ok) {
-      lose(transfer.status, driver_->reason());
+      lose(transfer.status, in_words([&] { return driver_->reason(); }));
     } else if (transfer.count > 0) {
       heard_ns_ = now_ns();
       engine_->receive(std::span<const std::uint8_t>(received_.data(), transfer.count), heard_ns_);
@@ -288,9 +284,9 @@ void Link::announce() noexcept {
   }
 }
 
-void Link::fail(Status status, const std::string& reason) noexcept {
+void Link::fail(Status status, std::string_view reason) noexcept {
   if (!engine_->ended()) {
-    reason_ = reason;
+    reason_ = in_words([&] { return std::string(reason); });
     engine_->end(status, now_ns());
   }
   turn_.notify_all();
@@ -330,7 +326,7 @@ void Link::close() {
     const std::scoped_lock lock(mutex_);
     fail(Status::closed, closed_here);
   }
-  signal(cancel_descriptor_);
+  signal(cancel_descriptor_.get());
   stop_reader();
   Lock lock(mutex_);
   while (leading_) {
@@ -361,7 +357,7 @@ void Link::disown() noexcept {
   leading_ = reader_leading_ = reader_rests_ = reader_wanted_ = false;
   followers_ = callers_ = listeners_ = 0;
   notified_.clear();
-  reason_ = "it belongs to the process that this one was forked from; open another here";
+  reason_ = in_words([] { return std::string("it belongs to the process that this one was forked from; open another here"); });
   engine_->forget(Status::closed);
   if (driver_ != nullptr) {
     driver_->disown();

@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/driver.hpp"
 #include "layer2_message/classic_engine.hpp"
 #include "layer2_message/framed_engine.hpp"
@@ -235,7 +236,7 @@ class Link {
   void run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t until_ns);
   [[nodiscard]] static bool was_cut(std::span<Exchange> exchanges) noexcept;
   void submit_all(std::span<Exchange> exchanges) noexcept;
-  void fail(Status status, const std::string& reason) noexcept;
+  void fail(Status status, std::string_view reason) noexcept;
   void start_reader();
   void stop_reader();
   void stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_t until_ns) noexcept;
@@ -252,10 +253,10 @@ class Link {
   [[nodiscard]] bool takes_requests() const noexcept;
   [[nodiscard]] bool waits_for_line(std::span<const Exchange> exchanges) const noexcept;
   [[nodiscard]] bool wait_for_line(Lock& lock, std::uint64_t until_ns);
-  void last() noexcept;
-  void lose(Status status, const std::string& reason) noexcept;
-  void tell(LinkEvent::Kind kind, std::string text);
-  void notice_restarts();
+  void last();
+  void lose(Status status, std::string_view reason) noexcept;
+  void tell(LinkEvent::Kind kind, std::string_view text) noexcept;
+  void notice_restarts() noexcept;
   void reopen(Lock& lock);
   [[nodiscard]] Outcome restore();
   [[nodiscard]] Outcome stop_closed_groups();
@@ -301,8 +302,8 @@ class Link {
   Description description_;
   std::string notice_;
   bool checksums_ = true;                // false: the device's datalink knows no '$'
-  int wake_descriptor_;
-  int cancel_descriptor_;                // readable once the link ends
+  Descriptor wake_descriptor_;
+  Descriptor cancel_descriptor_;                // readable once the link ends
 
   std::mutex mutex_;                     // all below, up to the next mutex
   std::condition_variable turn_;         // followers: something was finished, or the role is free

@@ -27,7 +27,13 @@ void Link::start_reader() {
     }
     reader_wanted_ = true;
   }
-  reader_ = std::thread([this] { read_loop(); });
+  try {
+    reader_ = std::thread([this] { read_loop(); });
+  } catch (...) {  // no memory, or no thread: then there is none, and the next who wants one tries again
+    const std::scoped_lock lock(mutex_);
+    reader_wanted_ = false;
+    throw;
+  }
 }
 
 void Link::stop_reader() {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "layer2_message/failure.hpp"
 #include "layer2_message/link_state.hpp"
 
 namespace unitylink {
@@ -19,10 +20,22 @@ constexpr std::uint64_t program_look_ns = 20'000'000;    // between two looks wh
 constexpr double program_patience_most_s = 3600;
 constexpr std::size_t events_kept = 64;
 
+// Without memory, descriptors or threads an attempt has failed, and there will be others.
+template <class Act>
+Outcome attempted(const Act& act) noexcept {
+  try {
+    return act();
+  } catch (const std::exception&) {
+    Outcome outcome;
+    outcome.status = Status::closed;
+    return outcome;
+  }
+}
+
 }  // namespace
 
 // From here on a loss is not the end.
-void Link::last() noexcept {
+void Link::last() {
   {
     const std::scoped_lock lock(mutex_);
     lasts_ = reader_kept_ = true;
@@ -87,18 +100,21 @@ Outcome Link::wait_up(std::uint64_t timeout_ns) {
 
 // ---- events
 
-void Link::tell(LinkEvent::Kind kind, std::string text) {
+void Link::tell(LinkEvent::Kind kind, std::string_view text) noexcept {
   generation_ += kind == LinkEvent::Kind::lost ? 0 : 1;
-  events_.push_back({kind, now_ns(), std::move(text)});
+  try {
+    events_.push_back({kind, now_ns(), in_words([&] { return std::string(text); })});
+    events_made_ += 1;
+  } catch (const std::bad_alloc&) {  // then there is no such event; generation() tells of it
+  }
   if (events_.size() > events_kept) {
     events_.pop_front();
   }
-  events_made_ += 1;
   announce();
 }
 
 // Of a session that the engine has begun anew by itself, too.
-void Link::notice_restarts() {
+void Link::notice_restarts() noexcept {
   if (engine_->statistics().restarts != restarts_seen_) {
     restarts_seen_ = engine_->statistics().restarts;
     tell(LinkEvent::Kind::restarted, "the device was reset, or another program has had it");
@@ -115,7 +131,7 @@ std::vector<LinkEvent> Link::events(std::uint64_t& from) {
 
 // ---- loss
 
-void Link::lose(Status status, const std::string& reason) noexcept {
+void Link::lose(Status status, std::string_view reason) noexcept {
   if (!lasts_) {
     fail(status, reason);
     return;
@@ -128,11 +144,11 @@ void Link::lose(Status status, const std::string& reason) noexcept {
   blocked_ = false;
   lost_ns_ = now_ns();
   if (was_up) {
-    lost_because_ = reason;
+    lost_because_ = in_words([&] { return std::string(reason); });
     trouble_.clear();
     attempts_ = 0;
   } else {
-    trouble_ = reason;
+    trouble_ = in_words([&] { return std::string(reason); });
   }
   engine_->cut(Status::down, lost_ns_);
   turn_.notify_all();
@@ -211,7 +227,7 @@ void Link::reopen(Lock& lock) {
   attempts_ += 1;
   lock.unlock();
   std::unique_ptr<Driver> fresh;
-  Outcome outcome = source_->open(fresh, cancel_descriptor_);
+  Outcome outcome = attempted([&] { return source_->open(fresh, cancel_descriptor_.get()); });
   lock.lock();
   if (over()) {
     return;
@@ -222,7 +238,7 @@ void Link::reopen(Lock& lock) {
     line_ = Line::opening;
     restorer_ = std::this_thread::get_id();
     lock.unlock();
-    outcome = restore();
+    outcome = attempted([&] { return restore(); });
     lock.lock();
     restorer_ = {};
     if (engine_->ended()) {
@@ -232,14 +248,14 @@ void Link::reopen(Lock& lock) {
       line_ = Line::up;
       heard_ns_ = now_ns();
       engine_->statistics().reconnections += 1;
-      tell(LinkEvent::Kind::back, attempts_ == 1 ? "at the first attempt" : "after " + std::to_string(attempts_) + " attempts");
+      tell(LinkEvent::Kind::back, in_words([&] { return attempts_ == 1 ? "at the first attempt" : "after " + std::to_string(attempts_) + " attempts"; }));
       return;
     }
     if (line_ == Line::opening) {
       lose(outcome.status, outcome.text);
     }
   } else {
-    trouble_ = outcome.text;
+    trouble_ = std::move(outcome.text);
   }
 }
 

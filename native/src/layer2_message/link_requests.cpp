@@ -285,8 +285,10 @@ Outcome Link::result(const Call& call) {
   }
   if (failed->writes() && exchanges.size() > 1) {
     const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
-    outcome.text = (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
-                   (kept > 0 ? "; " + std::to_string(kept) + " later ones were not sent" : "");
+    outcome.text = in_words([&] {
+      return (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
+             (kept > 0 ? "; " + std::to_string(kept) + " later ones were not sent" : "");
+    });
   }
   return outcome;
 }

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// For n = 1, 2, 3 …: the n-th allocation, transfer or look at the clock of a session fails, and the promises hold all the same: nothing ends the program, each call has
+// a status, nothing is executed twice or told wrongly, and the link is usable afterwards, or closed with a reason.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "device/board.hpp"
+#include "device/device.hpp"
+#include "failing.hpp"
+#include "unitylink.h"
+
+using namespace unitylink;
+using failing::Exempt;
+using failing::How;
+using failing::What;
+
+namespace {
+
+constexpr std::uint32_t base = 0x20;
+constexpr std::size_t words = 6;
+
+enum class Told { done, not_done, perhaps, first };  // first: of several messages the first, perhaps
+
+struct Wish {
+  std::uint32_t value;
+  Told told;
+  std::string what;
+};
+
+// The board, which nothing happens to, and its own count of what was executed.
+class Rig {
+ public:
+  Rig() {
+    auto made = std::make_unique<device::Device>(configuration());
+    made->bus().observe([this](std::uint32_t, std::uint32_t value) {
+      const std::scoped_lock lock(mutex_);
+      executed_[value] += 1;
+    });
+    board_ = std::make_unique<device::Board>(std::move(made), device::make_endpoint("tcp", "127.0.0.1"));
+    board_->set_plant({0.001, [this](double) {
+                         thread_local const Exempt exempt;  // the board's thread
+                         ready_ = true;
+                         return true;
+                       }});
+    board_->start();
+    while (!ready_) {
+      std::this_thread::yield();
+    }
+  }
+
+  static device::DeviceConfiguration configuration() {
+    device::DeviceConfiguration made;
+    made.exchanges = 4;
+    return made;
+  }
+
+  std::string url() { return board_->url(); }
+  void hang_up() { board_->hang_up(); }
+  std::uint32_t executed(std::uint32_t value) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = executed_.find(value);
+    return found == executed_.end() ? 0 : found->second;
+  }
+
+  // What has been told, against what has been done.
+  void judge() {
+    board_->stop();  // whatever was still on its way has come, or never will
+    for (const Wish& wish : wishes) {
+      const std::uint32_t times = executed(wish.value);
+      const bool right = wish.told == Told::done ? times == 1 : wish.told == Told::not_done ? times == 0 : times <= 1;
+      INFO(wish.what << ": " << wish.value << " was executed " << times << " times");
+      CHECK(right);
+    }
+  }
+
+  std::vector<Wish> wishes;
+  std::uint32_t next = 0;
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint32_t, std::uint32_t> executed_;
+  std::atomic<bool> ready_ = false;
+  std::unique_ptr<device::Board> board_;
+};
+
+Told told_of(ul_status status) { return status == UL_OK ? Told::done : status == UL_UNKNOWN ? Told::perhaps : Told::not_done; }
+
+// One life of a link. What its calls do may fail; what is here does not.
+class Session {
+ public:
+  Session(Rig& rig, std::string what, bool framed) : rig_(rig), what_(std::move(what)), framed_(framed) {
+    std::iota(std::begin(addresses_), std::end(addresses_), base);
+  }
+
+  // How many of its calls were refused; 1 where there was no link. `cut`: the line breaks in the middle.
+  std::uint32_t run(const std::string& url, bool cut) {
+    if (call([&] { return ul_open(url.c_str(), &link_); }) != UL_OK) {
+      CHECK(link_ == nullptr);
+      return refused_;
+    }
+    opened_ = true;
+    work();
+    if (cut) {
+      rig_.hang_up();
+    }
+    work();  // again, on what is left of it
+    usable_or_closed();
+    call([&] { return ul_close(link_); });
+    ul_free(link_);
+    return refused_;
+  }
+
+  [[nodiscard]] bool opened() const { return opened_; }
+
+ private:
+  // A call of the library, for whose length this thread is not exempt.
+  template <class Call>
+  ul_status call(const Call& one) {
+    --Exempt::depth;
+    const ul_status status = one();
+    ++Exempt::depth;
+    refused_ += status != UL_OK ? 1 : 0;
+    const bool known = (status >= UL_OK && status <= UL_CLOSED) || (status >= UL_BUSY && status <= UL_DOWN);
+    if (!known || (status != UL_OK && *ul_last_error_text() == 0)) {
+      FAIL_CHECK(what_ << ": status " << status << ", '" << ul_last_error_text() << "'");
+    }
+    return status;
+  }
+
+  std::vector<std::uint32_t> values(std::size_t count) {
+    std::vector<std::uint32_t> made(count);
+    std::iota(made.begin(), made.end(), rig_.next + 1);
+    rig_.next += static_cast<std::uint32_t>(count);
+    return made;
+  }
+  void told(const std::vector<std::uint32_t>& values, Told how, const char* name) {
+    for (const std::uint32_t value : values) {
+      rig_.wishes.push_back({value, how, what_ + ", " + name});
+    }
+  }
+  Told of_several(ul_status status) const { return status != UL_OK && !framed_ ? Told::first : told_of(status); }
+
+  void work() {
+    std::uint32_t got[2 * words];
+    const auto one = values(1);
+    told(one, told_of(call([&] { return ul_write(link_, base, one[0], nullptr); })), "write");
+    call([&] { return ul_read(link_, base, got, nullptr); });
+    call([&] { return ul_read_many(link_, addresses_, words, got, 0, nullptr); });
+    call([&] { return ul_read_each(link_, addresses_, words, got, nullptr); });
+    const auto many = values(words);
+    told(many, of_several(call([&] { return ul_write_many(link_, addresses_, many.data(), words, nullptr); })), "writes");
+    const auto both = values(words);
+    told(both, of_several(call([&] { return ul_transfer(link_, addresses_, both.data(), words, addresses_, got, words, 0, nullptr); })), "transfer");
+    const auto listed = values(1);
+    const ul_list_word list[] = {{UL_WRITE, base, listed[0], 0}, {UL_READ, base, 0, 0}};
+    told(listed, of_several(call([&] { return ul_list(link_, list, 2, got, 1, 0, nullptr); })), "list");
+    posts();
+    exchange();
+    subscription();
+  }
+
+  // What was taken by a post is told by the next sync that answers.
+  void posts() {
+    const auto posted = values(words);
+    const ul_status taken = call([&] { return ul_post(link_, addresses_, posted.data(), words, nullptr); });
+    const ul_status status = call([&] { return ul_sync(link_, nullptr); });
+    told(posted, taken == UL_OK && status == UL_OK ? Told::done : Told::first, "posts");
+  }
+
+  void exchange() {
+    const ul_exchange_word outputs[] = {{base, 4}, {base + 1, 4}};
+    std::uint32_t group = 0, got[2];
+    if (call([&] { return ul_define_exchange(link_, outputs, 2, outputs, 2, &group); }) != UL_OK) {
+      return;
+    }
+    const auto given = values(2);
+    told(given, of_several(call([&] { return ul_exchange(link_, group, given.data(), 2, got, 2, nullptr); })), "exchange");
+    call([&] { return ul_release_exchange(link_, group); });
+  }
+
+  void subscription() {
+    const ul_subscription_options often{sizeof(ul_subscription_options), 1, 0, 1, 64};
+    std::uint32_t name = 0, got[64 * 2];
+    double times[64];
+    std::size_t taken = 0;
+    if (call([&] { return ul_subscribe(link_, addresses_, 2, &often, &name); }) != UL_OK) {
+      return;
+    }
+    call([&] { return ul_wait_publish(link_, name, 2'000'000'000); });
+    call([&] { return ul_drain(link_, name, times, got, 64, &taken); });
+    call([&] { return ul_unsubscribe(link_, name); });
+  }
+
+  // With nothing failing for this thread any more.
+  void usable_or_closed() {
+    std::uint32_t got = 0;
+    ul_wait_up(link_, 5'000'000'000);
+    ul_status status = UL_TIMEOUT;
+    for (int again = 0; again < 50 && (status == UL_TIMEOUT || status == UL_DOWN); ++again) {
+      status = ul_read(link_, base, &got, nullptr);
+    }
+    INFO(what_ << ": " << ul_last_error_text());
+    CHECK((status == UL_OK || status == UL_CLOSED));
+  }
+
+  Rig& rig_;
+  std::string what_;
+  bool framed_;
+  std::uint32_t refused_ = 0;
+  bool opened_ = false;
+  ul_link* link_ = nullptr;
+  std::uint32_t addresses_[words];
+};
+
+std::size_t open_files() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n.
+std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride, bool cut = false) {
+  const Exempt exempt;
+  Rig rig;
+  const bool framed = std::string_view(options).find("framed") != std::string_view::npos;
+  const bool harmless = how == How::interrupted || how == How::again || how == How::one_byte;  // asked again, nobody notices
+  const std::string url = rig.url() + (harmless ? "?timeout=2&attempts=3&" : "?timeout=0.05&attempts=3&") + options;
+  const std::size_t files = open_files();
+  std::uint32_t nth = 1;
+  for (int again = 0;;) {
+    failing::arm(what, how, nth);
+    Session session(rig, std::string(options) + ": " + name + " " + std::to_string(nth), framed);
+    const std::uint32_t refused = session.run(url, cut);
+    if (failing::disarm()) {
+      INFO(options << ": " << name << " " << nth << ": " << ul_last_error_text());
+      CHECK((!harmless || !session.opened() || refused == 0));
+      nth += stride;
+      again = 0;
+    } else if (refused == 0 || (cut && session.opened()) || ++again == 1000) {  // else the board has not let the one before go yet
+      CHECK((refused == 0 || cut));
+      break;
+    }
+  }
+  CHECK(open_files() <= files + 1);  // that of the last link's, which the board may not have let go yet
+  rig.judge();
+  return nth;
+}
+
+// All of them take minutes: UNITYLINK_FAIL_EACH=1, as in `make fuzz`.
+std::uint32_t stride_of(std::uint32_t usual) { return std::getenv("UNITYLINK_FAIL_EACH") != nullptr ? 1 : usual; }
+
+constexpr std::uint32_t least = 15;  // that happen in a session
+
+constexpr const char* links[] = {"protocol=framed", "protocol=classic", "protocol=framed&reconnect=1", "protocol=classic&reconnect=1"};
+
+}  // namespace
+
+TEST_CASE("the n-th allocation fails") {
+  for (const char* options : links) {
+    CHECK(sessions(options, What::allocation, How::once, "allocation", stride_of(1)) > least);
+    CHECK(sessions(options, What::allocation, How::from_then_on, "a hundred allocations from", stride_of(9)) > least);
+    CHECK(sessions(options, What::allocation, How::once, "a broken line and allocation", stride_of(1), true) > least);
+  }
+}
+
+TEST_CASE("the n-th read, write or wait fails") {
+  constexpr std::pair<How, const char*> manners[] = {
+      {How::interrupted, "EINTR at"}, {How::again, "EAGAIN at"}, {How::broken, "EIO at"}, {How::nothing, "0 bytes at"}, {How::one_byte, "1 byte at"}};
+  for (const char* options : links) {
+    for (const auto& [how, name] : manners) {
+      CHECK(sessions(options, What::transfer, how, name, stride_of(19)) > least);
+    }
+  }
+}
+
+TEST_CASE("the clock jumps by an hour, or stands still") {
+  for (const char* options : links) {
+    CHECK(sessions(options, What::clock, How::from_then_on, "an hour at look", stride_of(61)) > least);
+    CHECK(sessions(options, What::clock, How::once, "no time from look", stride_of(61)) > least);
+  }
+}
