@@ -35,6 +35,7 @@ HERE = Path(__file__).parent
 BOARD = HERE.parents[1] / "build" / "native" / "journal_board"
 HISTORY_WORDS = 20_000
 CLIENTS = 4
+PATIENCE_S = 120  # with a host that notes nothing
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,6 @@ class History:
         self.url += f"?{profile.options}&protocol={profile.protocol}&reconnect=1"
 
     def _board(self) -> subprocess.Popen[str]:
-        if self.profile.kind == "pty":  # the number of the one before may be another terminal's by now
-            Path(self.target).unlink(missing_ok=True)
         endpoint = f"{self.profile.kind}:{self.target}"
         return subprocess.Popen(
             [self.program, endpoint, self.folder / "board", self.profile.protocol],
@@ -110,6 +109,9 @@ class History:
             stderr=subprocess.PIPE,
             text=True,
         )
+
+    def _noted(self) -> int:
+        return sum(path.stat().st_size for path in self.folder.glob("client-*"))
 
     def run(self) -> Report:
         """Live until the host has done its words; return what the journals say."""
@@ -132,23 +134,30 @@ class History:
             host = subprocess.Popen(
                 [sys.executable, HERE / "host.py", self.url, self.folder, *map(str, life)], stdout=output
             )
-        ends = time.monotonic() + 60 + self.words / 200
         try:
-            while host.poll() is None and time.monotonic() < ends:
-                until = time.monotonic() + chance.uniform(0.2, 1.8) * (self.profile.board_kill_s or 60)
+            while host.poll() is None:
+                # A board that gets on with it lives for a while; one of five is killed begun or not.
+                noted, begun = self._noted(), time.monotonic()
+                idle = chance.random() > 0.2
+                while host.poll() is None and idle and self._noted() == noted:
+                    if time.monotonic() > begun + PATIENCE_S:
+                        report.violations.append(f"the host has done nothing for {PATIENCE_S} s")
+                        _end(host)
+                    time.sleep(0.005)
+                until = time.monotonic() + chance.uniform(0.2, 1.8) * self.profile.board_kill_s
                 while host.poll() is None and time.monotonic() < until:
                     time.sleep(0.005)
                 if board.poll() is not None:
                     report.violations.append(f"the board ended by itself: {board.communicate()[1]}")
                     break
-                if self.profile.board_kill_s and host.poll() is None:
+                if host.poll() is None:
+                    if self.profile.kind == "pty":  # or the wire finds whose terminal has its number next
+                        Path(self.target).unlink(missing_ok=True)
                     _end(board)
                     report.faults["board killed"] += 1
                     time.sleep(chance.choice((0, 0, 0.02)))
                     board = self._board()
         finally:
-            if host.poll() is None:
-                report.violations.append("the host did not come to its end")
             for one in (host, board):
                 _end(one)
             wire.stdin.close()

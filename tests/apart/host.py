@@ -3,7 +3,7 @@
 
 Clients in threads of one program do what they like with words of their own until they have done WORDS, and
 note what they ask and what they are told. KILL_S: the program is killed after about so many seconds, and
-another takes its place; 0: never.
+another takes its place.
 """
 
 from __future__ import annotations
@@ -42,6 +42,9 @@ class Life:
     def get(self, index: int) -> int:
         return int(struct.unpack_from("<Q", self._memory, 8 * index)[0])
 
+    def words(self) -> int:
+        return sum(self.get(2 * number) for number in range(self.clients))
+
     def add(self, index: int, count: int) -> int:
         value = self.get(index) + count
         struct.pack_into("<Q", self._memory, 8 * index, value)
@@ -56,6 +59,8 @@ class Client:
         self.random = random.Random(seed)
         self.addresses = range(0x100 + 0x20 * number, 0x100 + 0x20 * number + CLIENT_WORDS)
         self.file = os.open(folder / f"client-{number}", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+        size = os.fstat(self.file).st_size
+        os.ftruncate(self.file, size - size % RECORD.size)  # who was killed while it noted has not asked
         self.group: ExchangeGroup | None = None
         self.note((BORN, 0, 0))
 
@@ -208,8 +213,11 @@ def main(url: str, folder: Path, seed: int, words: int, *, clients: int, kill_s:
                 sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
                 os._exit(3)
             os._exit(0)
-        until = time.monotonic() + (chance.uniform(0.2, 1.8) * kill_s if kill_s else float("inf"))
+        # Its time begins when it gets on with it; for one of five when it is born.
+        done, until = life.words() if chance.random() > 0.2 else -1, float("inf")
         while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
+            if until == float("inf") and life.words() != done:
+                until = time.monotonic() + chance.uniform(0.2, 1.8) * kill_s
             time.sleep(0.005)
         if ended[0] == 0:
             os.kill(child, signal.SIGKILL)
