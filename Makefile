@@ -130,6 +130,7 @@ fuzz: $(VENV)/.built
 	$(BIN)/python tests/unit/generate/quoting/hostile.py --seconds $(SECONDS)
 	$(BIN)/python tests/unit/hostile/fuzz_inputs.py --seconds $(SECONDS)
 	$(BIN)/python tests/apart/histories.py --board $(SANITIZED)-address,undefined/journal_board --seconds $(SECONDS) --messages $(MESSAGES)
+	$(BIN)/python tests/gateware/fuzz_rtl_faults.py --seconds $(SECONDS)
 
 sanitize: $(VENV)/.built
 	@tools/setup.sh system

@@ -146,6 +146,9 @@ UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const u
 
 /* Which protocol the device speaks: "framed" or "classic". Never NULL. docs/protocol.md */
 UL_API const char* ul_protocol(ul_link* link);
+/* What a user has to know of how the link has begun: that it was taken for a classic one, without the promises of frames, because the device answers classic questions only.
+ * "": nothing, as where the URL says protocol=classic. Never NULL; valid as long as the link. That the device was reset since is in ul_statistics.restarts. */
+UL_API const char* ul_notice(ul_link* link);
 /* Was the gateware built from `spec` (what the error calls it), whose wire hash is one of `hashes`? UL_MISMATCH: it says that it was not, and the URL has no
  * spec_hash=any. `unverified`, if not NULL, gets why that is not known, or is overridden: "" where it was; until the next call, or the link is freed. */
 UL_API ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified);

@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 
 #include "device/bus.hpp"
 #include "device/configuration.hpp"
+#include "device/rtl_device.hpp"
 #include "layer0_driver/status.hpp"
 
 namespace unitylink::python {
@@ -50,6 +52,9 @@ void raise_unless_ok(const Outcome& outcome);
 
 // Of a simulate.BoardConfiguration, whose attributes have the names of the fields; ValueRangeError says what is wrong.
 [[nodiscard]] device::DeviceConfiguration configuration_of(nanobind::handle object);
+
+// Compiled gateware, of the attributes of simulate.rtl.RtlModel; ToolError says what is wrong with it.
+[[nodiscard]] std::unique_ptr<device::RtlDevice> make_rtl_device(nanobind::handle model, const device::DeviceConfiguration& configuration);
 
 // A register's value, or None where the bus refuses or nothing is.
 [[nodiscard]] nanobind::object value_of(const device::BusReply& reply);

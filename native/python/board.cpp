@@ -61,6 +61,25 @@ struct SettingReader {
 
 }  // namespace
 
+std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
+  const auto addresses = [&model](const char* name) {
+    std::vector<std::uint32_t> result;
+    for (nb::handle address : nb::object(model.attr(name))) {
+      result.push_back(word_of(address, name));
+    }
+    return result;
+  };
+  const auto library = nb::cast<std::string>(model.attr("library"));
+  RtlWords words{addresses("read_addresses"), addresses("write_addresses")};
+  std::string problem;
+  try {
+    return std::make_unique<RtlDevice>(library, std::move(words), configuration);
+  } catch (const RtlError& error) {
+    problem = error.what();
+  }
+  raise_error("ToolError", problem);
+}
+
 DeviceConfiguration configuration_of(nb::handle object) {
   const auto word = [](nb::handle from, const char* name) { return word_of(nb::object(from.attr(name)), name); };
   const auto byte = [&word](nb::handle from, const char* name) {
@@ -173,26 +192,6 @@ class InterpreterState {
   PyGILState_STATE held_;
   PyThreadState* state_;
 };
-
-// The attributes of simulate.rtl.RtlModel.
-std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
-  const auto addresses = [&model](const char* name) {
-    std::vector<std::uint32_t> result;
-    for (nb::handle address : nb::object(model.attr(name))) {
-      result.push_back(word_of(address, name));
-    }
-    return result;
-  };
-  const auto library = nb::cast<std::string>(model.attr("library"));
-  RtlWords words{addresses("read_addresses"), addresses("write_addresses")};
-  std::string problem;
-  try {
-    return std::make_unique<RtlDevice>(library, std::move(words), configuration);
-  } catch (const RtlError& error) {
-    problem = error.what();
-  }
-  raise_error("ToolError", problem);
-}
 
 PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
   DeviceConfiguration chosen = configuration_of(configuration);

@@ -23,15 +23,22 @@ nb::list profiles() {
   return result;
 }
 
-nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profile, bool framed, std::uint32_t clients, std::uint32_t window) {
+nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profile, bool framed, std::uint32_t clients, std::uint32_t window,
+             nb::handle configuration, nb::handle model) {
   const auto chosen = faults::find_profile(profile);
   if (!chosen) {
     throw nb::key_error(("no profile " + std::string(profile)).c_str());
   }
+  faults::Plan plan{.seed = seed, .messages = messages, .profile = *chosen, .framed = framed, .clients = clients, .window = window};
+  std::unique_ptr<device::RtlDevice> gateware;
+  if (!model.is_none()) {
+    gateware = make_rtl_device(model, configuration_of(configuration));
+    plan.gateware = [&gateware] { return std::move(gateware); };
+  }
   faults::Report report;
   {
     const GilRelease released;
-    report = faults::run({.seed = seed, .messages = messages, .profile = *chosen, .framed = framed, .clients = clients, .window = window});
+    report = faults::run(plan);
   }
   nb::dict result;
   result["messages"] = report.messages;
@@ -89,7 +96,7 @@ nb::dict goodput(std::uint64_t seed, std::string_view kind, std::uint64_t words,
 void bind_faults(nb::module_& module) {
   module.def("fault_profiles", &profiles);
   module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"), nb::arg("clients"),
-             nb::arg("window"));
+             nb::arg("window"), nb::arg("configuration").none() = nb::none(), nb::arg("model").none() = nb::none());
   const faults::GoodputPlan usual;
   module.def("goodput", &goodput, nb::arg("seed"), nb::arg("kind"), nb::arg("words"), nb::arg("lose"),
              nb::arg("message_words") = usual.message_words, nb::arg("window") = usual.window, nb::arg("byte_ns") = usual.byte_ns,

@@ -59,6 +59,8 @@ int abi_test(const char* url) {
   values[1] = 77;
   EXPECT(ul_post(link, addresses, values, 3, NULL) == UL_OK && ul_sync(link, NULL) == UL_OK);
   EXPECT(ul_read(link, 0x11, &value, NULL) == UL_OK && value == 77);
+  EXPECT(strcmp(ul_notice(NULL), "") == 0);
+  EXPECT((strcmp(ul_notice(link), "") == 0) == (strcmp(ul_protocol(link), "framed") == 0 || strstr(url, "protocol=classic") != NULL));
   if (strcmp(ul_protocol(link), "framed") == 0) {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_OK && value == 0x554C4652);
     EXPECT(ul_read_control(link, 0, &value, 0, NULL) == UL_RANGE);

@@ -93,6 +93,56 @@ TEST_CASE("no call waits for more than its attempts, however the device goes on"
   }
 }
 
+TEST_CASE("a device that tells no more lies is served again within four timeouts, whenever it begins to be honest") {
+  for (const faults::Peer peer : lies) {
+    CAPTURE(static_cast<int>(peer));
+    std::uint64_t longest_ns = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      CAPTURE(seed);
+      VirtualPlace place(seed);
+      LinkOptions asked = options();
+      asked.attempts = 100;
+      std::unique_ptr<Link> link;
+      REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
+      place.liar.set(peer);
+      std::uint32_t value = 0;
+      for (std::uint64_t call = 0; call < 1 + seed % 4; ++call) {
+        const std::uint64_t until_ns = VirtualPlace::clock_ns + 1 * ms + place.random() % (150 * ms);
+        CHECK(!(call % 2 == 0 ? link->read(0x10, value, {.until_ns = until_ns}) : link->write(0x10, 1, {.until_ns = until_ns})).ok());
+      }
+      place.liar.set(faults::Peer::honest);
+      const std::uint64_t honest_ns = VirtualPlace::clock_ns;
+      REQUIRE(link->read(0x10, value, {}).ok());
+      REQUIRE(link->write(0x10, 2, {}).ok());
+      longest_ns = std::max(longest_ns, VirtualPlace::clock_ns - honest_ns);
+    }
+    CHECK(longest_ns <= 4 * 20 * ms + slack_ns);
+  }
+}
+
+TEST_CASE("a device that sends the engine back to the beginning is not asked at the rate of the line") {
+  for (const faults::Peer peer : lies) {
+    CAPTURE(static_cast<int>(peer));
+    VirtualPlace place;
+    std::unique_ptr<Link> link;
+    LinkOptions asked = options();
+    asked.attempts = 100;
+    REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
+    place.liar.set(peer);
+    const std::uint64_t sent = link->statistics().bytes_sent;
+    const std::uint64_t begun_ns = VirtualPlace::clock_ns;
+    const std::uint64_t until_ns = begun_ns + 2000 * ms;
+    std::uint32_t value = 0;
+    std::uint64_t calls = 0;
+    for (; VirtualPlace::clock_ns < until_ns; ++calls) {  // refusals end a call at once: the next is the caller's own haste
+      static_cast<void>(link->read(0x10, value, {.until_ns = until_ns}));
+    }
+    const std::uint64_t bytes = link->statistics().bytes_sent - sent;
+    // 100 pauses of a timeout, and those before it has doubled to that: each HELLO or OPEN and what is in flight, 40 bytes.
+    CHECK(bytes <= (100 + 12) * 40 + calls * 200);
+  }
+}
+
 TEST_CASE("a device with frames is never taken for a classic one, however much its line loses") {
   for (const double share : {0.01, 0.10}) {
     int linked = 0;
@@ -112,6 +162,26 @@ TEST_CASE("a device with frames is never taken for a classic one, however much i
     }
     CHECK(linked > (share < 0.05 ? 396 : 300));
   }
+}
+
+TEST_CASE("what it costs to find out that a device is a classic one") {
+  device::DeviceConfiguration configuration;
+  std::array<std::uint64_t, 2> turns{};
+  std::array<std::uint64_t, 2> bytes{};
+  for (const bool framed : {false, true}) {
+    configuration.protocol = framed ? device::Protocol::both : device::Protocol::classic;
+    VirtualPlace place(1, configuration);
+    LinkOptions asked = options();
+    asked.protocol = Protocol::automatic;
+    std::unique_ptr<Link> link;
+    REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
+    CHECK(link->framed() == framed);
+    turns[framed] = place.turns;
+    bytes[framed] = link->statistics().bytes_sent;
+  }
+  CHECK(turns[0] == 1 + 8);  // the fence, and each HELLO with a classic question: the answer of 32 bytes is more than a FIFO of 16 takes, so one at a time
+  CHECK(turns[1] <= 5);
+  CHECK(bytes[0] < 150);     // 13 ms at 115,200 baud
 }
 
 TEST_CASE("a classic device is found out on a bad line, too") {

@@ -33,6 +33,7 @@ struct VirtualPlace {
   faults::FaultyWire there;
   faults::FaultyWire back;
   faults::LyingPeer liar;
+  std::uint64_t turns = 0;  // of the host: it has sent after it had heard something, or at first
 
   static inline thread_local std::uint64_t clock_ns = 1'000'000'000;
 };
@@ -61,6 +62,7 @@ class VirtualLine final : public Driver {
   ~VirtualLine() override { VirtualLine::close(); }
 
   Transfer send(std::span<const std::uint8_t> bytes) noexcept override {
+    place_.turns += std::exchange(silent_, false) ? 1 : 0;
     there_.send(bytes, now());
     return {bytes.size(), Status::ok};
   }
@@ -85,6 +87,7 @@ class VirtualLine final : public Driver {
     count = std::min(room.size(), heard_.size());
     std::memcpy(room.data(), heard_.data(), count);
     heard_.erase(0, count);
+    silent_ = silent_ || count > 0;
     return {count, Status::ok};
   }
 
@@ -121,6 +124,7 @@ class VirtualLine final : public Driver {
   int readable_;
   std::uint64_t begun_ns_;
   std::string heard_;
+  bool silent_ = true;  // since something came
 };
 
 }  // namespace unitylink::test

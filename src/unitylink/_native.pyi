@@ -231,7 +231,14 @@ class Board:
 
 def fault_profiles() -> list[tuple[str, str]]: ...
 def run_faults(
-    seed: int, messages: int, profile: str, framed: bool, clients: int, window: int
+    seed: int,
+    messages: int,
+    profile: str,
+    framed: bool,
+    clients: int,
+    window: int,
+    configuration: Any = None,
+    model: Any = None,
 ) -> dict[str, Any]: ...
 def goodput(
     seed: int,

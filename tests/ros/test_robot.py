@@ -19,7 +19,7 @@ from unitylink import connect
 from unitylink.errors import UnityLinkError
 from unitylink.generate import write
 from unitylink.layer4_data import load_spec_objects
-from unitylink.simulate import Board
+from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text, load
 
 HERE = Path(__file__).parent
@@ -208,6 +208,24 @@ def test_a_program_that_hangs_does_not_keep_the_board_alive(program: Path) -> No
         assert any("armed again" in said for said in robot.said), "the dead-man had tripped"
         assert robot.ask("set position 0.5") == "set"
         until(lambda: board.registers[0x10] == 50)
+
+
+def test_safe_values_are_refused_on_a_link_that_has_fallen_back_to_the_classic_protocol(
+    program: Path,
+) -> None:
+    with Board(
+        SPEC, plant=Still(), endpoint="tcp", configuration=BoardConfiguration(protocol="classic")
+    ) as board:
+        with running(program, f"{board.url}?timeout=5") as robot:
+            until(lambda: any("has fallen back to the classic one" in said for said in robot.said), robot)
+            said = next(said for said in robot.said if "has fallen back" in said)
+            assert "has a SAFE value, which asks for the framed protocol" in said
+            assert "add protocol=classic to the URL" in said
+            assert not is_up(robot)
+            assert "not taken" in robot.ask("set position 1")
+            assert board.registers[0x10] == 0
+        with running(program, f"{board.url}?timeout=5&protocol=classic") as robot:
+            until(lambda: is_up(robot), robot)
 
 
 def test_other_gateware_is_refused_by_its_hash(program: Path) -> None:

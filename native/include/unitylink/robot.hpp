@@ -293,6 +293,13 @@ class Robot {
     configuration.size = sizeof configuration;
     ul_get_configuration(link_, &configuration);
     if (configuration.data_bytes * 8 != table_.data_bits) return "the device has words of another width: this is not the board the spec is for";
+    if (const std::string notice = ul_notice(link_); !notice.empty()) {
+      if (*table_.asks_for_frames != '\0') {
+        return std::string(table_.asks_for_frames) + ", which asks for the framed protocol, and " + options_.url + " has fallen back to the classic one: " + notice +
+               ". Use gateware that speaks frames, or add protocol=classic to the URL where that is what you want";
+      }
+      say_(1, notice);
+    }
     const char* unverified = "";
     if (ul_check_spec(link_, table_.spec, table_.gateware, table_.gateware_count, &unverified) != UL_OK) return failure();
     gateware_ = *unverified == '\0' ? "verified" : std::string("not verified: ") + unverified;

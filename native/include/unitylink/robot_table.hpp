@@ -59,6 +59,7 @@ struct Table {
   std::size_t group_count;
   const Unit* units;
   std::size_t unit_count;
+  const char* asks_for_frames;    // "arm.speed has a SAFE value", of the first that does so or is a PULSE; "": none
 };
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();

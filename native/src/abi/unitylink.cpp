@@ -38,9 +38,8 @@ ul_status told(Outcome&& outcome) {
 }
 
 ul_status bad_argument(const char* what) {
-  Outcome outcome;
-  outcome.text = what;
-  last_failure = std::move(outcome);
+  last_failure = Outcome{};
+  last_failure.text = what;
   last_status = UL_ARGUMENT;
   return UL_ARGUMENT;
 }
@@ -241,6 +240,7 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
 }
 
 const char* ul_protocol(ul_link* link) { return link != nullptr && link->link->framed() ? "framed" : "classic"; }
+const char* ul_notice(ul_link* link) { return link != nullptr ? link->link->notice().c_str() : ""; }
 
 ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified) {
   if (link == nullptr || spec == nullptr || (count > 0 && hashes == nullptr)) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <dlfcn.h>
+#include <utility>
 
 namespace unitylink::device {
 
@@ -50,6 +51,7 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
       read_index_(indices(words.read)),
       write_index_(indices(words.write)),
       given_(words.read.size()),
+      write_addresses_(words.write),
       input_(configuration_),
       output_(configuration_) {
   if (!state_) {
@@ -60,6 +62,11 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
       flags_.push_back({read_index_.at(address), write_index_.at(address)});
     }
   }
+  hold_reset();
+}
+
+void RtlDevice::hold_reset() {
+  pins_ = {};
   pins_.reset = 1;
   for (Clock clock = 0; clock < reset_clocks; ++clock) {
     model_->clock(state_.get(), &pins_);
@@ -67,6 +74,32 @@ RtlDevice::RtlDevice(const std::string& library, RtlWords words, const DeviceCon
   pins_.reset = 0;
   pins_.tx_ready = 1;
   model_->clock(state_.get(), &pins_);
+}
+
+void RtlDevice::reset() {
+  hold_reset();
+  input_ = PhysicalReceiver(configuration_);
+  output_ = PhysicalTransmitter(configuration_);
+  for (std::size_t index = 0; index < seen_.size(); ++index) {
+    seen_[index] = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
+  }
+}
+
+void RtlDevice::observe(std::function<void(std::uint32_t, std::uint32_t)> on_change) {
+  on_change_ = std::move(on_change);
+  seen_.assign(write_addresses_.size(), 0);
+  for (std::size_t index = 0; index < seen_.size(); ++index) {
+    seen_[index] = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
+  }
+}
+
+void RtlDevice::look() {
+  for (std::size_t index = 0; index < seen_.size(); ++index) {
+    const std::uint32_t value = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
+    if (std::exchange(seen_[index], value) != value) {
+      on_change_(write_addresses_[index], value);
+    }
+  }
 }
 
 void RtlDevice::set_event(std::uint32_t group, bool high) {
@@ -114,6 +147,9 @@ void RtlDevice::step() {
     if (model_->was_written(state_.get(), flags.write) != 0) {
       give(flags.read, given_[flags.read] & ~model_->get_word(state_.get(), flags.write));
     }
+  }
+  if (on_change_) {
+    look();
   }
   if (!rising_.empty()) {
     for (const std::uint32_t group : falling_) {

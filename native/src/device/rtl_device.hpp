@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -50,6 +51,11 @@ class RtlDevice final : public ServedDevice {
   [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
   [[nodiscard]] std::string failure() const override;
 
+  // Pulls its reset; what stood in the FIFOs in front of it is gone, and its clock goes on.
+  void reset();
+  // Tells each word that the PC writes when it changes, but by a reset. Costs time at each clock.
+  void observe(std::function<void(std::uint32_t address, std::uint32_t value)> on_change);
+
  private:
   // A word whose bits the PC clears by writing ones, as the logic behind the registers does: by index.
   struct Flags {
@@ -59,6 +65,8 @@ class RtlDevice final : public ServedDevice {
 
   void step();
   void give(std::uint32_t index, std::uint32_t value);
+  void hold_reset();
+  void look();
   [[nodiscard]] bool has_failed() const noexcept;
 
   DeviceConfiguration configuration_;
@@ -68,6 +76,9 @@ class RtlDevice final : public ServedDevice {
   std::unordered_map<std::uint32_t, std::uint32_t> write_index_;
   std::vector<std::uint32_t> given_;  // what `set` was given, by index
   std::vector<Flags> flags_;
+  std::vector<std::uint32_t> write_addresses_;
+  std::function<void(std::uint32_t, std::uint32_t)> on_change_;
+  std::vector<std::uint32_t> seen_;   // while somebody observes: the words that the PC writes
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   unitylink_rtl_pins pins_{};

@@ -162,6 +162,9 @@ void Client::judge() {
     if (framed_ != nullptr && status != Status::ok && !late && !tally_.lied_to) {  // it could have been asked again
       journal_.accuse(std::string("an operation ended with: ") + status_text(status));
     }
+    if (tally_.lied_to && status != Status::ok && begun_ns_ >= tally_.trusted_ns) {
+      journal_.accuse(std::string("an operation begun when the device had told no more lies ended with: ") + status_text(status));
+    }
   }
   // The request behind posts is answered only when they have been executed; otherwise, and in another session, nobody knows.
   const bool confirmed = last == Status::ok && posts_ > 0 && framed_->sessions() == session_;

@@ -28,6 +28,7 @@ struct Tally {
   std::uint32_t nonce = 0;     // the last value written by anybody
   std::uint64_t answered_ns = 0;  // when somebody's request last had its answer
   bool lied_to = false;        // errors may be told that could have been asked again
+  std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on that is over
 };
 
 class Client {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "device/device.hpp"
+#include "device/rtl_device.hpp"
 #include "faults/client.hpp"
 #include "faults/faulty_wire.hpp"
 #include "faults/lying_peer.hpp"
@@ -20,9 +21,9 @@ using device::DeviceConfiguration;
 
 constexpr std::uint64_t ms = 1'000'000;
 constexpr std::uint64_t recovery_ns = 50 * ms;    // after the last fault all must be as before
+constexpr std::uint64_t recovery_timeouts = 4;    // behind a device that lies: HELLO and OPEN wait for so many more
 constexpr std::uint64_t line_ns = 10 * ms;        // what the bytes of a request and its answer may take on top of its attempts
 constexpr std::size_t violations_most = 20;
-constexpr std::uint64_t clock_ns = 20;            // of the device: 50 MHz
 constexpr std::uint32_t device_fifo = 2048;
 
 class Simulation {
@@ -79,8 +80,9 @@ class Simulation {
       } else if (phase == Phase::faulty && tally_.messages * 10 >= plan_.messages * 8) {
         report_.faulty_rate_hz = rate();
         set_faults(false);
+        tally_.trusted_ns = now_ + patience_ns();
         enter(Phase::recovering);
-      } else if (phase == Phase::recovering && now_ >= phase_begun + recovery_ns) {
+      } else if (phase == Phase::recovering && now_ >= phase_begun + recovery_ns + patience_ns()) {
         enter(Phase::recovered);
       }
       if (!step()) {
@@ -108,6 +110,7 @@ class Simulation {
   [[nodiscard]] static std::uint64_t byte_ns() noexcept { return 833; }       // 12 MBd
   [[nodiscard]] static std::uint64_t delay_ns() noexcept { return 125'000; }  // a USB microframe
   [[nodiscard]] static std::uint64_t timeout_ns() noexcept { return 20 * ms; }
+  [[nodiscard]] std::uint64_t patience_ns() const noexcept { return tally_.lied_to ? recovery_timeouts * timeout_ns() : 0; }
 
   void draw() {
     const auto rate = [this](double most) {
@@ -122,14 +125,29 @@ class Simulation {
   }
 
   void make_device() {
-    DeviceConfiguration configuration;
-    configuration.address_bits = 16;
-    configuration.fifo = device_fifo;
-    configuration.window = plan_.window;
-    configuration.offers = device_ != nullptr ? device_->offers() : std::uint16_t{0};
-    device_ = std::make_unique<Device>(configuration);
-    device_->bus().observe([this](std::uint32_t address, std::uint32_t value) { on_write(address, value); });
+    const auto observer = [this](std::uint32_t address, std::uint32_t value) { on_write(address, value); };
+    if (rtl_ != nullptr) {
+      rtl_->reset();
+      return;
+    }
     device_begun_ = now_;
+    if (plan_.gateware) {
+      std::unique_ptr<device::RtlDevice> made = plan_.gateware();
+      rtl_ = made.get();
+      rtl_->observe(observer);
+      device_ = std::move(made);
+    } else {
+      DeviceConfiguration configuration;
+      configuration.address_bits = 16;
+      configuration.fifo = device_fifo;
+      configuration.window = plan_.window;
+      configuration.offers = twin_ != nullptr ? twin_->offers() : std::uint16_t{0};
+      auto made = std::make_unique<Device>(configuration);
+      twin_ = made.get();
+      twin_->bus().observe(observer);
+      device_ = std::move(made);
+    }
+    clock_ns_ = 1'000'000'000 / device_->configuration().clock_hz;
   }
 
   void on_write(std::uint32_t address, std::uint32_t value) {
@@ -154,7 +172,7 @@ class Simulation {
     if (exchange.status != Status::ok) {
       report_.violations.push_back("the device could not be greeted");
     }
-    engine_->configure({.address_bytes = 2, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16,
+    engine_->configure({.address_bytes = (device_->configuration().address_bits + 7) / 8, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16,
                         .rate_bytes = 2, .discovered = true});
     greeted_ = true;
   }
@@ -265,7 +283,7 @@ class Simulation {
     std::uint64_t next = there_.next_ns();
     const device::Clock due = std::min(device_->next_event(), device_->next_output());
     if (due != device::never) {
-      next = std::min(next, device_begun_ + due * clock_ns);
+      next = std::min(next, device_begun_ + due * clock_ns_);
     }
     if (!host) {
       return std::min(next, paused_until_);
@@ -274,7 +292,7 @@ class Simulation {
   }
 
   void carry_back() {
-    device_->run_until(std::max(device_->clock(), (now_ - device_begun_) / clock_ns));
+    device_->run_until(std::max(device_->clock(), (now_ - device_begun_) / clock_ns_));
     device::TimedByte timed;
     while (device_->take(timed)) {
       say(peer_.say(timed.byte));
@@ -315,8 +333,11 @@ class Simulation {
   LyingPeer peer_;
   std::unique_ptr<Engine> engine_;
   FramedEngine* framed_ = nullptr;
-  std::unique_ptr<Device> device_;
+  std::unique_ptr<device::ServedDevice> device_;
+  Device* twin_ = nullptr;             // it is one of these
+  device::RtlDevice* rtl_ = nullptr;
   std::uint64_t device_begun_ = 0;
+  std::uint64_t clock_ns_ = 20;        // of the device
   Tally tally_;
   std::vector<std::unique_ptr<Client>> clients_;
   Report report_;

@@ -3,10 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "faults/profile.hpp"
+
+namespace unitylink::device {
+class RtlDevice;
+}
 
 namespace unitylink::faults {
 
@@ -17,6 +23,9 @@ struct Plan {
   bool framed = true;
   std::uint32_t clients = 16;
   std::uint32_t window = 32;  // requests in flight, a power of two
+  // Compiled gateware in place of the twin, with a READWRITE word that begins at 0 for each of a client's words. What it executes is seen by its words: a write
+  // that is executed twice with none between them does not show.
+  std::function<std::unique_ptr<device::RtlDevice>()> gateware = {};
 };
 
 struct Report {

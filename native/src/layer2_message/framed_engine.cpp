@@ -88,7 +88,7 @@ std::span<const std::uint8_t> FramedEngine::transmit(std::uint64_t now_ns) noexc
     if (state_ == State::silent && (!waiting_.empty() || posts_.sent() < posts_.made())) {
       ask();
     }
-    if (greeting_due_) {
+    if (greeting_due_ && now_ns >= greeting_from_ns_) {
       encode_greeting();
     }
     if (state_ == State::open) {

@@ -13,6 +13,8 @@
 //   A write that is refused leaves its place to a SYNC, too, and its caller waits for that: a copy of it may be under way.
 // - Every request ends: attempts x timeout after it was made, or after the last answer to one of those before it, whatever the device says
 //   meanwhile. What only keeps the engine busy (HELLO, OPEN, CLOSED, answers to its own questions) puts that off by nothing.
+// - A device that sends the engine back to the beginning again and again (CLOSED, another nonce, `order`, `behind`) is asked some times at once, then
+//   with pauses that double up to the timeout: it cannot make the host fill the line.
 // - A session is opened by HELLO and OPEN. It is asked for again when the device says that it has none, or twice nothing. If it is another
 //   one then, all that was in flight and may have been executed ends unknown. Nothing is replayed but reads; groups are defined anew.
 #pragma once
@@ -152,12 +154,14 @@ class FramedEngine final : public Engine {
   void on_executed(const Place& place) noexcept;
   void measure(std::uint64_t round_trip_ns) noexcept;
   void ask_again(Place& place) noexcept;
+  void ask_in_turn(Place& place) noexcept;
   [[nodiscard]] bool believed(Place& place) noexcept;
   void refuse(Place& place, Status status) noexcept;
   void release(Place& place) noexcept;
 
   // sessions and time (framed_engine_session.cpp)
   void ask() noexcept;
+  void greet() noexcept;
   void on_greeting(const Greeting& told) noexcept;
   void on_opened(std::uint16_t epoch) noexcept;
   void lose_session() noexcept;
@@ -194,6 +198,8 @@ class FramedEngine final : public Engine {
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
   std::uint64_t greeting_sent_ns_ = 0;
+  std::uint64_t greeting_from_ns_ = 0;  // not sent before
+  std::uint32_t in_vain_ = 0;           // HELLOs and OPENs that the device has brought about since it last answered a request
   std::uint32_t openings_ = 0;           // OPENs since the last HELLO answer
   std::uint64_t sessions_ = 0;
   std::uint32_t session_epoch_ = no_session;  // that the device was last heard to have

@@ -14,6 +14,7 @@ constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the 
 constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts, without a loss, before many are sent ahead again
 constexpr std::uint64_t careful_posts = 200;
 constexpr std::size_t reply_head_bytes = 4;    // id, posts
+constexpr std::uint32_t turns_at_once = 16;    // transmissions of a request whose turn has not come
 constexpr std::size_t publish_head_bytes = 7;  // group, sequence, clock
 
 Status status_of(std::uint8_t status) noexcept {
@@ -79,6 +80,7 @@ void FramedEngine::on_text() noexcept {
     return;
   }
   greeting_due_ = true;
+  greeting_from_ns_ = 0;
   greeting_wait_ns_ = std::min(settings_.timeout_ns, 4 * (now_ns_ - greeting_sent_ns_) + settings_.timeout_ns / probes);
 }
 
@@ -163,6 +165,7 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
     return;
   }
   last_answer_ns_ = now_ns_;
+  in_vain_ = 0;
   if (place.transmissions == 1) {
     measure(now_ns_ - place.sent_ns);
   }
@@ -180,7 +183,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   Exchange* const exchange = place.exchange;
   if (place.taken_over() && !executed(status)) {
     if (status == reply_status::order && place.chained) {
-      ask_again(place);
+      ask_in_turn(place);
     } else if (status == reply_status::invalid && believed(place)) {  // it was executed, and its long answer has not been kept
       release(place);
       if (exchange != nullptr) {
@@ -200,7 +203,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   }
   if (status == reply_status::order && place.chained) {
     if (exchange->batch == nullptr || !exchange->batch->failed) {
-      ask_again(place);
+      ask_in_turn(place);
     } else {
       refuse(place, Status::cancelled);
     }
@@ -217,7 +220,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
       gone_back_order_ = order_;
     }
     place.unbound = true;
-    ask_again(place);
+    ask_in_turn(place);
     return;
   }
   const bool fits = take_reply(*exchange, status, body, configuration_);
@@ -292,6 +295,13 @@ void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
 void FramedEngine::ask_again(Place& place) noexcept {
   due_ += place.due ? 0 : 1;
   place.due = true;
+}
+
+// Its turn has not come: one before it is lost, and repeated. Who has been told so many times waits until it is late.
+void FramedEngine::ask_in_turn(Place& place) noexcept {
+  if (place.transmissions < turns_at_once) {
+    ask_again(place);
+  }
 }
 
 // An answer that tells of an error has come twice, the second time to a repeat.

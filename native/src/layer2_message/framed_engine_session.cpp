@@ -10,6 +10,9 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint32_t openings_max = 3;
+constexpr std::uint32_t vain_at_once = 4;       // HELLOs and OPENs one behind the other, before there are pauses between them
+constexpr std::uint32_t vain_doublings = 16;
+constexpr std::uint64_t vain_pause_ns = 1'000'000;  // the first of these
 constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the session is asked for
 constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // behind the dead-man and the groups
 constexpr std::uint32_t restoration_steps = first_exchange + limits::exchanges_max + 1;  // publishing
@@ -25,8 +28,19 @@ constexpr std::uint32_t epoch_step = 40'343;    // prime to `epochs`
 
 void FramedEngine::ask() noexcept {
   state_ = state_ == State::open ? State::checking : State::greeting;
-  greeting_due_ = true;
+  greet();
   greeting_wait_ns_ = smoothed_ns_ == 0 ? settings_.timeout_ns : std::min(settings_.timeout_ns, 4 * (smoothed_ns_ + 4 * variation_ns_) + 2'000'000);
+}
+
+// HELLO or OPEN, by the state: at once; but where nothing has come of the last ones, a pause behind them.
+void FramedEngine::greet() noexcept {
+  if (greeting_due_) {
+    return;
+  }
+  greeting_due_ = true;
+  in_vain_ += 1;
+  const std::uint32_t doublings = std::min(in_vain_ - std::min(in_vain_, vain_at_once + 1), vain_doublings);
+  greeting_from_ns_ = in_vain_ <= vain_at_once ? 0 : greeting_sent_ns_ + std::min(settings_.timeout_ns, vain_pause_ns << doublings);
 }
 
 // The device knows no frames, or only those of another version.
@@ -72,7 +86,7 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
   offered_epoch_ = static_cast<std::uint16_t>((offered_epoch_ + epoch_step) % epochs);
   state_ = State::opening;
   openings_ = 1;
-  greeting_due_ = true;
+  greet();
 }
 
 // An OPEN whose answer was lost has made the session that it offered.
@@ -232,7 +246,7 @@ std::uint64_t FramedEngine::next_deadline_ns() const noexcept {
     }
   }
   if (state_ != State::open) {
-    return std::min(next, greeting_deadline_ns_);
+    return std::min(next, greeting_due_ && greeting_from_ns_ > now_ns_ ? greeting_from_ns_ : greeting_deadline_ns_);
   }
   if (std::any_of(confirmations_.begin(), confirmations_.end(), [this](const Exchange& own) { return idle(own); })) {
     next = std::min(next, confirm_ns_);
@@ -263,10 +277,11 @@ void FramedEngine::advance(std::uint64_t now_ns) noexcept {
   const bool asking = state_ == State::greeting || state_ == State::opening || state_ == State::checking;
   if (asking && !greeting_due_ && now_ns >= greeting_deadline_ns_) {
     statistics_.timeouts += 1;
-    if (state_ == State::opening && openings_++ >= openings_max) {
+    if (state_ == State::opening && (openings_++ >= openings_max || in_vain_ > vain_at_once)) {
       state_ = State::greeting;
     }
     greeting_due_ = true;
+    greeting_from_ns_ = 0;
     greeting_wait_ns_ = std::min(settings_.timeout_ns, 2 * greeting_wait_ns_);
     if (state_ != State::checking && waiting_.empty() && !publishing_ && deadman_ticks_ == 0) {
       state_ = State::silent;  // nobody is left to ask for
@@ -376,6 +391,8 @@ void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   decoder_.reset();
   decoder_.set_key(FrameKey{});  // what the old session publishes is not for the new one
   text_ = greeting_due_ = false;
+  in_vain_ = 0;
+  greeting_from_ns_ = 0;
   pending_begin_ = pending_end_ = 0;
   state_ = State::silent;
 }

@@ -59,6 +59,7 @@ class CppRobot:
     commanded: tuple[CppTopic, ...]
     joints: tuple[CppJoint, ...]  # of joint_commands
     left_out: tuple[str, ...]  # topics of several groups
+    asks_for_frames: str  # the first value that does, and why; "": none
 
 
 def cpp_robot(package: Package) -> CppRobot:
@@ -110,6 +111,7 @@ class _Cpp:
             tuple(self._commanded(topic) for topic in self.interface.commanded),
             self._joints(joints) if joints is not None else (),
             tuple(left_out),
+            next((text for element in self.elements if (text := _asks_for_frames(element))), ""),
         )
 
     def _value(self, element: Element) -> Cpp:
@@ -283,6 +285,14 @@ def _expression(value: Cpp, raw: Cpp, quantity: Quantity, packed: bool = False) 
     if (quantity.scaled or quantity.type.kind == "float") and not packed:
         return Cpp.of("unitylink::number({}, {})", value, raw)
     return Cpp.of("unitylink::whole({}, {})", value, raw)
+
+
+def _asks_for_frames(element: Element) -> str:
+    """Return why a value is refused on a link that has fallen back to the classic protocol; "" where not."""
+    if element.access == "PULSE":
+        return f"{element.path} is a PULSE"
+    written = element.access in ("WRITE", "READWRITE")
+    return f"{element.path} has a SAFE value" if written and Quantity.of(element).safe is not None else ""
 
 
 def _unit(link: LinkBinding) -> Cpp:

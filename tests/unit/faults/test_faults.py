@@ -50,15 +50,19 @@ def test_the_same_seed_gives_the_same_history(profile: str) -> None:
 
 @pytest.mark.parametrize("window", [1, 32])
 @pytest.mark.parametrize("protocol", ["framed", "classic"])
-@pytest.mark.parametrize("profile", [name for name in PROFILES if name not in LIARS])
+@pytest.mark.parametrize("profile", PROFILES)
 def test_all_is_as_before_after_the_faults(profile: str, protocol: str, window: int) -> None:
     """On the virtual clock: from 50 ms after the last fault on, 95 % of the rate before the first.
+
+    Behind a device that lies it is four timeouts later, and no operation that is begun then fails.
 
     Those of one history with a window of 1 differ by 5 % by its kinds of requests alone: the median counts.
     """
     shares = []
     for seed in range(1, 4 if window == 1 else 2):
-        report = History(seed, 40_000, profile, protocol, 16, window).run()
+        messages = 80_000 if profile in LIARS and protocol == "framed" and window == 32 else 40_000
+        report = History(seed, messages, profile, protocol, 16, window).run()
+        assert profile not in LIARS or report["violations"] == []
         assert report["calm_rate_hz"] > 0
         shares.append(report["recovered_rate_hz"] / report["calm_rate_hz"])
     assert median(shares) >= 0.95

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The compiled gateware behind a mouth that lies: every operation ends in its time, as with the twin.
+
+`python tests/gateware/fuzz_rtl_faults.py --seconds 60` is the long form.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from unitylink import _native
+from unitylink.simulate.rtl import RtlModel, build_model, design_of, rtl_configuration
+from unitylink.spec import load
+
+CLIENTS, MESSAGES = 2, 60
+SPEC = """public lied_about() {
+   @one[8] = 0x10: READWRITE(INITIAL=0);
+   @two[8] = 0x20: READWRITE(INITIAL=0);
+}
+"""
+PROFILES = ["quiet", "restarts", "dead", "half-dead", "closing", "renewing", "refusing"]
+
+
+def compiled(folder: Path) -> tuple[RtlModel, object]:
+    """Return the gateware with the words of two clients, and its configuration."""
+    file = folder / "lied_about.ul"
+    file.write_text(SPEC)
+    spec = load(file)
+    configuration = rtl_configuration(spec)
+    return build_model(design_of(spec, configuration)), configuration
+
+
+@pytest.fixture(scope="module")
+def gateware(tmp_path_factory: pytest.TempPathFactory) -> tuple[RtlModel, object]:
+    return compiled(tmp_path_factory.mktemp("lied_about"))
+
+
+@pytest.mark.parametrize("protocol", ["framed", "classic"])
+@pytest.mark.parametrize("profile", PROFILES)
+def test_every_operation_ends(gateware: tuple[RtlModel, object], profile: str, protocol: str) -> None:
+    model, configuration = gateware
+    report = _native.run_faults(7, MESSAGES, profile, protocol == "framed", CLIENTS, 8, configuration, model)
+    assert report["violations"] == []
+    assert report["messages"] >= MESSAGES
+    assert report["good"] > 0
+    assert (report["faults"] > 0) == (profile != "quiet")
+    assert profile != "quiet" or report["bus_writes"] > 10
