@@ -21,6 +21,7 @@
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
+#   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a build of the sdist
 #   make unit    the Python tests that need no board process, in about a minute
 #   make native-tests   the C++ tests alone
 #   make clean   removes build/ and .venv/
@@ -34,7 +35,7 @@ SECONDS ?= 60
 MESSAGES ?= 1000000000
 SEED ?= 1
 
-.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
+.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -73,6 +74,11 @@ test:
 unit: $(VENV)/.built
 	@tools/setup.sh group test
 	$(BIN)/python -m pytest tests/unit -q -n 2
+
+long: $(VENV)/.built $(NATIVE)/.built
+	@for name in test demo wheel boards; do tools/setup.sh group $$name || exit 1; done
+	@tools/setup.sh system
+	$(BIN)/python -m pytest tests -q -m long
 
 check: $(VENV)/.built
 	@tools/setup.sh group test

@@ -7,6 +7,8 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
 from unitylink.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,6 +27,7 @@ public small() {
 CLASSIC = ("--protocol", "classic")
 
 
+@pytest.mark.long  # a bitstream with frames for an iCEBreaker is what docs/board.md builds in `make test`
 def test_servo_on_icebreaker(tmp_path: Path) -> None:
     assert f"\n{COMMAND}\n" in (ROOT / "docs" / "board.md").read_text("utf-8")
     spec = ROOT / "examples" / "servo" / "servo.ul"
@@ -46,8 +49,8 @@ def test_servo_on_icebreaker(tmp_path: Path) -> None:
     assert "the design is good for" in (tmp_path / "report.txt").read_text()
 
 
+@pytest.mark.long
 def test_small_design_on_ulx3s(tmp_path: Path) -> None:
-    """The other family: a PLL, a two-way pin, words on pins; the classic protocol is placed sooner."""
     (tmp_path / "small.ul").write_text(SMALL)
     out = tmp_path / "out"
     assert (
@@ -61,7 +64,10 @@ def test_small_design_on_ulx3s(tmp_path: Path) -> None:
 
 
 def test_small_design_behind_a_synchronous_ft245(tmp_path: Path) -> None:
-    """Two clocks: the design's, and that of the FTDI chip."""
+    """An ECP5, a PLL, a two-way pin, words on pins, and two clocks: the design's, and that of the FTDI chip.
+
+    The classic protocol is placed sooner.
+    """
     (tmp_path / "small.ul").write_text(SMALL)
     out = tmp_path / "out"
     small = str(tmp_path / "small.ul")
@@ -69,6 +75,7 @@ def test_small_design_behind_a_synchronous_ft245(tmp_path: Path) -> None:
     report = json.loads((out / "report.json").read_text())
     assert report["fmax_hz"] >= report["clock_hz"] == 36_864_000
     assert report["url"] == "ftdi:?channel=A&mode=sync-fifo"
-    assert report["pins"]["ft245_clkout"] == "FIFO_CLK (site U20)"
+    assert report["pins"]["ft245_clkout"] == "FIFO_CLK (site U20)" and "pad_pin[0]" in report["pins"]
+    assert not [text for text in report["notices"] if "before the PLL" in text]
     assert any("the chip's clock on FIFO_CLK: 60 MHz" in text for text in report["notices"])
     assert "constraining clock net 'FIFO_CLK' to 60.00 MHz" in (out / "nextpnr.log").read_text()

@@ -143,6 +143,7 @@ class TestWheel:
         assert needed <= names
         assert not [name for name in names if name.startswith(("tests/", "build/", ".venv/"))]
 
+    @pytest.mark.long  # all that it compiles is in it, byte by byte: the test above
     def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, fresh: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
         # The core's sources are those of this checkout, byte by byte, which were compiled to run this test.

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -77,3 +78,17 @@ def test_a_tutorial_works_as_it_stands(page: str, says: tuple[str, ...], tmp_pat
     assert code == 0, said
     for text in says:
         assert text in said, said
+    if page == "board.md":
+        _is_a_bitstream(tmp_path / "build" / "hello_led-icebreaker")
+
+
+def _is_a_bitstream(folder: Path) -> None:
+    report = json.loads((folder / "report.json").read_text())
+    bitstream = (folder / "hello_led-icebreaker.bin").read_bytes()
+    assert 0x7EAA997E.to_bytes(4, "big") in bitstream[:256] and len(bitstream) > 100_000
+    cells = {area["what"]: area for area in report["area"]}
+    assert 1000 < cells["logic cells"]["used"] <= cells["logic cells"]["available"] == 5280
+    assert report["fmax_hz"] >= report["clock_hz"] == 12_000_000
+    assert report["url"] == "serial:/dev/ttyUSB1?baud=1000000"
+    assert report["pins"]["leds[1]"] == "LEDR_N (site 11, active low)"
+    assert "the design is good for" in (folder / "report.txt").read_text()
