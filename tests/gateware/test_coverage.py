@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The record of the lines that benches execute is of the gateware as it is: `make coverage` makes it anew."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def coverage(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """tools/coverage.py, which is no package."""
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    return importlib.import_module("coverage")
+
+
+def test_the_record_is_of_this_gateware_and_enough_of_it_is_executed(coverage: Any) -> None:
+    record = json.loads(coverage.RECORD.read_text(encoding="utf-8"))
+    assert record["digest"] == coverage.digest(), "the gateware or a bench has changed: make coverage"
+    files = record["files"]
+    assert set(files) == {str(path.relative_to(coverage.GATEWARE)) for path in coverage.designs()}
+    lines, run = (sum(file[what] for file in files.values()) for what in ("lines", "run"))
+    assert 100 * run / lines >= coverage.PERCENT_LEAST == 95.0
+
+
+def test_a_statement_that_changes_makes_the_record_stale(
+    coverage: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = coverage.plain_text
+    now = coverage.digest()
+    monkeypatch.setattr(
+        coverage, "plain_text", lambda path: text(path) + (" " if path.name == "fifo.vhd" else "")
+    )
+    assert coverage.digest() != now
