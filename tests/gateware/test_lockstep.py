@@ -59,6 +59,7 @@ class Table(ctypes.Structure):
         ("clock", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.POINTER(Pins))),
         ("set_word", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
         ("get_word", ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)),
+        ("was_written", ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)),
         ("set_event", ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)),
         ("failure", ctypes.CFUNCTYPE(ctypes.c_char_p, ctypes.c_void_p)),
     ]
