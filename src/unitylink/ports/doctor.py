@@ -279,7 +279,7 @@ class _Doctor:
     def without_checksum(self, driver: OpenedDriver, answer: Answer) -> list[Finding]:
         if answer.kind == "checksum":
             self.say("trying all checksums")
-            polynomial = find_polynomial(driver, wait_s=self.wait_s)
+            polynomial = find_polynomial(driver, wait_s=self.wait_s, clock=self.clock)
             if polynomial is not None:
                 text = "xor" if polynomial == 0 else f"0x{polynomial:02X}"
                 link = self.place.with_option("polynomial", text)

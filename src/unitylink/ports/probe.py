@@ -24,6 +24,7 @@ from unitylink.layer1_stream import (
 )
 
 WAIT_S = 0.5  # for an answer; a board that is there needs a few ms
+SILENT_MOST = 3  # questions in a row; who answers none of them has gone
 
 
 class PortDriver(Protocol):
@@ -128,16 +129,21 @@ def _complaint(event: DatalinkError, received: bytes, elapsed_s: float) -> Answe
     return Answer("refused", received, f"?{event.code:x}", elapsed_s=elapsed_s)
 
 
-def find_polynomial(driver: PortDriver, *, wait_s: float = WAIT_S) -> int | None:
+def find_polynomial(
+    driver: PortDriver, *, wait_s: float = WAIT_S, clock: Callable[[], float] = time.monotonic
+) -> int | None:
     """Return the CRC polynomial the device takes, 0 for the byte XOR, None when none of the 256 works.
 
     The 256 possible checksums of RLC are tried; the checksum of the answer tells which polynomial it was.
+    It ends early when the device answers no more, or only what cannot be understood.
     """
+    lost = 0
     for sum_ in range(256):
-        answer = ask(
-            driver, b"!$RLC*%02X\n" % sum_, checked=False, polynomial=protocol.CRC8_POLYNOMIAL, wait_s=wait_s
-        )
+        line = b"!$RLC*%02X\n" % sum_
+        assumed = protocol.CRC8_POLYNOMIAL
+        answer = ask(driver, line, checked=False, polynomial=assumed, wait_s=wait_s, clock=clock)
         if answer.kind == "checksum":
+            lost = 0
             continue
         for polynomial in (None, *range(1, 256)):
             if request(polynomial=polynomial) != b"!$RLC*%02X\n" % sum_:
@@ -145,4 +151,7 @@ def find_polynomial(driver: PortDriver, *, wait_s: float = WAIT_S) -> int | None
             events = ClassicDecoder(data_bytes=0, polynomial=polynomial).feed(answer.received)
             if any(isinstance(e, Reply) and e.letters == protocol.REPLY_READ_CONFIGURATION for e in events):
                 return polynomial or 0
+        lost += 1
+        if lost == SILENT_MOST:
+            return None
     return None

@@ -14,6 +14,7 @@ from unitylink.errors import LinkClosed, LinkError, LinkNotFound, LinkTimeout, U
 from unitylink.layer2_message import Link
 from unitylink.ports import FINDINGS, Finding, examine
 from unitylink.ports.findings import page
+from unitylink.ports.probe import WAIT_S, find_polynomial, probe
 from unitylink.simulate import Board as Twin
 from unitylink.simulate import BoardConfiguration
 from unitylink.spec import compile_text
@@ -226,6 +227,25 @@ def test_a_half_received_message_before_is_no_line_error(diagnose: Diagnose) -> 
 def test_checksum(diagnose: Diagnose, polynomial: int | None, text: str) -> None:
     found = diagnose(lambda line: healthy(line, polynomial=polynomial))
     assert list(found) == ["checksum"] and f"polynomial={text}" in found["checksum"].remedy
+
+
+def test_a_board_that_goes_while_checksums_are_tried_is_not_asked_256_times(clock: Clock) -> None:
+    board = Board(lambda line: b"?f4\n" if len(board.asked) < 10 else b"", clock)
+    assert find_polynomial(board, clock=clock) is None
+    assert len(board.asked) == 12 and clock() < 3 * WAIT_S + 1
+
+
+def test_a_flooded_port_is_asked_all_the_same(clock: Clock) -> None:
+    """Noise that never ends: before the question, and behind it."""
+
+    class Flooded(Board):
+        def receive(self, *, timeout_s: float = 1.0) -> bytes:
+            self.clock.now_s += 0.001
+            return b"\x55" * 64
+
+    board = Flooded(healthy, clock)
+    assert probe(board, clock=clock).kind == "garbage"
+    assert len(board.asked) == 1 and clock() <= 2 * WAIT_S + 0.01
 
 
 def test_a_wrong_polynomial_is_a_wrong_link(diagnose: Diagnose) -> None:
