@@ -131,7 +131,7 @@ VOLATILE = (
     r"[\d.]+, +[\d.]+ (deg|mm)$",
     r"\([\d,]+ clocks",
     r"[\d,]+ values of",
-    r"^ *\d+\.\d+ s  (?= x)",
+    r"^ *\d+\.\d+ s  (?= x|[a-z])",
 )
 
 TAIL = """
