@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measure how plain the documents are:  python tools/docs/plain.py [--python] [--draw N --seed S] [PATH ...]
+
+It prints, for each file and in all: the sentences, the mean words in one, the share with a semicolon, and the
+longest. `--draw N` prints N sentences instead, to be read by a person. A PATH is a file or a folder; without
+one, all pages are read.
+
+A sentence is prose: no code block, table, heading, comment or front matter. A list item ends its sentence. A
+link counts as its text, and code in a line as one word. Less than three words are no sentence.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import io
+import random
+import re
+import tokenize
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+NOT_READ = ("build", "dist", "node_modules")
+SHORTEST = 3  # words
+
+FENCE = re.compile(r"^\s*(```|~~~)")
+ITEM = re.compile(r"^\s*(?:[-*+]|\d+[.)])\s+")
+NOT_PROSE = re.compile(r"^\s*(?:\||#{1,6} |={3,}$|-{3,}$|>>> |\.\.\. |\[[^\]]+\]:\s)")
+CODE = re.compile(r"(`+)(.+?)\1", re.S)
+LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)")
+HIDDEN = "\ue000"  # stands for a piece of code: its full stops end no sentence
+DOT = "\u2024"  # the full stop of an abbreviation
+ABBREVIATION = re.compile(r"\b(e\.g|i\.e|etc|vs|cf|Fig|No|approx)\.")
+END = re.compile(r"(?<=[.!?])[)\"”*_]*\s+(?![a-z])")
+WORD = re.compile(rf"[\w{HIDDEN}]")
+DIRECTIVE = re.compile(r"#\s*(?:SPDX|type:|noqa|ruff:|mypy:|pragma|!)")
+
+
+class Sentence(NamedTuple):
+    """One sentence and where it begins."""
+
+    file: Path
+    line: int
+    text: str
+    words: int
+
+
+class Figures(NamedTuple):
+    """What is measured of some sentences; `mean` is in words, `semicolons` a share of 0 to 1."""
+
+    sentences: int
+    mean: float
+    semicolons: float
+    longest: int
+
+
+def figures(sentences: Iterable[Sentence]) -> Figures:
+    """Return the figures of `sentences`."""
+    found = list(sentences)
+    if not found:
+        return Figures(0, 0.0, 0.0, 0)
+    words = [sentence.words for sentence in found]
+    with_semicolon = sum(";" in CODE.sub("", sentence.text) for sentence in found)
+    return Figures(len(found), sum(words) / len(found), with_semicolon / len(found), max(words))
+
+
+def files(paths: Iterable[Path], *, python: bool = False) -> list[Path]:
+    """Return the Markdown files in `paths`, or with `python` the Python files."""
+    suffix, found = ".py" if python else ".md", set()
+    for path in (path.resolve() for path in paths):
+        inside = path.rglob(f"*{suffix}") if path.is_dir() else [path]
+        found |= {file for file in inside if file == path or not _is_made(file.relative_to(path))}
+    return sorted(found)
+
+
+def _is_made(path: Path) -> bool:
+    return any(part.startswith(".") or part in NOT_READ for part in path.parts)
+
+
+def sentences(file: Path) -> list[Sentence]:
+    """Return the sentences of a Markdown file, or of the docstrings and comments of a Python file."""
+    text = file.read_text("utf-8")
+    return [
+        Sentence(file, line + offset, sentence, words)
+        for offset, part in (_python(text) if file.suffix == ".py" else [(0, text)])
+        for begin, block in _blocks(part)
+        for line, sentence, words in _split(begin, block)
+    ]
+
+
+def _blocks(text: str) -> Iterator[tuple[int, str]]:
+    """Yield (line, text) of each paragraph and each list item; the text has the line ends of the page."""
+    text = re.sub(r"\A---\n.*?^---$", _blank, text, flags=re.M | re.S)  # front matter
+    text = re.sub(r"<!--.*?-->", _blank, text, flags=re.S)
+    begin, block, fenced = 0, [], False
+    for number, line in enumerate([*text.splitlines(), ""], 1):
+        fence = bool(FENCE.match(line))
+        prose = bool(line.strip()) and not (fenced or fence or NOT_PROSE.match(line))
+        fenced ^= fence
+        if block and (not prose or ITEM.match(line)):
+            yield begin, "\n".join(block)
+            block = []
+        if prose:
+            begin = begin if block else number
+            block.append(ITEM.sub("", line).strip().removeprefix("> "))
+
+
+def _blank(found: re.Match[str]) -> str:
+    return "\n" * found.group().count("\n")
+
+
+def _split(line: int, block: str) -> Iterator[tuple[int, str, int]]:
+    """Yield (line, text, words) of each sentence of a block that begins at `line`."""
+    block = LINK.sub(lambda found: "" if found[1] else found[2], block)
+    code = (found.group() for found in CODE.finditer(block))
+    hidden = ABBREVIATION.sub(lambda found: found[1].replace(".", DOT) + DOT, CODE.sub(HIDDEN, block))
+    begin = 0
+    for end in [*(found.end() for found in END.finditer(hidden)), len(hidden)]:
+        words = sum(bool(WORD.search(word)) for word in hidden[begin:end].split())
+        text = re.sub(HIDDEN, lambda _: next(code), hidden[begin:end]).replace(DOT, ".")
+        if words >= SHORTEST:
+            yield line + hidden.count("\n", 0, begin), " ".join(text.split()), words
+        begin = end
+
+
+def _python(source: str) -> Iterator[tuple[int, str]]:
+    """Yield (lines before it, text) of each docstring and each run of comments."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            text = ast.get_docstring(node, clean=True)
+            if text is not None:
+                yield node.body[0].lineno - 1, _without_examples(text)
+    begin, last, comment = 0, -1, ""  # `last`: the line that a further one may follow
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type != tokenize.COMMENT or DIRECTIVE.match(token.string):
+            continue
+        line, text = token.start[0], token.string.lstrip("#: ")
+        alone = not token.line[: token.start[1]].strip()
+        if comment and not (alone and line == last + 1):
+            yield begin, comment
+            comment = ""
+        begin = begin if comment else line - 1
+        comment, last = f"{comment}\n{text}" if comment else text, line if alone else -1
+    if comment:
+        yield begin, comment
+
+
+def _without_examples(text: str) -> str:
+    """Blank the indented blocks of a docstring that follow `::` or an empty line."""
+    return re.sub(r"(?<=\n)(?:    .*\n?(?:\n(?=    ))?)+", _blank, text)
+
+
+def _name(file: Path) -> str:
+    return str(file.relative_to(ROOT) if file.is_relative_to(ROOT) else file)
+
+
+def main() -> None:
+    """Print the figures, or draw sentences."""
+    parser = argparse.ArgumentParser(description="Measure how plain the documents are.")
+    parser.add_argument(
+        "path", nargs="*", type=Path, default=[ROOT], help="files or folders; all pages without"
+    )
+    parser.add_argument("--python", action="store_true", help="docstrings and comments instead of pages")
+    parser.add_argument("--draw", type=int, metavar="N", help="print N sentences drawn at random")
+    parser.add_argument("--seed", type=int, default=1, help="which sentences --draw draws")
+    arguments = parser.parse_args()
+    read = {file: sentences(file) for file in files(arguments.path, python=arguments.python)}
+    every = [sentence for found in read.values() for sentence in found]
+    if arguments.draw is not None:
+        for one in random.Random(arguments.seed).sample(every, min(arguments.draw, len(every))):
+            print(f"{_name(one.file)}:{one.line}: {one.text}")
+        return
+    print(f"{'sentences':>9} {'mean':>5} {'semicolons':>10} {'longest':>7}  file")
+    for name, found in [*((_name(file), found) for file, found in read.items()), ("all", every)]:
+        one = figures(found)
+        print(f"{one.sentences:9} {one.mean:5.1f} {one.semicolons:10.0%} {one.longest:7}  {name}")
+
+
+if __name__ == "__main__":
+    main()
