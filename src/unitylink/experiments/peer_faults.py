@@ -223,17 +223,21 @@ def section(results: dict[str, Any]) -> list[Block]:
     headers = ["fault", "client of LiteX", "LiteX", "ours, framed"]
     return [
         Paragraph(
-            f"LiteX's package {results['litex']} and ours met the same faults of the same wire in one run, "
-            "from a process between client and device: on a pty for UARTBone, in datagrams for Etherbone. "
-            "The device is an instant one of its own protocol. The numbers with # are LiteX's issues. A "
-            "second client (another) is one of litex_server; with ours, which has no server, a second read. "
-            "A write's proof is that it is read back, with ours the device's word for it."
+            f"LiteX's package {results['litex']} and ours met the same faults in one run. A process between "
+            "client and device makes the faults: on a pty for UARTBone, in datagrams for Etherbone. Each "
+            "side talks to a model of its own device that answers at once. Numbers with # are LiteX issues. "
+            "`another` is a second client of litex_server. Ours has no server, so there it is a second read. "
+            "The proof of a write is a read of the word with LiteX, and the device's reply with ours."
         ),
         Code(f"{COMMAND} --json > docs/faults-beside-litex.json && make docs"),
-        Table("What the package does show, and what ours did there.", headers, [cells(row) for row in shown]),
-        Table("What it does not show.", headers, [cells(row) for row in absent]),
         Table(
-            "What LiteX's users have told of, and no run of its package here can show.",
+            "Faults that go wrong with the package, and what ours did.",
+            headers,
+            [cells(row) for row in shown],
+        ),
+        Table("Faults that the package handles.", headers, [cells(row) for row in absent]),
+        Table(
+            "Faults that LiteX's users have reported, and that no run of its package can show here.",
             ["fault", "why"],
             [[name, why] for name, why in NOT_RUN.items()],
         ),
