@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Play the first hour with a wheel in an empty folder and write what it looks like to docs/first-hour.md:
+"""Run the commands of the first hour with a wheel in an empty folder, and write docs/first-hour.md:
 
     make wheel && python tools/docs/first_hour.py build/wheels/*.whl [--out FILE]
 
-Every command is one that a user types, in one bash. One that fails, or does not say what it has to, ends the
-run with exit code 1. What differs from run to run (times, sizes, folders) becomes dots.
+Every command is one that a user types, in one bash. If a command fails, or does not print what it has to, the
+run ends with exit code 1. What differs from run to run (times, sizes, folders) becomes dots.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PATIENCE_S = 300.0  # for one command; pip may wait for its index
 
 @dataclass(frozen=True)
 class Command:
-    """What is typed, a text that must be in what it says, how it ends, and a file to wait for afterwards."""
+    """The text to type, what its output must contain, its exit code, and a file to wait for afterwards."""
 
     text: str
     says: str = ""
@@ -36,10 +36,10 @@ class Command:
 
 HEAD = """# The first hour
 
-What a terminal shows, from an empty folder on: install, a robot that moves, a spec of your own with a test, a
-board in another process, and what is said when it is silent. No FPGA, no compiler. `tools/docs/first_hour.py`
-plays it with a real wheel and writes this page; a test plays it too, so that it stays true. Dots stand for
-what differs from run to run.
+This page shows a terminal, from an empty folder on. You install, see a robot move, write a spec of your own
+with a test, use a board in another process, and see what you are told when it does not answer. You need no
+FPGA and no compiler. `tools/docs/first_hour.py` runs all commands with a real wheel and writes this page. A
+test runs them too, so that the page stays true. Dots stand for what differs from run to run.
 """
 
 SECTIONS: list[tuple[str, list[Command]]] = [
@@ -65,7 +65,7 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         ],
     ),
     (
-        "## 4. A mistake\n\nSomebody writes REED for READ:",
+        "## 4. A mistake\n\nThis spec has REED in place of READ:",
         [
             Command("sed 's/@speed: signed READ/@speed: signed REED/' arm.ul > wrong.ul"),
             Command("unitylink check wrong.ul", "REED", code=1),
@@ -73,7 +73,7 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         ],
     ),
     (
-        "## 5. A board in another process\n\nIt hangs on a pseudo-terminal, as a real one on a serial port.",
+        "## 5. A board in another process\n\nIt is on a pseudo-terminal, in place of a serial port.",
         [
             Command(
                 "unitylink simulate arm.ul --plant loopback --pty ./arm.tty > board.log 2>&1 &",
@@ -86,7 +86,7 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         ],
     ),
     (
-        "## 6. Keep what it did",
+        "## 6. Record it",
         [
             Command(
                 "unitylink record serial:./arm.tty --spec arm.ul --out arm.mcap --count 100", "100 samples"
@@ -108,7 +108,7 @@ SECTIONS: list[tuple[str, list[Command]]] = [
         ],
     ),
     (
-        "## 8. Something is wrong\n\nFirst with the board there, then with its plug pulled.",
+        "## 8. Find a fault\n\nFirst the board is there, then its plug is pulled.",
         [
             Command("unitylink doctor serial:./arm.tty --spec arm.ul", "without a fault"),
             Command("kill %1; wait"),
@@ -135,8 +135,8 @@ VOLATILE = (
 )
 
 TAIL = """
-What to do about each finding: [troubleshooting](troubleshooting.md). With a board on the desk only the LINK
-changes: [your own board](own-board.md). What moves behind the registers is yours too: [your own
+[Troubleshooting](troubleshooting.md) says what to do about each finding. With a real board only the LINK
+changes: [your own board](own-board.md). To model your own robot behind the registers, read [your own
 plant](own-plant.md).
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Everything that can stand between a user and a board: one table, which the doctor and the docs both use.
+"""All reasons why a board may not answer: one table, which the doctor and the docs both use.
 
 `page()` is docs/troubleshooting.md.
 """
@@ -13,9 +13,12 @@ from types import MappingProxyType
 
 @dataclass(frozen=True)
 class FindingKind:
-    """One kind of trouble. `cause`, `remedy` and `more` are format strings over what the doctor knows of it;
-    `remedy` is a command, with a remark behind a #, or an option, `severity` "error" where nothing works
-    until it is mended."""
+    """One kind of trouble.
+
+    `cause`, `remedy` and `more` are format strings, filled with what the doctor found out. `remedy` is a
+    command, with a remark behind a #, or an option. `severity` is "error" if nothing works until it is
+    mended.
+    """
 
     severity: str
     title: str
@@ -26,7 +29,7 @@ class FindingKind:
 
 @dataclass(frozen=True)
 class Finding:
-    """A trouble that was found, in words about this very link."""
+    """A trouble that was found, described for this link."""
 
     code: str
     severity: str
@@ -43,21 +46,21 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "{device} is not there; ports on this machine: {ports}",
             "unitylink discover",
             "The board is not plugged in, has no power, or was given another number. Names that do not "
-            "change are in /dev/serial/by-id/. `dmesg -w` shows what the kernel says at plug-in. Into a "
-            "container or WSL the port has to be handed: `docker run --device`, `usbipd attach`.",
+            "change are in /dev/serial/by-id/. `dmesg -w` shows what the kernel says at plug-in. A container "
+            "or WSL must be given the port: `docker run --device`, `usbipd attach`.",
         ),
         "brltty": FindingKind(
             "warning",
             "A driver for Braille displays takes ports away",
-            "brltty runs, which takes the USB chip of {device} for a Braille display",
-            "sudo apt remove brltty    # if nobody reads Braille here; then plug the board in anew",
-            "Ubuntu 22.04 starts it for some CH340, CP210x and FTDI chips: the port appears and goes at "
+            "brltty runs, and mistakes the USB chip of {device} for a Braille display",
+            "sudo apt remove brltty    # if nobody reads Braille here; then plug the board in again",
+            "Ubuntu 22.04 starts it for some CH340, CP210x and FTDI chips: the port appears and vanishes at "
             "once. `sudo dmesg | grep brltty` shows it.",
         ),
         "no-serial-port": FindingKind(
             "error",
             "The file is not a serial port",
-            "{device} is there, and is something else",
+            "{device} exists, and is something else",
             "unitylink discover",
             "Serial ports are called /dev/ttyUSB0, /dev/ttyACM0, /dev/ttyS0 or /dev/serial/by-id/...",
         ),
@@ -66,40 +69,41 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The port may not be opened",
             "{device} belongs to the group {group}, and this user is not in it",
             "sudo usermod -aG {group} $USER    # then log out and in again",
-            "`newgrp {group}` does it for one shell at once. Or let the udev rule open the port to whoever "
-            'sits at the machine (not over ssh): `sudo "$(which unitylink)" doctor LINK --install`.',
+            "`newgrp {group}` does it for one shell at once. Or install the udev rule, which opens the "
+            'port to the user who sits at the machine (not over ssh): `sudo "$(which unitylink)" doctor '
+            "LINK --install`.",
         ),
         "busy-port": FindingKind(
             "error",
             "Another program has the port",
             "{device} is held by {holders}",
             "kill {pids}    # or close that program",
-            "Only one program can talk to a board. Programs of other users are only seen with sudo.",
+            "Only one program can talk to a board. You need sudo to see the programs of other users.",
         ),
         "modem-manager": FindingKind(
             "warning",
             "ModemManager talks to the port",
             "ModemManager runs and sends modem commands to {device} whenever the board is plugged in",
             "sudo {program} doctor {link} --install",
-            "It writes a udev rule that sets ID_MM_DEVICE_IGNORE for this kind of USB chip; plug the board "
-            "in anew afterwards. sudo knows no virtual environment and wants the whole path: "
+            "It writes a udev rule that sets ID_MM_DEVICE_IGNORE for this kind of USB chip. Plug the board "
+            "in again afterwards. sudo does not know the virtual environment and needs the whole path: "
             '`sudo "$(which unitylink)" doctor LINK --install`.',
         ),
         "latency-timer": FindingKind(
             "warning",
             "The latency timer of the USB chip is slow",
-            "{device} waits {latency_ms} ms before it hands on an answer; 1 ms is the least",
+            "{device} waits {latency_ms} ms before it passes on a reply; 1 ms is the least",
             "echo 1 | sudo tee /sys/bus/usb-serial/devices/{name}/latency_timer",
             "A read takes at least that long. `--install` writes the udev rule that sets it at every "
-            "plug-in. The driver asks for low latency itself where it may.",
+            "plug-in. The driver asks for low latency itself, if it has the permission.",
         ),
         "no-ftdi": FindingKind(
             "error",
             "The FTDI chip is not plugged in",
             "no {wanted}; there are: {chips}",
             "unitylink discover",
-            "An ftdi: link names a chip by its serial number, and its channel (`ftdi:FT1234?channel=B`); "
-            "without a serial number the chip must be the only one. Chips with a vendor or product number "
+            "An ftdi: link names a chip by its serial number, and its channel (`ftdi:FT1234?channel=B`). "
+            "Without a serial number the chip must be the only one. Chips with a vendor or product number "
             "of their own are reached through the kernel's serial port.",
         ),
         "ftdi-permission": FindingKind(
@@ -107,9 +111,9 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The USB device may not be used",
             "{node}, the FTDI chip {serial}, may not be written to by this user",
             "sudo {program} doctor {link} --install",
-            "ftdi: links go past the kernel's serial driver, so the right to the serial port is not enough. "
-            "The udev rule gives the USB device to whoever sits at the machine; plug the board in anew "
-            "afterwards.",
+            "ftdi: links do not use the kernel's serial driver, so the permission for the serial port is not "
+            "enough. The udev rule gives the USB device to the user who sits at the machine. Plug the board "
+            "in again afterwards.",
         ),
         "ftdi-refused": FindingKind(
             "error",
@@ -126,50 +130,51 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The SPI port does not exist",
             "{device} is not there; SPI ports on this machine: {ports}",
             "switch SPI on; on a Raspberry Pi: sudo raspi-config nonint do_spi 0    # then reboot",
-            "The kernel shows a chip select as /dev/spidevBUS.SELECT where its device tree says so "
+            "The kernel shows a chip select as /dev/spidevBUS.SELECT if its device tree says so "
             "(`dtparam=spi=on` in config.txt of a Raspberry Pi). USB adapters such as the FT2232H in MPSSE "
-            "mode are no spidev.",
+            "mode have no such file.",
         ),
         "unreachable": FindingKind(
             "error",
             "The network device cannot be reached",
             "{place}: {reason}",
             "ping {host}    # if that answers: nothing serves port {port} there",
-            "Wrong address or port, a firewall, or a board that is off; of a virtual board, `unitylink "
-            "simulate` does not run, or serves this machine only (--bind). UDP only finds out when it sends.",
+            "The address or port is wrong, a firewall is in the way, or the board is off. For a virtual "
+            "board: `unitylink simulate` does not run, or serves this machine only (--bind). UDP notices "
+            "it only when it sends.",
         ),
         "wrong-baud": FindingKind(
             "error",
-            "The baud rate is another one",
-            "nothing sensible at {baud_hz} baud, and a right answer at {right_baud_hz}",
+            "The baud rate is wrong",
+            "no valid reply at {baud_hz} baud, and one at {right_baud_hz}",
             "use {link_with_right_baud}",
             "The gateware's baud rate is a generic of its UART, fixed when it was built.",
         ),
         "silence": FindingKind(
             "error",
             "Nothing answers",
-            "not a byte came from {place} in {waited_s:g} s{baud_rates_tried}",
+            "no byte came from {place} in {waited_s:g} s{baud_rates_tried}",
             "check power, RX and TX (crossed?), ground, and that the FPGA is configured",
-            "A loop from TX to RX at the board's connector shows whether bytes come back at all: "
-            "the doctor then reports an echo.",
+            "To test the cable, connect TX to RX at the board's connector. If bytes come back, the doctor "
+            "reports an echo.",
         ),
         "echo": FindingKind(
             "error",
             "What is sent comes back",
-            "{place} sends back just what it is sent",
+            "{place} sends back exactly what it receives",
             "connect the board instead of a loop; turn local echo off",
-            "RX and TX are connected to each other, or an RS-485 adapter hears itself.",
+            "RX and TX are connected to each other, or an RS-485 adapter receives what it sends.",
         ),
         "garbage": FindingKind(
             "error",
-            "What comes is no Unity-Link",
+            "The bytes are not those of Unity-Link",
             "{place} sends {count} bytes that are no message, such as {sample}",
             "check the baud rate and that this is the right port",
-            "At a wrong baud rate most bytes look like noise; another kind of device sends its own text.",
+            "At a wrong baud rate most bytes look like noise. Another kind of device sends its own text.",
         ),
         "line-errors": FindingKind(
             "error",
-            "The board hears parity or framing errors",
+            "The board reports parity or framing errors",
             "the board answers {answer}: {errors} on its receive line",
             "set parity and stop bits to 8N1 on both sides, and the same baud rate",
             "The board's baud rate may be off by more than 3 %, or the line too long for it.",
@@ -177,7 +182,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
         "checksum": FindingKind(
             "error",
             "The checksums do not agree",
-            "the board refuses our checksum and takes polynomial {polynomial}",
+            "the board refuses our checksum and accepts polynomial {polynomial}",
             "use {link_with_polynomial}",
             "The polynomial of the CRC is a generic of the gateware.",
         ),
@@ -186,8 +191,8 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The gateware has no checksums",
             "plain messages are answered, messages with a checksum are not",
             "leave crc=1 out of the link, and use {link_without_checksums}: it never sends a $",
-            "Without checks a flipped bit on the wire is a wrong value. 2012 gateware that was built without "
-            "checksums may hang after a message that asks for one.",
+            "Without checksums a flipped bit on the wire is a wrong value. Gateware of 2012 (the first "
+            "published one) that was built without checksums may hang after a message that asks for one.",
         ),
         "board-busy": FindingKind(
             "error",
@@ -198,32 +203,33 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
         ),
         "no-configuration": FindingKind(
             "error",
-            "The gateware does not tell its configuration",
+            "The gateware does not report its configuration",
             "RLC is refused with {answer}",
             "add address_bytes= and data_bytes= to the link, such as {link_with_widths}",
-            "RLC was left out when the gateware was built; its widths stand in its source.",
+            "RLC, the request for the configuration, was left out when the gateware was built. Its widths "
+            "are in its source.",
         ),
         "other-gateware": FindingKind(
             "error",
             "The gateware was built from another spec",
             "{reason}",
             "give the spec of this gateware (--spec), or build the gateware from {spec}",
-            "A name may stand at another address there, or have another type, unit or limit: a write could "
-            "move the wrong joint, so every program refuses it. `spec_hash=any` in the link's URL goes on, "
-            "and says so.",
+            "There a name may have another address, type, unit or limit. A write could move the wrong "
+            "joint, so every program refuses it. With `spec_hash=any` in the link's URL a program goes on,"
+            " and says so.",
         ),
         "unverified-gateware": FindingKind(
             "note",
-            "Whether spec and gateware belong together cannot be verified",
+            "It cannot be verified that spec and gateware belong together",
             "{reason}",
             "compare {spec} with the one this gateware was built from",
-            "Only gateware with the framed protocol that was generated from a spec says which it was. "
+            "Only gateware that was generated from a spec and has the framed protocol tells its spec. "
             "Classic gateware, that of 2012 and cores of your own do not.",
         ),
         "widths": FindingKind(
             "error",
             "The device is too narrow for the spec",
-            "{count} items of {spec} lie beyond the {bits} address bits of the device, such as {example}",
+            "{count} items of {spec} are beyond the {bits} address bits of the device, such as {example}",
             "give the spec of this gateware (--spec), or build the gateware from this spec",
         ),
         "publishing": FindingKind(
@@ -237,13 +243,13 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The device does not have the spec's words",
             "reading {count} of {total} items gives a bus error, such as {example}",
             "give the spec of this gateware (--spec), or build the gateware from this spec",
-            "Nothing is at those addresses of the board's bus. TosNet words need a running network: see "
-            "`unitylink info`.",
+            "Nothing is at those addresses of the board's bus. Words of TosNet, the real-time network "
+            "between FPGAs, need the network to run: see `unitylink info`.",
         ),
         "slow": FindingKind(
             "warning",
-            "Answers take longer than the wire needs",
-            "a request takes {measured_ms:.2f} ms; bytes and USB account for {expected_ms:.2f} ms",
+            "Replies take longer than the wire needs",
+            "a request takes {measured_ms:.2f} ms, and bytes and USB account for {expected_ms:.2f} ms",
             "look for a hub, a virtual machine, or a busy processor between program and board",
         ),
         "losses": FindingKind(
@@ -251,13 +257,13 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "Messages get lost or damaged",
             "{bad} of {count} requests failed: {reasons}",
             "lower the baud rate, shorten the cable, and ask for checksums (crc=1)",
-            "With 16-byte buffers in the gateware, fifo=16 keeps the link from overrunning them.",
+            "If the gateware has buffers of 16 bytes, fifo=16 keeps the link from overrunning them.",
         ),
     }
 )
 
 
-# What stands in the table's braces when a finding is explained and no port was looked at.
+# Fills the braces of the table when a finding is explained without a port.
 _EXAMPLE: Mapping[str, object] = MappingProxyType(
     {
         "answer": "'?f2'",
@@ -311,7 +317,7 @@ def finding(code: str, **known: object) -> Finding:
     return Finding(code, kind.severity, kind.title, kind.cause.format(**known), kind.remedy.format(**known))
 
 
-# Where the device is no serial port.
+# The same where the device is not a serial port.
 _EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
     {
         "no-spi": {"device": "/dev/spidev0.0", "ports": "none"},
@@ -324,7 +330,7 @@ _EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
 
 
 def example(code: str) -> tuple[Finding, str]:
-    """Return the finding `code` as it may look, for those who ask what it means, and more about it.
+    """Return an example of the finding `code`, and more about it.
 
     >>> example("no-port")[0].cause
     '/dev/ttyUSB0 is not there; ports on this machine: /dev/ttyS0'
@@ -342,9 +348,10 @@ def page() -> str:
     lines = [
         "# Troubleshooting",
         "",
-        "`unitylink doctor LINK` looks for all of these and names the command that mends what it finds. This",
-        "page is made from the same table, `src/unitylink/ports/findings.py`, by `make docs`; ports, numbers",
-        "and names are examples, for which the doctor puts what it finds.",
+        "`unitylink doctor LINK` looks for all of these faults. It names the command that mends what it",
+        "finds. Ports, numbers and names on this page are examples; the doctor shows those of your machine.",
+        "The page and the doctor use the same table, `src/unitylink/ports/findings.py`. `make docs`",
+        "makes the page.",
     ]
     for code, kind in FINDINGS.items():
         shown, more = example(code)

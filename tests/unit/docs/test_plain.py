@@ -15,8 +15,8 @@ import plain
 ROOT = Path(__file__).resolve().parents[3]
 
 # Ceilings: lower them when the pages got plainer, never raise them.
-MEAN_WORDS = 16.4
-SEMICOLONS = 0.21  # share of the sentences
+MEAN_WORDS = 15.6
+SEMICOLONS = 0.175  # share of the sentences
 
 PAGE = """---
 title: no sentence; it is front matter
