@@ -49,15 +49,18 @@ def check(said: dict[str, str], *, one_board: bool = True) -> None:
     assert "the robot has 3 values" in said["bridge"]
 
 
-@pytest.mark.parametrize("endpoint", ["tcp", "udp", "pty"])
-def test_boards_at_a_port(stack: ExitStack, spec: Path, tmp_path: Path, endpoint: str) -> None:
+@pytest.mark.parametrize(("scheme", "endpoint"), [("tcp", "tcp"), ("udp", "udp"), ("serial", "pty")])
+def test_boards_at_a_port(stack: ExitStack, spec: Path, tmp_path: Path, scheme: str, endpoint: str) -> None:
     board = stack.enter_context(Board(load(spec), endpoint=endpoint))
+    assert board.url.startswith(f"{scheme}:")
     check(converse(lambda: f"{board.url}?timeout=2", spec, tmp_path))
 
 
 def test_a_descriptor(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
     def url() -> str:
-        return f"{stack.enter_context(Board(load(spec))).url}?timeout=2"
+        board = stack.enter_context(Board(load(spec)))
+        assert board.url.startswith("fd:")
+        return f"{board.url}?timeout=2"
 
     check(converse(url, spec, tmp_path, refused={"doctor": "can be opened once"}), one_board=False)
 

@@ -33,6 +33,8 @@ class Broken(Exception):
 def structure(name: str, text: str) -> Hashable:
     """Return the structure of a file; raise Broken. `name` tells the language."""
     suffix = PurePosixPath(name).suffix
+    if suffix not in _READERS:
+        raise Broken(f"{name}: nothing here reads {suffix!r}; add a reader of it to _READERS")
     # The strings of JSON may hold whatever a text has.
     if suffix not in (".json", ".html") and any(c in text for c in _HIDING):
         raise Broken(f"{name} has characters that hide or end lines")

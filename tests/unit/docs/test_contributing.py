@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""CONTRIBUTING.md is true: its map has every folder, and what its recipes ask for is what the code has."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import click
+import pytest
+
+from unitylink import cli
+from unitylink.generate import ARTEFACTS
+from unitylink.schemes import SCHEMES
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+RECIPES = ("Add a link scheme", "Add a gateware core", "Add a generator", "Add a command")
+LIBRARY = sorted((ROOT / "src" / "unitylink" / "spec" / "library").glob("*.ul"))
+
+
+def section(title: str) -> str:
+    return PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+
+
+def text(path: str) -> str:
+    return (ROOT / path).read_text("utf-8")
+
+
+def has(name: str, told: str) -> bool:
+    """Tell whether `told` has `name` as a word; what is made of it counts too: `open_spi`, `--spi`."""
+    return re.search(rf"(?<![A-Za-z]){name}(?![a-z])", told) is not None
+
+
+def files_of(recipe: str) -> list[tuple[str, str]]:
+    """Return (model, path) of each file that the steps name; a step that says `as X does` has a model X."""
+    told = section(recipe)
+    (model,) = re.findall(r"[Tt]he model is `(\w+)`", told)
+    found = []
+    for step in re.findall(r"^\d+\. (.*(?:\n   .*)*)", told, re.M):
+        if step.startswith("Run "):
+            continue
+        for sentence in re.split(r"(?<=[.:]) ", step):
+            own = re.search(r"as `(\w+)` does", sentence)
+            for path in re.findall(r"`([\w./]+/[\w./]*)`", sentence):
+                found.append((own[1] if own else model, path))
+    return found
+
+
+def test_the_map_has_every_folder() -> None:
+    tracked = ["git", "-c", "safe.directory=*", "ls-files"]
+    done = subprocess.run(tracked, cwd=ROOT, capture_output=True, text=True, check=True)
+    folders = {name.partition("/")[0] for name in done.stdout.splitlines() if "/" in name}
+    named = {path.partition("/")[0] for path in re.findall(r"`([\w./]+)`", section("Where a line belongs"))}
+    assert {folder for folder in folders if not folder.startswith(".")} - named == set()
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_the_model_stands_in_every_file_of_its_recipe(recipe: str) -> None:
+    files = files_of(recipe)
+    assert len(files) >= 5
+    for model, template in files:
+        path = ROOT / template.replace("NAME", model)
+        assert path.exists(), f"{recipe}: {template}, of {model}"
+        if path.is_file():
+            assert has(model, path.name) or has(model, path.read_text("utf-8")), f"{model} not in {template}"
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_every_scheme_has_what_its_recipe_asks_for(name: str) -> None:
+    scheme = SCHEMES[name]
+    if scheme.make is None and scheme.stream:
+        for file in ("url", "open_driver"):
+            told = text(f"native/src/layer0_driver/{file}.cpp")
+            assert f'url.scheme == "{name}"' in told or (name, file) == ("fd", "open_driver")
+    table = text("docs/command-line.md").partition("\n## LINK\n")[2].partition("\nOptions")[0]
+    assert f"`{name}:" in table, "docs/command-line.md has a table LINK"
+    tried = text("tests/unit/cli/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
+    assert f'"{name}:' in tried or f'("{name}"' in tried, "no test tries all commands on it"
+
+
+@pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
+def test_every_core_of_the_library_has_what_its_recipe_asks_for(path: Path) -> None:
+    for file in ("gateware/cores/README.md", "docs/gateware/README.md", "tests/gateware/test_cores.py"):
+        assert has(path.stem, text(file)), file
+    assert (ROOT / "gateware" / "test" / f"{path.stem}_tb.vhd").is_file()
+
+
+@pytest.mark.parametrize("name", ARTEFACTS)
+def test_every_generator_has_what_its_recipe_asks_for(name: str) -> None:
+    assert ARTEFACTS[name].__module__.startswith(f"unitylink.generate.{name}")
+    assert (ROOT / "src" / "unitylink" / "generate" / name / "README.md").is_file()
+    assert f"`{name}/`" in text("src/unitylink/generate/README.md")
+    command = cli.cli.get_command(click.Context(cli.cli), "generate")
+    assert command is not None
+    (only,) = [one for one in command.params if one.name == "only"]
+    assert has(name, getattr(only, "help", "")), "the help of --only"
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_every_command_has_what_its_recipe_asks_for(name: str) -> None:
+    module, _ = cli.COMMANDS[name]
+    assert f"`{module}.py`" in text("src/unitylink/tools/README.md")
+    command = cli.cli.get_command(click.Context(cli.cli), name)
+    assert command is not None
+    assert "unitylink " + name in (command.help or ""), "the help ends with examples"
