@@ -11,7 +11,7 @@ from unitylink.ros import life, node, parameters
 ROOT = Path(__file__).resolve().parents[3]
 NATIVE = ROOT / "native" / "include" / "unitylink"
 TEMPLATES = ROOT / "src" / "unitylink" / "generate"
-PAGE = (ROOT / "docs" / "ros.md").read_text("utf-8")
+PAGE = " ".join((ROOT / "docs" / "ros.md").read_text("utf-8").split())
 
 
 def number(text: str, before: str) -> float:
