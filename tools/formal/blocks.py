@@ -26,7 +26,7 @@ BLOCKS = (
         depth=2,
         induction=1,
         quick=True,
-        not_proven="other polynomials (the benches try them); `xor`",
+        not_proven="other polynomials (the benches test them); `xor`",
         mutants=(
             Mutant(
                 "datalink_pkg.vhd",
@@ -38,10 +38,10 @@ BLOCKS = (
     ),
     Block(
         "wishbone_master",
-        "`bus/wishbone_master`, 2-bit address, 8-bit data, time-out of 3 clocks",
+        "`bus/wishbone_master`, 2-bit address, 8-bit data, timeout of 3 clocks",
         depth=16,
         pdr=True,
-        not_proven="a slave that answers more than twice the time-out late",
+        not_proven="a slave that answers more than twice the timeout late",
         mutants=(
             Mutant("wishbone_master.vhd", "resting <= '1';", "resting <= '0';"),
             Mutant("wishbone_master.vhd", "        held    <= '0';\n      elsif", "      elsif"),
@@ -59,7 +59,7 @@ BLOCKS = (
         depth=4,
         induction=2,
         quick=True,
-        not_proven="other maps; arbitration, for there is one master",
+        not_proven="other maps; arbitration, because there is only one master",
         mutants=(
             Mutant("wishbone_interconnect.vhd", "and not (or hit);", "and (nor hit) and not master_m2s.we;"),
             Mutant("wishbone_interconnect.vhd", "master_m2s.stb and hit(slave);", "master_m2s.stb;"),
@@ -90,7 +90,7 @@ BLOCKS = (
         "`bus/double_buffer_slave`, 2 words of 8 bits",
         depth=10,
         pdr=True,
-        not_proven="other sizes; a reset in the middle of its work",
+        not_proven="other sizes; a reset during an access",
         mutants=(
             Mutant(
                 "double_buffer_slave.vhd",
@@ -111,10 +111,10 @@ BLOCKS = (
     ),
     Block(
         "axi_lite_master",
-        "`bus/axi_lite_master`, 4-bit address, 8-bit data, time-out of 3 clocks",
+        "`bus/axi_lite_master`, 4-bit address, 8-bit data, timeout of 3 clocks",
         depth=14,
         pdr=True,
-        not_proven="whether a write that ended `silent` happened: AXI cannot say",
+        not_proven="whether a write that ended `silent` took place: AXI cannot tell",
         mutants=(
             Mutant("axi_lite_master.vhd", "if over = '1' and given_up = '0' then", "if over = '1' then"),
             Mutant("axi_lite_master.vhd", "ar <= ar and not axi_lite_s2m.arready;", "ar <= '0';"),
@@ -129,7 +129,7 @@ BLOCKS = (
         deep=12,
         reach=8,
         pdr=True,
-        not_proven="which of several errors is told: the recordings of the 2012 gateware say it",
+        not_proven="which of several errors is reported: the recordings of the 2012 gateware define it",
         mutants=(
             Mutant("receiver.vhd", "if in_tail = '1' and pairs = '1'", "if pairs = '1'"),
             Mutant("receiver.vhd", "(not in_tail or or sum or", "(not in_tail or"),
@@ -192,7 +192,7 @@ BLOCKS = (
         deep=14,
         reach=20,
         pdr=True,
-        not_proven="the whole memory, what the PC reads of it, the asynchronous channel, halting",
+        not_proven="the whole memory, what the PC reads from it, the asynchronous channel, halting",
         mutants=(
             Mutant(
                 "tosnet_slave.vhd",
@@ -207,11 +207,11 @@ BLOCKS = (
     ),
     Block(
         "async_fifo",
-        "`common/async_fifo`, 4 words of a bit, two clocks of any ratio; depths in half clocks",
+        "`common/async_fifo`, 4 words of one bit, two clocks of any ratio; depths in half clocks",
         depth=8,
         deep=24,
         several_clocks=True,
-        not_proven="resets; a flip-flop that takes long to decide, against which the two in a row stand",
+        not_proven="resets; metastability, against which there are two flip-flops in series",
         mutants=(
             Mutant("async_fifo.vhd", "read_seen   <= binary(read_grey_2);", "read_seen   <= read_grey_2;"),
             Mutant("async_fifo.vhd", "when held < depth - margin", "when held <= depth - margin"),
@@ -221,12 +221,12 @@ BLOCKS = (
     ),
     Block(
         "dead_man",
-        "`framed/dead_man`, two safe values, up to 3 ticks of 4 clocks, whatever applications do or not",
+        "`framed/dead_man`, two safe values, up to 3 ticks of 4 clocks, whatever the applications do",
         depth=8,
         deep=40,
         reach=24,
         pdr=True,
-        not_proven="more values, longer times; that accesses end (see masters), that signs of life are true",
+        not_proven="more values; longer times; that accesses end (see masters); that signs of life are real",
         mutants=(
             Mutant("dead_man.vhd", "and has_tripped and not passing;", "and has_tripped and ours;"),
             Mutant(
@@ -250,7 +250,7 @@ BLOCKS = (
         depth=8,
         deep=20,
         pdr=True,
-        not_proven="that the program comes back for work: with an answer it waits for room",
+        not_proven="that the program returns for work: with an answer it waits for room",
         mutants=(
             Mutant("frame_dispatcher.vhd", "publish = '1' and room = '1'", "publish = '1'"),
             Mutant("frame_dispatcher.vhd", "frame_valid and says_nothing", "'0'"),
@@ -285,7 +285,7 @@ BLOCKS = (
         depth=6,
         deep=12,
         pdr=True,
-        not_proven="the bytes of kept replies, `order`, other windows: the bench tries them",
+        not_proven="the bytes of kept replies, `order`, other windows: the bench tests them",
         mutants=(
             Mutant(
                 "reply_cache.vhd", "later      <= not ahead(15) and not same;", "later      <= not ahead(15);"
@@ -299,7 +299,7 @@ BLOCKS = (
         "`framed/frame_transmitter`",
         depth=2,
         deep=13,
-        not_proven="payloads of more than a few bytes, and that they come back decoded: the bench tries them",
+        not_proven="payloads of more than a few bytes, and that they can be decoded: the bench tests them",
         mutants=(
             Mutant(
                 "frame_transmitter.vhd",
@@ -312,11 +312,11 @@ BLOCKS = (
     ),
     Block(
         "frame_sequencer",
-        "`framed/frame_sequencer`, a program of 256 instructions that all differ",
+        "`framed/frame_sequencer`, a program of 256 different instructions",
         depth=10,
         induction=1,
         seen={"steps": "dut.step", "position": "dut.position"},
-        not_proven="where the program leads: that is the proof of `frame_application`",
+        not_proven="what the program does: that is the proof of `frame_application`",
         mutants=(
             Mutant("frame_sequencer.vhd", "if step = '1' or reset = '1' then", "if step = '1' then"),
             Mutant("frame_sequencer.vhd", "act and (is_last or jumps)", "(is_last or jumps)"),
@@ -360,7 +360,7 @@ BLOCKS = (
             "kept_count": "dut.kept_count",
             "epoch_now": "dut.epoch_now",
         },
-        not_proven="longer work, as OPEN and CLOSE; lists, groups, the dead-man; words of the memory",
+        not_proven="longer tasks such as OPEN and CLOSE; lists, groups, the dead-man; words of the memory",
         mutants=(
             Mutant(
                 "frame_program_pkg.vhd",

@@ -13,7 +13,7 @@ PHYSICAL_BLOCKS = (
         deep=60,
         reach=45,
         pdr=True,
-        not_proven="parity, two stop bits, bits of no whole number of clocks: the benches try them",
+        not_proven="parity, two stop bits, bits that are no whole number of clocks: the benches test them",
         mutants=(
             Mutant("uart_tx.vhd", "left = 1 and tick = '1') else", "left = 1) else"),
             Mutant("uart_tx.vhd", "phase <= to_unsigned(increment, bits + 1);", "phase <= (others => '0');"),
@@ -25,7 +25,7 @@ PHYSICAL_BLOCKS = (
         "`physical/uart_rx`, 8N1, 8 clocks a bit",
         depth=12,
         deep=110,
-        not_proven="frames after the first; parity, fast or slow senders, spikes: the benches try them",
+        not_proven="frames after the first; parity, fast or slow senders, spikes: the benches test them",
         mutants=(
             Mutant(
                 "uart_rx.vhd",
@@ -59,7 +59,7 @@ PHYSICAL_BLOCKS = (
         deep=20,
         reach=32,
         pdr=True,
-        not_proven="that no byte is lost between chip and buffers: the chip model of the benches tries it",
+        not_proven="that no byte is lost between chip and buffers: the chip model of the benches tests it",
         mutants=(
             Mutant("ft245_async.vhd", "count <= read_clocks - 1;", "count <= 0;"),
             Mutant("ft245_async.vhd", "flush      <= send_item(8);", "flush      <= '1';"),
@@ -70,7 +70,7 @@ PHYSICAL_BLOCKS = (
     ),
     Block(
         "ft245_async_bytes",
-        "`physical/ft245_async`, 50 MHz, buffers of 2 bytes, a chip that gives and takes when it likes",
+        "`physical/ft245_async`, 50 MHz, buffers of 2 bytes, a chip that gives and takes at any time",
         depth=8,
         deep=18,
         not_proven="times within a clock, and other clocks: the bench's model of the chip checks them",
@@ -85,12 +85,12 @@ PHYSICAL_BLOCKS = (
     ),
     Block(
         "ft245_sync",
-        "`physical/ft245_sync`, buffers of 4 bytes, bursts of 4 clocks, a chip that does what it likes",
+        "`physical/ft245_sync`, buffers of 4 bytes, bursts of 4 clocks, a chip that may do anything",
         depth=6,
         deep=30,
         reach=30,
         pdr=True,
-        not_proven="streams on another clock, which `async_fifo` proves for itself; times within a clock",
+        not_proven="streams on another clock (see the proof of `async_fifo`); times within a clock",
         mutants=(
             Mutant(
                 "ft245_sync.vhd",
@@ -107,10 +107,10 @@ PHYSICAL_BLOCKS = (
     ),
     Block(
         "ft245_sync_bytes",
-        "`physical/ft245_sync`, as above: its bytes, both ways",
+        "`physical/ft245_sync`, as above: its bytes, in both directions",
         depth=6,
         deep=34,
-        not_proven="streams on another clock, which `async_fifo` proves for itself; bits that change places",
+        not_proven="streams on another clock (see the proof of `async_fifo`); swapped bits",
         mutants=(
             Mutant("ft245_sync.vhd", "bytes_under_way : positive := 2;", "bytes_under_way : positive := 1;"),
             Mutant(
@@ -125,7 +125,7 @@ PHYSICAL_BLOCKS = (
         depth=4,
         deep=34,
         several_clocks=True,
-        not_proven="resets, overruns, filler within a message, long transfers: the bench tries them",
+        not_proven="resets, overruns, filler within a message, long transfers: the bench tests them",
         mutants=(
             Mutant("spi_slave.vhd", "new_byte := came_2 xor came_3;", "new_byte := came_1 xor came_3;"),
             Mutant("spi_slave.vhd", "miso_drive <= not cs_n;", "miso_drive <= '1';"),
@@ -158,7 +158,7 @@ PHYSICAL_BLOCKS = (
         deep=16,
         reach=50,
         pdr=True,
-        not_proven="that every frame of ours reaches the core; bits and buffers: the bench tries them",
+        not_proven="that every frame for this node reaches the core; bits and buffers: the bench tests them",
         mutants=(
             Mutant(
                 "rs485_node.vhd",

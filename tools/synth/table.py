@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is measured: a row a configuration, and the limits of the project."""
+"""The rows to measure, one per configuration, with the limits of the project."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Row:
     mhz_least: float | None = None  # on iCE40, the median of the seeds
 
 
-# What the rows of the core have in common: the figures of the project are those of a small core.
+# The common settings of the core's rows: the goals of the project are for a small core.
 SMALL: Mapping[str, int | str | bool] = {
     "protocol": "classic",
     "groups": 2,
@@ -34,12 +34,12 @@ SMALL: Mapping[str, int | str | bool] = {
     "exchange_size": 16,
 }
 
-# What a spec without wishes of its own gets, framed: on it the remedies of unitylink.boards.fit are measured.
+# The default settings of a spec, framed. The remedies of unitylink.boards.fit are measured on it.
 SHIPPED = {**SMALL, "protocol": "framed", "groups": 16, "group_size": 32, "exchange_size": 30}
 
 
 def _smaller(name: str, what: str, **settings: int | bool) -> Row:
-    """Return what is measured for its cells alone: on one chip, placed once."""
+    """Return a row that is measured only for its cells: on one chip, placed once."""
     changed = {**SHIPPED, **settings}
     return Row(name, f"`shipped` {what}", settings=changed, chips=("ice40",), seeds=SEEDS[:1])
 
@@ -71,7 +71,7 @@ ROWS = (
         cells_most=1400,
         mhz_least=48.0,
     ),
-    Row("framed", "framed alone, with all there is", settings={"protocol": "framed"}, mhz_least=48.0),
+    Row("framed", "framed alone, with all features", settings={"protocol": "framed"}, mhz_least=48.0),
     Row(
         "shipped",
         "framed as it is generated: 16 groups of 32, exchange groups of 30",
@@ -85,7 +85,7 @@ ROWS = (
     _smaller("window_16", "with a window of 16 requests", window=16),
     Row(
         "hello_led",
-        "a whole design, classic: UART, FIFOs, core, registers (examples/hello_led)",
+        "a complete design, classic: UART, FIFOs, core, registers (examples/hello_led)",
         top="hello_led_top",
         example="hello_led",
     ),
@@ -111,7 +111,7 @@ ROWS = (
     ),
     Row(
         "servo",
-        "a whole design, classic: the same with PWM, encoder and an event (examples/servo)",
+        "a complete design, classic: the same with PWM, encoder and an event (examples/servo)",
         top="servo_top",
         example="servo",
     ),
