@@ -51,7 +51,10 @@ SECTIONS: list[tuple[str, list[Command]]] = [
             Command("unitylink --version", "unitylink"),
         ],
     ),
-    ("## 2. A robot moves", [Command("unitylink demo", "0 lost")]),
+    (
+        "## 2. A robot moves\n\nTosNet is the network of FPGAs to which this robot is attached.",
+        [Command("unitylink demo", "0 lost")],
+    ),
     (
         "## 3. A spec of your own, and its test\n\nPictures, recordings and pytest are extras.",
         [

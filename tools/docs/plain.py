@@ -5,8 +5,9 @@ It prints, for each file and in all: the sentences, the mean words in one, the s
 longest. `--draw N` prints N sentences instead, to be read by a person. A PATH is a file or a folder; without
 one, all pages are read.
 
-A sentence is prose: no code block, table, heading, comment or front matter. A list item ends its sentence. A
-link counts as its text, and code in a line as one word. Less than three words are no sentence.
+A sentence is prose: no code block (fenced or indented), table, heading, comment or front matter. A list item
+ends its sentence. A link counts as its text, and code in a line as one word. Less than three words are no
+sentence.
 """
 
 from __future__ import annotations
@@ -94,16 +95,19 @@ def _blocks(text: str) -> Iterator[tuple[int, str]]:
     """Yield (line, text) of each paragraph and each list item; the text has the line ends of the page."""
     text = re.sub(r"\A---\n.*?^---$", _blank, text, flags=re.M | re.S)  # front matter
     text = re.sub(r"<!--.*?-->", _blank, text, flags=re.S)
-    begin, block, fenced = 0, [], False
+    begin, block, fenced, margin = 0, [], False, 0
     for number, line in enumerate([*text.splitlines(), ""], 1):
-        fence = bool(FENCE.match(line))
-        prose = bool(line.strip()) and not (fenced or fence or NOT_PROSE.match(line))
+        fence, item = bool(FENCE.match(line)), ITEM.match(line)
+        indent = len(line) - len(line.lstrip())
+        code = fenced or fence or (indent >= margin + 4 and not block and not item)
+        prose = bool(line.strip()) and not code and not NOT_PROSE.match(line)
         fenced ^= fence
-        if block and (not prose or ITEM.match(line)):
+        if block and (not prose or item):
             yield begin, "\n".join(block)
             block = []
         if prose:
-            begin = begin if block else number
+            if not block:
+                begin, margin = number, len(item.group()) if item else min(margin, indent)
             block.append(ITEM.sub("", line).strip().removeprefix("> "))
 
 
@@ -131,7 +135,7 @@ def _python(source: str) -> Iterator[tuple[int, str]]:
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
             text = ast.get_docstring(node, clean=True)
             if text is not None:
-                yield node.body[0].lineno - 1, _without_examples(text)
+                yield node.body[0].lineno - 1, text
     begin, last, comment = 0, -1, ""  # `last`: the line that a further one may follow
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type != tokenize.COMMENT or DIRECTIVE.match(token.string):
@@ -145,11 +149,6 @@ def _python(source: str) -> Iterator[tuple[int, str]]:
         comment, last = f"{comment}\n{text}" if comment else text, line if alone else -1
     if comment:
         yield begin, comment
-
-
-def _without_examples(text: str) -> str:
-    """Blank the indented blocks of a docstring that follow `::` or an empty line."""
-    return re.sub(r"(?<=\n)(?:    .*\n?(?:\n(?=    ))?)+", _blank, text)
 
 
 def _name(file: Path) -> str:

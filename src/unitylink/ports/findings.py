@@ -214,9 +214,9 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
             "The gateware was built from another spec",
             "{reason}",
             "give the spec of this gateware (--spec), or build the gateware from {spec}",
-            "There a name may have another address, type, unit or limit. A write could move the wrong "
-            "joint, so every program refuses it. With `spec_hash=any` in the link's URL a program goes on,"
-            " and says so.",
+            "In that gateware a name may have another address, type, unit or limit. A write could move the"
+            " wrong joint, so every program refuses it. With `spec_hash=any` in the link's URL a program "
+            "goes on, and says so.",
         ),
         "unverified-gateware": FindingKind(
             "note",
