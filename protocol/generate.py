@@ -155,6 +155,11 @@ def vhdl_text(table: Table) -> str:
 
 def markdown_text(table: Table) -> str:
     lines = [f"<!-- {NOTE} -->", "# Protocol constants", ""]
+    lines += [
+        "These are the constants of the wire protocols. Their use is explained in the",
+        "[framed protocol](protocol.md) and the [classic protocol](classic-protocol.md).",
+        "",
+    ]
     for section, values in table.items():
         lines += [f"## {section}", ""]
         first = next(iter(values.values()))

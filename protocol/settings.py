@@ -12,19 +12,34 @@ NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit ther
 VHDL_LINE = 130
 GROUPS_MOST = 256  # bits of a row of the type `groups`
 MANUAL = (
-    "What a device is built with. A setting has the same name, range and default everywhere: in Python (a",
-    "field of `BoardConfiguration`), in VHDL (of the generic `settings` of the core, made by",
-    "`core_settings(NAME => VALUE, …)`), in the twin, in the URLs of `sim:` and `rtl:` links",
-    "(`?NAME=VALUE`) and as options of `unitylink simulate`.",
+    "The settings fix what a device is built with. A setting has the same name, range and default",
+    "everywhere:",
     "",
-    "**Needed by**: *core* the VHDL; *twin* the native model of it: what the twin alone needs, gateware has",
-    "as the default says, and a design that asks for something else is refused; *line* the model of a",
-    "physical layer before either of them; *top* the generated top level.",
+    "- in Python, as a field of `BoardConfiguration`;",
+    "- in VHDL, as a field of the core's generic `settings`, made by `core_settings(NAME => VALUE, …)`;",
+    "- in the twin, the software model of the board;",
+    "- in the URLs of `sim:` and `rtl:` links (`?NAME=VALUE`);",
+    "- as options of `unitylink simulate`.",
     "",
-    "**Changed by**: *spec* the compiler takes it from the spec; *url* a URL; *python* a program. A design",
-    "of your own changes all that the core needs.",
+    "**Needed by** names the parts that use a setting:",
     "",
-    "To add one: a row of `[settings]` in protocol/protocol.toml, `python protocol/generate.py`, its use.",
+    "- *core*: the VHDL.",
+    "- *twin*: the native model of it. If only the twin uses a setting, gateware has the default. A design",
+    "  that asks for another value is refused.",
+    "- *line*: the model of a physical layer before either of them.",
+    "- *top*: the generated top level.",
+    "",
+    "**Changed by** names where a value can come from:",
+    "",
+    "- *spec*: the compiler takes it from the spec.",
+    "- *url*: a URL.",
+    "- *python*: a program.",
+    "- *own design*: only a design of your own. It can change all settings of the core.",
+    "",
+    "To add a setting, write a row of `[settings]` in protocol/protocol.toml, run",
+    "`python protocol/generate.py`, and use it.",
+    "",
+    "Read the columns *unit* and *meaning* together: 8 *bits of a word's address*.",
 )
 RESERVED = {"xor": "exclusive_or"}  # a choice that is a keyword of C++
 
@@ -310,7 +325,7 @@ def markdown_text(settings: Settings) -> str:
         "",
         *MANUAL,
         "",
-        "| name | range | default | unit | what | needed by | changed by |",
+        "| name | range | default | unit | meaning | needed by | changed by |",
         "|---|---|---|---|---|---|---|",
     ]
     for name, row in settings.items():

@@ -84,21 +84,21 @@ class Settings:
     request_max: int = 250
     """bytes: longest payload of a framed request; gateware has the default"""
     reply_max: int = 250
-    """bytes: longest payload of a framed reply or publish; likewise"""
+    """bytes: longest payload of a framed reply or publish; gateware has the default"""
     credit: int = 512
-    """bytes: framed requests that may be unanswered; likewise"""
+    """bytes: framed requests that may be unanswered; gateware has the default"""
     cache_bytes: int = 16
-    """bytes: reply bytes kept for a repeat; likewise"""
+    """bytes: reply bytes kept for a repeat; gateware has the default"""
     long_frames: bool = False
-    """payloads of more than 250 bytes; likewise"""
+    """payloads of more than 250 bytes; gateware has the default"""
     published_2012: bool = False
-    """the published gateware of 2012 with its defects: the classic protocol only"""
+    """the published gateware of 2012 with its defects; classic protocol only"""
     bench_memory: bool = False
-    """memory begins as in the recordings of the 2012 gateware, not as zero"""
+    """memory starts as in the recordings of the 2012 gateware, not at zero"""
     fifo: int = 0
-    """bytes: buffers of the physical layer each way, at least 4; 0: large"""
+    """bytes: buffers of the physical layer in each direction, at least 4; 0: large"""
     baud_hz: int = 0
-    """baud: of a serial line; 0: bytes come as they do over USB"""
+    """baud: of a serial line; 0: bytes come as over USB"""
     fifo_latency: int = 0
     """clocks: through each of these buffers"""
     honour_flush: bool = False
@@ -106,7 +106,7 @@ class Settings:
     physical: str = "uart"
     """the physical layer of the design"""
     send_immediate: str = "both"
-    """when an FTDI chip is told to send"""
+    """the messages after which an FTDI chip sends at once"""
     node: int = 1
     """number on an RS-485 pair"""
 
@@ -209,32 +209,32 @@ SETTINGS: Final = MappingProxyType(
             least=16, most=4072),
         "reply_max": Setting(
             "reply_max", "count", 250, "bytes", ("twin",), ("python",),
-            "longest payload of a framed reply or publish; likewise",
+            "longest payload of a framed reply or publish; gateware has the default",
             least=16, most=4072),
         "credit": Setting(
             "credit", "count", 512, "bytes", ("twin",), ("python",),
-            "framed requests that may be unanswered; likewise",
+            "framed requests that may be unanswered; gateware has the default",
             least=64, most=65535),
         "cache_bytes": Setting(
             "cache_bytes", "count", 16, "bytes", ("twin",), ("python",),
-            "reply bytes kept for a repeat; likewise",
+            "reply bytes kept for a repeat; gateware has the default",
             least=8, most=255),
         "long_frames": Setting(
             "long_frames", "switch", False, "", ("twin",), ("python",),
-            "payloads of more than 250 bytes; likewise"),
+            "payloads of more than 250 bytes; gateware has the default"),
         "published_2012": Setting(
             "published_2012", "switch", False, "", ("twin",), ("python",),
-            "the published gateware of 2012 with its defects: the classic protocol only"),
+            "the published gateware of 2012 with its defects; classic protocol only"),
         "bench_memory": Setting(
             "bench_memory", "switch", False, "", ("twin",), ("python",),
-            "memory begins as in the recordings of the 2012 gateware, not as zero"),
+            "memory starts as in the recordings of the 2012 gateware, not at zero"),
         "fifo": Setting(
             "fifo", "count", 0, "bytes", ("line",), ("url", "python"),
-            "buffers of the physical layer each way, at least 4; 0: large",
+            "buffers of the physical layer in each direction, at least 4; 0: large",
             least=0, most=1048576, told=True, option="fifo"),
         "baud_hz": Setting(
             "baud_hz", "count", 0, "baud", ("line",), ("spec", "url", "python"),
-            "of a serial line; 0: bytes come as they do over USB",
+            "of a serial line; 0: bytes come as over USB",
             least=0, most=1000000000, option="baud"),
         "fifo_latency": Setting(
             "fifo_latency", "count", 0, "clocks", ("line",), ("python",),
@@ -249,7 +249,7 @@ SETTINGS: Final = MappingProxyType(
             choices=("uart", "ft245_async", "ft245_sync", "spi", "rs485"), option="physical"),
         "send_immediate": Setting(
             "send_immediate", "choice", "both", "", ("top",), ("spec", "url", "python"),
-            "when an FTDI chip is told to send",
+            "the messages after which an FTDI chip sends at once",
             choices=("never", "publishes", "replies", "both"), option="send_immediate"),
         "node": Setting(
             "node", "count", 1, "", ("top",), ("spec", "python"),

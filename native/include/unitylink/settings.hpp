@@ -70,14 +70,14 @@ struct Settings {
   std::uint32_t build = 0;  // likewise
   std::uint64_t spec_hash = 0;  // of all of the spec that reaches the wire; 0: not told
   std::uint32_t request_max = 250;  // bytes: longest payload of a framed request; gateware has the default
-  std::uint32_t reply_max = 250;  // bytes: longest payload of a framed reply or publish; likewise
-  std::uint32_t credit = 512;  // bytes: framed requests that may be unanswered; likewise
-  std::uint32_t cache_bytes = 16;  // bytes: reply bytes kept for a repeat; likewise
-  bool long_frames = false;  // payloads of more than 250 bytes; likewise
-  bool published_2012 = false;  // the published gateware of 2012 with its defects: the classic protocol only
-  bool bench_memory = false;  // memory begins as in the recordings of the 2012 gateware, not as zero
-  std::uint32_t fifo = 0;  // bytes: buffers of the physical layer each way, at least 4; 0: large
-  std::uint32_t baud_hz = 0;  // baud: of a serial line; 0: bytes come as they do over USB
+  std::uint32_t reply_max = 250;  // bytes: longest payload of a framed reply or publish; gateware has the default
+  std::uint32_t credit = 512;  // bytes: framed requests that may be unanswered; gateware has the default
+  std::uint32_t cache_bytes = 16;  // bytes: reply bytes kept for a repeat; gateware has the default
+  bool long_frames = false;  // payloads of more than 250 bytes; gateware has the default
+  bool published_2012 = false;  // the published gateware of 2012 with its defects; classic protocol only
+  bool bench_memory = false;  // memory starts as in the recordings of the 2012 gateware, not at zero
+  std::uint32_t fifo = 0;  // bytes: buffers of the physical layer in each direction, at least 4; 0: large
+  std::uint32_t baud_hz = 0;  // baud: of a serial line; 0: bytes come as over USB
   std::uint32_t fifo_latency = 0;  // clocks: through each of these buffers
   bool honour_flush = false;  // a datalink error empties the receive buffer, as in the UART of 2012
 };

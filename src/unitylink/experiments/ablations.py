@@ -68,7 +68,7 @@ ABLATIONS: dict[str, Ablation] = {
         start_s=PAPER_START_S,
     ),
     "stack": Ablation(
-        "the stack costs what it cost in the paper without SI (98 and 87 us)", "1072 us", stack=PAPER_STACK
+        "the stack costs as much as in the paper without SI (98 and 87 us)", "1072 us", stack=PAPER_STACK
     ),
     "shorter-burst": Ablation("a burst of 300 reads instead of 600", long_requests=300),
 }

@@ -78,7 +78,11 @@ CLAIMS = (
     Claim("a link that carries reads, writes and", "Publishing", _publishes),
     Claim("a twin of the gateware", "Level 1: the gateware", _clocks("2012")),
     Claim("lets more requests be under way at once", "Level 2: other links, other settings", _bursts),
-    Claim("ids, exactly-once writes, time-stamped publishes", "Others on the same kind of wire", _flipped),
+    Claim(
+        "ids, exactly-once writes, time-stamped publishes",
+        "Other software on the same kind of wire",
+        _flipped,
+    ),
     Claim("is tried on a wire that does everything wrong", "docs/faults.md", lambda _: "`unitylink faults`"),
     Claim("Gateware of 2012 works as it is", "Table I", _table),
     Claim("Nobody had a board at hand", "What the model assumes", _none),

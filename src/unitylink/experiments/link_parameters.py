@@ -40,12 +40,12 @@ SOURCES: dict[str, str] = {
     "half_duplex": "FT245: one data bus of eight lines for both ways (DS_FT232H); a UART has a wire each way",
     "microframe_s": "USB 2.0, high speed. Assumed: an IN that was refused is tried again in the "
     "next microframe, an OUT goes at once, "
-    "the host is told at the end of a microframe (EHCI's interrupt threshold at one)",
+    "the host is informed at the end of a microframe (EHCI's interrupt threshold at one)",
     "packet_bytes": "USB 2.0, high-speed bulk",
     "status_bytes": "modem and line status at the head of each packet (FTDI, AN_232B-04)",
     "packets_per_microframe": "asynchronous FT245 and UART: 1, assumed; the paper's pause after 36 replies "
-    "(504 bytes) and its mean of 35.3 Mb/s say so. Synchronous: 10, from the 320 Mbit/s of FTDI's own driver "
-    "that the paper quotes",
+    "(504 bytes) and its mean of 35.3 Mb/s support this. Synchronous: 10, from the 320 Mbit/s of FTDI's "
+    "own driver that the paper quotes",
     "chip_packets": "1 kB towards the host (DS_FT232H): two packets",
     "latency_timer_s": "assumed: 1 ms, the least the chip takes; inferred from the paper's 974 us. "
     "It restarts with each packet, and an empty packet goes when it runs out (AN_232B-04)",
@@ -53,7 +53,7 @@ SOURCES: dict[str, str] = {
     "(AN_232B-04)",
     "send_immediate": "as the row of the table says. Assumed: the chip takes no further byte until the "
     "next IN",
-    "flow_controlled": "FT245: RXF# and TXE#; a UART without handshake loses the byte that meets a full FIFO",
+    "flow_controlled": "FT245: RXF# and TXE#; a UART without handshake loses a byte that finds the FIFO full",
 }
 
 

@@ -19,45 +19,44 @@ PUBLISHES = "experiments-publishes.svg"
 _KINDS = ("Read", "Read:SI", "Write", "Write:SI")
 
 CONVENTIONS = (
-    "Conventions. The paper's 64 Mb/s is 67.1e6 bit/s. In the gateware's rows (i) and (o) are as seen from "
-    "the FPGA, in all others from the PC. "
-    "Request -> effect ends at the output of a bus register. The rate of a write burst is its bits over "
-    "the first latency and n periods. "
-    "A publish limit is the highest rate without loss. The paper's standard deviations (sd) are over its "
-    "runs; the model has none. Gateware of ours has 256 bytes of FIFO each way unless a table says otherwise."
+    "Conventions. The paper's 64 Mb/s is 67.1e6 bit/s. In the gateware's rows (i) and (o) are as seen "
+    "from the FPGA, in all others from the PC. Request -> effect ends at the output of a bus "
+    "register. The rate of a write burst is its bits divided by the first latency plus n periods. A "
+    "publish limit is the highest rate without loss. The paper's standard deviations (sd) are over "
+    "its runs. The model has none. Our gateware has 256 bytes of FIFO in each direction unless a "
+    "table says otherwise."
 )
 MODEL = (
-    "The link is a model, not a board: nothing here was measured on USB. The model has a clock of its own, "
-    "so its figures are exact and the same on "
-    "every machine. Its parameters, with what each rests on, are below. One is inferred from a cell of the "
-    "paper (the latency timer, from 974 us): that cell is no evidence for the model. Beside a difference "
-    "stands what the model says when a suspected cause is changed in it; where that does not move the cell "
-    "towards the paper, the difference is not explained. "
-    "What the PC of 2012 cost is not modelled."
+    "The link is a model, not a board: nothing here was measured on USB. The model has its own clock, "
+    "so its figures are exact and the same on every machine. Its parameters and their sources are "
+    "listed below. One is inferred from a cell of the paper (the latency timer, from 974 us), so that "
+    "cell is no evidence for the model. Beside a difference stands the model's figure with a "
+    "suspected cause changed. If that does not move the cell towards the paper, the difference is not "
+    "explained. The cost of the PC of 2012 is not modelled."
 )
 PEERS = (
-    "LiteX is its released package 2024.12: CommUART has the port itself; CommUDP speaks Etherbone in "
-    "datagrams; RemoteClient speaks Etherbone to litex_server, which has the port or the network. Each at "
-    "its best call for a block. Etherbone packets are CommUDP with what its packets can and it does not "
-    "offer: scattered addresses in one read, put together with LiteX's own classes. The device at the far "
-    "end is ours and takes packets of any length; LiteX's gateware holds 16 words unless told otherwise. "
-    "Neither UARTBone nor Etherbone acknowledges a write or carries a checksum, so a write is one that is "
-    "read back. RemoteClient's write followed by a read waits some 40 ms for TCP's delayed "
-    "acknowledgement (Nagle's algorithm). The script is what one writes with pyserial on the classic "
-    "protocol: 20 lines, no checksum. Ours writes 18 words and reads 18 by an exchange group, which is "
-    "one frame each way; on the classic protocol by pipelined requests. Absolute times are this "
-    "machine's; the ratios say more."
+    "LiteX is its released package 2024.12. CommUART has the port itself. CommUDP speaks Etherbone in "
+    "datagrams. RemoteClient speaks Etherbone to litex_server, which has the port or the network. "
+    "Each client uses its best call for a block. 'Etherbone packets' is CommUDP with a feature that "
+    "its packets allow and it does not offer: scattered addresses in one read, built with LiteX's own "
+    "classes. The device at the far end is ours and takes packets of any length. LiteX's gateware "
+    "holds 16 words by default. Neither UARTBone nor Etherbone acknowledges a write or carries a "
+    "checksum, so a write is one that is read back. RemoteClient's write followed by a read waits "
+    "some 40 ms for TCP's delayed acknowledgement (Nagle's algorithm). The script is what a user "
+    "writes with pyserial on the classic protocol: 20 lines, no checksum. Ours writes 18 words and "
+    "reads 18 by an exchange group, which is one frame each way, or on the classic protocol by "
+    "pipelined requests. Absolute times are this machine's. The ratios say more."
 )
 ROS = (
-    "Section VI.C measured 1.8 kHz from Unity-Link to ROS and 0.3 kHz the other way, its subscriptions being "
-    "synchronous writes. ROS 1 is that of Debian, with rosmaster; ROS 2 is cyclonedds, the middleware "
-    "under it. "
-    "Node and bare peer take turns; on a busy machine a share may still lie above 1."
+    "Section VI.C measured 1.8 kHz from Unity-Link to ROS and 0.3 kHz the other way, because its "
+    "subscriptions are synchronous writes. ROS 1 is that of Debian, with rosmaster. ROS 2 is "
+    "cyclonedds, the middleware under it. Node and bare peer take turns. On a busy machine a share "
+    "may still be above 1."
 )
 MISSING = (
-    "A board: all of this is simulated, or measured on one PC. Of the paper's Fig. 4, a picture without "
-    "numbers, "
-    "only what can be computed is drawn. What its PC of 2012 cost is not modelled."
+    "A board: all of this is simulated, or measured on one PC. The paper's Fig. 4 is a picture "
+    "without numbers, so only what can be computed is drawn. The cost of its PC of 2012 is not "
+    "modelled."
 )
 
 
@@ -69,11 +68,11 @@ def report(results: dict[str, Any]) -> list[Block]:
     return [
         Heading(1, TITLE),
         Paragraph(
-            "Section VI of the paper, on a model of its USB chip and the gateware's own clocks. "
-            "Paper, model and difference stand beside each other for every cell of its Table I."
+            "This page repeats section VI of the paper, on a model of its USB chip and the gateware's "
+            "own clocks. It shows paper, model and difference for every cell of its Table I."
         ),
         Code(f"unitylink experiments{form} --out build/experiments"),
-        Paragraph(f"Version {results['version']}; {machine}; nothing is drawn at random."),
+        Paragraph(f"Version {results['version']} on this machine: {machine}. Nothing is random."),
         Paragraph(MODEL),
         Paragraph(CONVENTIONS),
         *(
@@ -91,7 +90,7 @@ def report(results: dict[str, Any]) -> list[Block]:
             ["parameter", "value", "where it comes from"],
             [[row["name"], row["value"], row["source"]] for row in results["assumptions"]],
         ),
-        Heading(2, "What is not here"),
+        Heading(2, "What is missing"),
         Paragraph(MISSING),
     ]
 
@@ -109,21 +108,22 @@ def _table_one(results: dict[str, Any]) -> list[Block]:
             if (rows := [row for row in results["table_one"] if row["table"] == kind])
         ),
         Paragraph(
-            "The rows of Unity-SW are the model's link plus the processor time of a layer-4 call on this "
-            f"host, measured: {told['stack_read_s']} a read, {told['stack_write_s']} a write, "
-            f"framed {told['framed_read_s']} and {told['framed_write_s']}; a bare classic script takes "
-            f"{told['script_read_s']} and {told['script_write_s']}. In a loop a part of it hides in the wait "
-            "for USB."
+            "The rows of Unity-SW are the model's link plus the processor time of a layer-4 call, "
+            f"measured on this host: {told['stack_read_s']} a read, {told['stack_write_s']} a write, "
+            f"framed {told['framed_read_s']} and {told['framed_write_s']}. A bare classic script takes "
+            f"{told['script_read_s']} and {told['script_write_s']}. In a loop a part of it overlaps "
+            "with the wait for USB."
         ),
-        tables.compared("What section VI.B says beside the table.", results["text"]),
+        tables.compared("Further figures in the text of section VI.B.", results["text"]),
         Heading(2, "The same with our gateware and both protocols"),
         tables.ours(results["ours"]),
         Figure(
-            "Latencies of synchronous reads (R) and writes (W), with send-immediate (SI) and without (the "
-            "paper's Fig. 3): its own with their standard deviations, the model of its system, and the model "
-            "with our gateware, protocol and stack. GW is the gateware alone, link the ideal one of 67.1e6 "
-            "bit/s with it. Whole microframes of USB hide the rest: what our gateware saves is in the "
-            "columns GW, and what asks for no answer (posts, publishes) waits for none.",
+            "Latencies of synchronous reads (R) and writes (W), with send-immediate (SI) and without "
+            "(the paper's Fig. 3). The bars are the paper's own with their standard deviations, the "
+            "model of its system, and the model with our gateware, protocol and stack. GW is the "
+            "gateware alone. Link is the ideal link of 67.1e6 bit/s with it. Whole microframes of USB "
+            "hide the rest. The columns GW show what our gateware saves. Posts and publishes need no "
+            "answer, so they do not wait for one.",
             LATENCIES,
         ),
     ]
@@ -146,12 +146,12 @@ def _publishing(results: dict[str, Any]) -> list[Block]:
     return [
         Heading(2, "Publishing"),
         Figure(
-            "Highest rate of publishes against their size (the paper's Fig. 4): 50e6/(20+16n) for the "
-            "gateware of 2012, 50e6/(10+8n) for our core, 67.1e6 bit/s over the bytes of a message for the "
-            "ideal link; the chip's model takes a packet of 510 bytes a microframe in the long run, and a "
-            "burst of up to 1276 bytes at the link's rate, which chip and FIFO hold. The full stack is "
-            "measured, at up to twice the ideal link's rate; the paper's own points are a picture without "
-            "numbers.",
+            "Highest rate of publishes against their size (the paper's Fig. 4). It is 50e6/(20+16n) "
+            "for the gateware of 2012, 50e6/(10+8n) for our core, and 67.1e6 bit/s over the bytes of "
+            "a message for the ideal link. In the long run the chip's model takes a packet of 510 "
+            "bytes per microframe. It takes a burst of up to 1276 bytes at the link's rate, because "
+            "chip and FIFO hold it. The full stack is measured, at up to twice the ideal link's rate. "
+            "The paper's own points are a picture without numbers.",
             PUBLISHES,
         ),
         tables.publish_delays(results["publish_delays"]),
@@ -162,7 +162,7 @@ def _publishing(results: dict[str, Any]) -> list[Block]:
 
 def _peers(results: dict[str, Any]) -> list[Block]:
     return [
-        Heading(2, "Others on the same kind of wire"),
+        Heading(2, "Other software on the same kind of wire"),
         Paragraph(PEERS),
         *tables.peers(results["peers"]),
     ]
@@ -184,7 +184,7 @@ def _claims(results: dict[str, Any]) -> list[Block]:
     return [
         Heading(2, "What the README claims"),
         Table(
-            "Each claim, the figure of this run, and the section or page that shows it.",
+            "Each claim, its figure in this run, and the section or page that shows it.",
             ["claim", "figure", "where"],
             claims(results),
         ),

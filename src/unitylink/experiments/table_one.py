@@ -33,11 +33,11 @@ class Cell:
 
 EXACT = Cause("rounding in the paper")
 ASSUMED = Cause("the assumption itself")
-APPROXIMATE = Cause("the paper says approximately; the twin is held to the 2012 gateware's simulation")
+APPROXIMATE = Cause("the paper's figure is approximate; the twin follows the simulation of the 2012 gateware")
 HOST = Cause("not explained: the model gives whole microframes, the paper 26 to 29 us less", ("pause",))
 SCRIPT = Cause("the script of 2012 read a port byte by byte", ("one-reply",))
 ONE_PACKET = Cause("not explained: the script of 2012 needed 1.4 microframes for a reply", ("microframe",))
-STACK = Cause("the Python stack of 2012 on its PC; the model has this host's cost of ours", ("stack",))
+STACK = Cause("the Python stack of 2012 on its PC; the model uses our stack's cost on this host", ("stack",))
 STACK_SI = Cause(
     "not explained: the paper's stack costs a read 98 us without SI and 428 us with it, "
     "a write 87 and 331 us",
@@ -52,11 +52,12 @@ FASTER = Cause("the chip took bytes faster than the paper's ideal row says", ("f
 BURST = Cause("the two causes above together", ("fast-two-buses", "all-out"))
 BURST_SI = Cause("the two causes above, which cancel in part", ("fast", "all-out"))
 LONG = Cause(
-    "600 requests in the model, 200 and more in the paper: what fills the chip first counts less in more",
+    "600 requests in the model, 200 and more in the paper: the initial fill of the chip counts "
+    "less in a longer burst",
     ("shorter-burst", "two-buses"),
 )
 STAMPS = Cause("not explained: the model's requests come without a gap", ("two-buses",))
-HELD = Cause("not explained; the model's first reply lies in the chip before that is held")
+HELD = Cause("not explained; the model's first reply is in the chip before the chip is held")
 
 EFFECT = "request -> effect"
 

@@ -13,10 +13,9 @@ from .sustained import LINK_HZ
 
 def ours(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "Latency of one request after another on the paper's link, FIFOs of 256 bytes, by level; the bytes "
-        "are "
-        "those of request and reply. The stack is the script's latency and what a layer-4 call costs this "
-        "host.",
+        "Latency of one request after another on the paper's link, by level, with FIFOs of 256 bytes. "
+        "The bytes are those of request and reply. The stack is the script's latency plus the cost of "
+        "a layer-4 call on this host.",
         ["gateware", "request", "send-immediate", "bytes", "gateware", "ideal link", "script", "stack"],
         [
             [
@@ -34,7 +33,7 @@ def ours(rows: list[dict[str, Any]]) -> Table:
 def compared(caption: str, rows: list[dict[str, Any]]) -> Table:
     return Table(
         caption,
-        ["row", "figure", "paper", "model", "difference", "cause, and the model with it changed"],
+        ["row", "figure", "paper", "model", "difference", "cause, and the model's figure with it changed"],
         [
             [
                 row["row"],
@@ -57,11 +56,11 @@ def _tried(row: dict[str, Any], each: dict[str, Any]) -> str:
 
 def gateware(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "Clocks at 50 MHz, 32-bit words and 8-bit addresses through both FIFOs, which are never full here, "
-        "bit rates at the steady period. "
-        "2012: the twin, which has that gateware's clocks. Ours: the generated VHDL of a spec of two words, "
-        "compiled and run clock by clock, with both protocols on its port. The paper's Table I has 57 and 28 "
-        "for the read, 63 and 37 for the write. A frame always has its checksum.",
+        "Clocks at 50 MHz, with 32-bit words and 8-bit addresses, through both FIFOs, which are never "
+        "full here. Bit rates are at the steady period. 2012 is the twin, which has that gateware's "
+        "clocks. Ours is the generated VHDL of a spec of two words, compiled and run clock by clock, "
+        "with both protocols on its port. The paper's Table I has 57 and 28 for the read, 63 and 37 "
+        "for the write. A frame always has its checksum.",
         ["gateware", "request", "first in to last out", "to effect", "period", "requests", "replies"],
         [
             [
@@ -85,9 +84,9 @@ def clocks(count: int | None) -> str:
 def links(rows: list[dict[str, Any]]) -> Table:
     names = list(rows[0]["latencies_s"])
     return Table(
-        "Latency of one request after another, in us, by the bytes of FIFO each way. What is read in many "
-        "words goes classic in one request, and framed in lists of up to 60 words; a frame always has its "
-        "checksum.",
+        "Latency of one request after another, in us. The FIFO column is the bytes in each direction. "
+        "A read of many words is one request in classic, and lists of up to 60 words in framed. A "
+        "frame always has its checksum.",
         ["link", "gateware", "sends by", "FIFO", *names],
         [
             [
@@ -107,9 +106,9 @@ def links(rows: list[dict[str, Any]]) -> Table:
 
 def bursts(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "Reads sent together without send-immediate, FIFOs of 256 bytes: the rate of the replies by the "
-        "gateware's time stamps, the same without pauses, and replies between two pauses. A framed session "
-        "has 32 requests in flight at most.",
+        "Reads sent together without send-immediate, with FIFOs of 256 bytes. The table gives the "
+        "rate of the replies by the gateware's time stamps, the same without pauses, and the replies "
+        "between two pauses. A framed session has at most 32 requests in flight.",
         ["link", "gateware", "requests", "reply rate", "without pauses", "between pauses"],
         [
             [
@@ -127,10 +126,10 @@ def bursts(rows: list[dict[str, Any]]) -> Table:
 
 def write_bursts(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "30 writes sent together, FIFOs of 256 bytes, by when they took effect: the paper has 19.9 us, "
-        "1.315 us and 56.6 Mb/s, with send-immediate 19.03 us, 1.159 us and 62.5 Mb/s. A post has no "
-        "answer: nothing goes back, and nothing holds it up. 30 answers of 10 bytes do not fit the "
-        "FIFO while the chip is held.",
+        "30 writes sent together, with FIFOs of 256 bytes, by the time at which they took effect. The "
+        "paper has 19.9 us, 1.315 us and 56.6 Mb/s, with send-immediate 19.03 us, 1.159 us and 62.5 "
+        "Mb/s. A post has no answer, so nothing goes back and nothing delays it. 30 answers of 10 "
+        "bytes do not fit the FIFO while the chip is held.",
         ["gateware", "request", "send-immediate", "first effect", "period", "effective rate"],
         [
             [
@@ -161,9 +160,9 @@ def peers(measured: dict[str, Any]) -> list[Block]:
         return [Paragraph(f"Not measured: {measured['failure']}")]
     return [
         Table(
-            "Times of a call, p50 / p99 in us, and in brackets over ours on frames and the same wire, within "
-            "a round. Each has a device of its own that answers at once, in another process behind a pty or "
-            "on UDP; all take turns.",
+            "Times of a call, p50 / p99 in us. In brackets is the ratio to ours on frames and the "
+            "same wire, within a round. Each client has its own device that answers at once, in "
+            "another process behind a pty or on UDP. The clients take turns.",
             ["wire", "client", *_OPERATIONS.values()],
             [
                 [
@@ -179,8 +178,8 @@ def peers(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
         Table(
-            "Bytes on the wire, to the device + back; on UDP what is in the datagrams, each of which has a "
-            "head of 28 bytes more and Ethernet's.",
+            "Bytes on the wire, to the device + back. On UDP it is the content of the datagrams. Each "
+            "datagram has a head of 28 bytes more, and that of Ethernet.",
             ["client", *_OPERATIONS.values()],
             [
                 [row["name"], *("{:.0f} + {:.0f}".format(*row["bytes"][name]) for name in _OPERATIONS)]
@@ -188,10 +187,11 @@ def peers(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
         Table(
-            "What a read gives when one bit of the answer is flipped, what the next read gives, and what a "
-            "read does when the device answers no more: RemoteClient ends after four seconds with 0 and no "
-            "error (docs/faults.md has more such faults). On a network the checksums of Ethernet and UDP "
-            "find most flipped bits before that; here the bit flips behind them, as in a buffer.",
+            "What a read gives when one bit of the answer is flipped, what the next read gives, and "
+            "what a read does when the device answers no more. RemoteClient ends after four seconds "
+            "with 0 and no error (docs/faults.md has more such faults). On a network the checksums of "
+            "Ethernet and UDP find most flipped bits before that. Here the bit flips after these "
+            "checks, as in a buffer.",
             ["client", "a flipped bit", "the read after it", "a frozen device"],
             [
                 [row["name"], *(_outcome(row[name]) for name in ("flipped", "after", "frozen"))]
@@ -215,9 +215,9 @@ def _outcome(told: dict[str, Any]) -> str:
 def ros(measured: dict[str, Any]) -> list[Block]:
     """Return the rates, and what could not be measured."""
     table = Table(
-        "A single integer on a topic, sent as fast as it goes: messages a second of our node with the twin "
-        "behind it (into the FPGA: writes that the twin has answered), and of a bare publisher or subscriber "
-        "in the same run.",
+        "A single integer on a topic, sent as fast as possible. The table gives the messages a second "
+        "of our node with the twin behind it, and of a bare publisher or subscriber in the same run. "
+        "Into the FPGA it counts writes that the twin has answered.",
         ["topic", "paper", "our node", "bare", "share"],
         [
             [
@@ -237,8 +237,8 @@ def ros(measured: dict[str, Any]) -> list[Block]:
 def scaling(measured: dict[str, Any]) -> list[Block]:
     """Return the cost of a read and of a publish as things grow, and memory over time."""
     across = {
-        "registers": "Processor time of a layer-4 read on this host against the registers in the spec.",
-        "links": "The same, in turns over so many links in one process, each to a virtual board of its own.",
+        "registers": "Processor time of a layer-4 read on this host, by the number of registers in the spec.",
+        "links": "The same, in turns over several links in one process, each to its own virtual board.",
     }
     blocks: list[Block] = [
         Table(
@@ -257,9 +257,9 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
     return [
         *blocks,
         Table(
-            "Wall time of that read with the process, boards and all, on one core and on two: on one, caller "
-            "and board hand over; on two each wakes the other's core, which costs most where that sleeps "
-            "deeply, as on an idle virtual machine.",
+            "Wall time of that read, with the process and its boards on one core and on two. On one "
+            "core, caller and board alternate. On two, each must wake the other's core. That costs "
+            "most if the core sleeps deeply, as on an idle virtual machine.",
             ["links", *map(str, links)],
             [
                 [f"{number} core{'s' if number > 1 else ''}"]
@@ -268,7 +268,7 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
         Table(
-            "Processor time of the program that layer 4 takes publishes in, the twin being another process.",
+            "Processor time of the program that receives publishes in layer 4. The twin is another process.",
             ["groups", "rate of each", "received", "of a core", "a publish"],
             [
                 [
@@ -283,19 +283,17 @@ def scaling(measured: dict[str, Any]) -> list[Block]:
         ),
         Paragraph(
             f"Memory: over {0.8 * memory['duration_s']:.0f} s and {memory['publishes']:.0f} publishes the "
-            f"process "
-            f"grew by {memory['grown_bytes'] / 1024:.0f} KiB, from {memory['resident_bytes'] / 2**20:.0f} "
-            f"MiB. "
-            "`unitylink experiments --soak 3600` watches an hour."
+            f"process grew by {memory['grown_bytes'] / 1024:.0f} KiB, from "
+            f"{memory['resident_bytes'] / 2**20:.0f} MiB. "
+            "`unitylink experiments --soak 3600` measures for an hour."
         ),
     ]
 
 
 def publish_delays(rows: list[dict[str, Any]]) -> Table:
     return Table(
-        "What send-immediate does for publishes: four words at 961 Hz through the chip of the paper, from "
-        "the "
-        "last byte out of the gateware to the program, in us.",
+        "The effect of send-immediate on publishes: four words at 961 Hz through the chip of the "
+        "paper. Times are in us, from the last byte out of the gateware to the program.",
         ["gateware", "send-immediate behind", "publishes", "mean", "most"],
         [
             [
@@ -314,13 +312,12 @@ def sustained(rows: list[dict[str, Any]]) -> Table:
     framed = [row for row in rows if row["protocol"] == "framed"]
     classic = [row for row in rows if row["protocol"] == "classic"]
     return Table(
-        "What the full stack takes without loss, recording all of it, measured over TCP from a twin that "
-        "publishes at the ideal link's rate and at twice that: messages per second, share of the ideal "
-        "67.1e6 bit/s, and processor time of twin and stack together. The next higher rate failed on the "
-        "stack "
-        "or on the source, which is the twin on the same machine. Our gateware has up to 60 words in a "
-        "framed "
-        "publish, and takes several for more; the twin has long frames.",
+        "What the full stack receives without loss while it records all of it. It was measured over "
+        "TCP, from a twin that publishes at the ideal link's rate and at twice that. The table gives "
+        "messages per second, the share of the ideal 67.1e6 bit/s, and the processor time of twin and "
+        "stack together. The next higher rate failed on the stack or on the source, which is the twin "
+        "on the same machine. Our gateware has up to 60 words in a framed publish, and needs several "
+        "for more. The twin has long frames.",
         ["words", "classic", "share", "of a core", "more", "framed", "share", "of a core", "more"],
         [
             [str(one["words"]), *_taken(one), *_taken(other)]
@@ -336,7 +333,7 @@ def _taken(row: dict[str, Any]) -> list[str]:
 
 def publishes(publish: dict[str, Any]) -> Table:
     return Table(
-        "The limits that can be computed, messages per second.",
+        "The limits that can be computed, in messages per second.",
         ["words", *publish["limits_hz"]],
         [
             [str(words), *(f"{limit[index]:.0f}" for limit in publish["limits_hz"].values())]
@@ -350,18 +347,18 @@ def simplicity(counts: dict[str, Any]) -> list[Block]:
     return [
         Table(
             "Lines that are neither empty nor only a comment.",
-            ["specification", "written", "Python made of it", "VHDL made of it"],
+            ["specification", "written", "generated Python", "generated VHDL"],
             [
                 [row["file"], str(row["written"]), str(row["python"]), str(row["vhdl"])]
                 for row in counts["ours"]
             ],
         ),
         Paragraph(
-            f"The paper has {paper['specification']} lines of specification, {paper['VHDL, configured']} "
-            f"of VHDL written and {paper['VHDL, copied']} copied; "
-            f"the microcontroller before it {paper['MCU, communication']} of C for the communication and "
-            f"{paper['MCU, hardware']} of C and assembly for the hardware. "
-            "A board's pins and servo drivers of your own are in neither column of ours. Nobody was timed."
+            f"The paper has {paper['specification']} lines of specification, {paper['VHDL, configured']} of "
+            f"VHDL written and {paper['VHDL, copied']} copied. The microcontroller before it had "
+            f"{paper['MCU, communication']} of C for the communication and {paper['MCU, hardware']} of C and "
+            "assembly for the hardware. Our columns do not count a board's pins and your own servo drivers. "
+            "Nobody was timed."
         ),
     ]
 
