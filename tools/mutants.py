@@ -7,12 +7,13 @@ By the fault simulation, by a native test, or by the histories between programs 
     python tools/mutants.py --sample 3   three of them
     python tools/mutants.py --only dedup
 
-Needs what `make native-tests` builds: of a mutant the changed files are compiled anew.
+Needs what `make native-tests` builds: of a mutant the batches with changed files are compiled anew.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,16 +30,30 @@ ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "native" / "src"
 BUILD = ROOT / "build" / "native"
 MESSAGES = 10_000
+LONGEST_S = 120  # for one run
 SEEDS = 24  # a history each, until one of them fails: some mistakes show in one of twelve
 MAIN = ROOT / "native" / "fuzz" / "fuzz_faults.cpp"
 TESTS = ROOT / "native" / "test"  # of a mutant with `test` that one is run instead of the simulation
 BOARD = ROOT / "native" / "fuzz" / "journal_board.cpp"  # one with `apart` is the board there
 HISTORIES = ROOT / "tests" / "apart" / "histories.py"
-FLAGS = ["-std=c++20", "-O1", "-pthread"]
+FLAGS = ["-std=c++20", "-O1", "-pthread", '-DUNITYLINK_VERSION="mutant"']
+INCLUDED = re.compile(r'^#include "(.+)"$', re.M)
+
+
+def batches() -> dict[Path, Path]:
+    """Return of each source which batch of the library it is compiled in."""
+    cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
+    named = re.search(r"^UNITYLINK_OBJECTS:PATH=(.+)$", cache, re.M)
+    objects = Path(named[1]) if named else BUILD
+    found = sorted((objects / "CMakeFiles" / "unitylink_objects.dir" / "Unity").glob("*.cxx"))
+    return {Path(name): batch for batch in found for name in INCLUDED.findall(batch.read_text("utf-8"))}
 
 
 def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
-    """Write the changed files into `folder`; return what must be compiled with them."""
+    """Write the changed files into `folder`; return what must be compiled with them: whole batches.
+
+    One file alone would define again what the rest of its batch in the library defines.
+    """
     texts: dict[str, str] = {}
     for edit in (mutant, *([mutant["also"]] if "also" in mutant else [])):
         name = edit["file"]
@@ -51,11 +66,17 @@ def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    units = [folder / name for name in texts if name.endswith(".cpp")]
-    for pattern in mutant.get("units", []):
-        found = sorted(SOURCES.glob(pattern))
-        units += [path for path in found if not (folder / path.relative_to(SOURCES)).exists()]
-    return units
+    units = [SOURCES / name for name in texts if name.endswith(".cpp")]
+    units += [path for pattern in mutant.get("units", []) for path in SOURCES.glob(pattern)]
+    of = batches()
+    written = []
+    for batch in sorted({of[unit] for unit in units}):
+        text = batch.read_text(encoding="utf-8")
+        for name in texts:
+            text = text.replace(f'"{SOURCES / name}"', f'"{folder / name}"')
+        written.append(folder / batch.name)
+        written[-1].write_text(text, encoding="utf-8")
+    return written
 
 
 def build(mutant: dict[str, Any], folder: Path) -> Path:
@@ -80,7 +101,9 @@ def caught(mutant: dict[str, Any]) -> str:
     with tempfile.TemporaryDirectory(prefix="unitylink-mutant-") as folder:
         program = build(mutant, Path(folder))
         if "test" in mutant:
-            done = subprocess.run([str(program)], capture_output=True, text=True, timeout=120, check=False)
+            done = subprocess.run(
+                [str(program)], capture_output=True, text=True, timeout=LONGEST_S, check=False
+            )
             failed = [line.strip() for line in done.stdout.splitlines() if "ERROR: CHECK" in line]
             return (failed or [f"it ended with {done.returncode}"])[0] if done.returncode else ""
         if "apart" in mutant:
@@ -96,9 +119,12 @@ def caught(mutant: dict[str, Any]) -> str:
             return accused[0] if done.returncode and accused else ""
         for seed in range(1, SEEDS + 1):
             history = ["--seed", str(seed), "--messages", str(MESSAGES), "--profile", mutant["profile"]]
-            done = subprocess.run(
-                [str(program), *history], capture_output=True, text=True, timeout=120, check=False
-            )
+            try:
+                done = subprocess.run(
+                    [str(program), *history], capture_output=True, text=True, timeout=LONGEST_S, check=False
+                )
+            except subprocess.TimeoutExpired:
+                return f"it did not end within {LONGEST_S} s; without the mistake it takes one"
             if done.returncode:
                 lines = done.stdout.splitlines()
                 return lines[1].strip() if len(lines) > 1 else f"it died with {done.returncode}"

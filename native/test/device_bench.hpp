@@ -20,12 +20,12 @@ inline DeviceConfiguration bench() {
   return configuration;
 }
 
-struct Bench {
+struct DeviceBench {
   Device device;
   Clock first_out = never;
   Clock last_out = 0;
 
-  explicit Bench(const DeviceConfiguration& configuration = bench()) : device(configuration) {
+  explicit DeviceBench(const DeviceConfiguration& configuration = bench()) : device(configuration) {
     REQUIRE_MESSAGE(configuration.problem().empty(), configuration.problem());
   }
 

@@ -9,13 +9,12 @@
 
 #include "decoder_trace.hpp"
 #include "layer2_message/classic_engine.hpp"
+#include "times.hpp"
 
 namespace unitylink::test {
 
-inline constexpr std::uint64_t ms = 1'000'000;
-
-struct Bench {
-  explicit Bench(std::uint32_t fifo = 16, std::uint32_t window = 64) {
+struct EngineBench {
+  explicit EngineBench(std::uint32_t fifo = 16, std::uint32_t window = 64) {
     EngineSettings settings;
     settings.receive_fifo_bytes = settings.transmit_fifo_bytes = fifo;
     settings.window = window;

@@ -7,7 +7,7 @@
 
 using namespace unitylink::device;
 using unitylink::device::test::bench;
-using unitylink::device::test::Bench;
+using unitylink::device::test::DeviceBench;
 
 namespace {
 
@@ -55,9 +55,9 @@ TEST_CASE("random bytes: one chunk and byte by byte agree, and the device lives 
   for (int round = 0; round < 300; ++round) {
     CAPTURE(round);
     const std::string bytes = noise(random, 1 + random() % 400);
-    Bench whole(configuration);
+    DeviceBench whole(configuration);
     const std::string once = whole.ask(bytes, 200000);
-    Bench pieces(configuration);
+    DeviceBench pieces(configuration);
     std::string piecewise;
     for (const char c : bytes) {
       piecewise += pieces.ask(std::string_view(&c, 1), random() % 4 == 0 ? 300 : 1);
@@ -80,7 +80,7 @@ TEST_CASE("random bytes while publishing, with events, errors and FIFOs of 4 byt
     configuration.baud_hz = round % 2 == 0 ? 0 : 12'500'000;
     configuration.fifo = round % 3 == 0 ? 4 : 0;
     configuration.honour_flush = round % 5 == 0;
-    Bench device(configuration);
+    DeviceBench device(configuration);
     const std::string bytes = "#WSA:00021112\n#WSR:000002\n#EPC\n" + noise(random, 600);
     std::size_t sent = 0;
     while (sent < bytes.size()) {

@@ -4,7 +4,7 @@
 
 using namespace unitylink::device;
 using unitylink::device::test::bench;
-using unitylink::device::test::Bench;
+using unitylink::device::test::DeviceBench;
 
 namespace {
 
@@ -28,7 +28,7 @@ DeviceConfiguration slow_line() {
 }  // namespace
 
 TEST_CASE("with a line every byte takes its time, both ways") {
-  Bench device(slow_line());
+  DeviceBench device(slow_line());
   CHECK(device.ask("#R:12\n") == "#S_R:40de1212\n");
   CHECK(device.last_out >= (6 + 14) * 160);
   CHECK(device.last_out <= (6 + 14) * 160 + 60);
@@ -36,9 +36,9 @@ TEST_CASE("with a line every byte takes its time, both ways") {
 
 TEST_CASE("a host that keeps to the credit loses nothing, one that does not loses requests and hears of it") {
   const std::string request = "#RM:081011121314151617\n";
-  const std::string reply = Bench().ask(request);
+  const std::string reply = DeviceBench().ask(request);
   {
-    Bench patient(slow_line());
+    DeviceBench patient(slow_line());
     std::string all;
     for (int i = 0; i < 20; ++i) {
       all += patient.ask(request, 40000);
@@ -46,7 +46,7 @@ TEST_CASE("a host that keeps to the credit loses nothing, one that does not lose
     CHECK(all == repeated(reply, 20));
     CHECK(patient.device.statistics().overruns == 0);
   }
-  Bench hasty(slow_line());
+  DeviceBench hasty(slow_line());
   const std::string all = hasty.ask(repeated(request, 20), 800000);
   CHECK(hasty.device.statistics().overruns > 0);
   CHECK(all.find("?f9\n") != std::string::npos);
@@ -56,7 +56,7 @@ TEST_CASE("a host that keeps to the credit loses nothing, one that does not lose
 TEST_CASE("without a line the FIFO takes only what it has room for, and nothing is lost") {
   DeviceConfiguration configuration = bench();
   configuration.fifo = 16;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   const std::string requests = repeated("#R:12\n", 50);
   std::string all;
   std::size_t sent = 0;
@@ -73,7 +73,7 @@ TEST_CASE("without a line the FIFO takes only what it has room for, and nothing 
 TEST_CASE("a host that does not read stops the device, and nothing is lost once it reads") {
   DeviceConfiguration configuration = bench();
   configuration.fifo = 16;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   const std::string requests = repeated("#R:12\n", 10);
   std::size_t sent = 0;
   const auto offer = [&] {
@@ -100,7 +100,7 @@ TEST_CASE("a datalink error flushes the receive FIFO only where the physical lay
   for (const bool honour : {false, true}) {
     DeviceConfiguration configuration = bench();
     configuration.honour_flush = honour;
-    Bench device(configuration);
+    DeviceBench device(configuration);
     CHECK(device.ask("#R:12\n#R:zz\n#R:12\n") ==
           (honour ? "#S_R:40de1212\n?f3\n" : "#S_R:40de1212\n?f3\n#S_R:40de1212\n"));
   }

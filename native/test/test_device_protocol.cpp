@@ -5,13 +5,13 @@
 
 using namespace unitylink::device;
 using unitylink::device::test::bench;
-using unitylink::device::test::Bench;
+using unitylink::device::test::DeviceBench;
 
 TEST_CASE("writes work at every data width") {
   for (std::uint32_t bits = 8; bits <= 32; ++bits) {
     DeviceConfiguration configuration = bench();
     configuration.data_bits = bits;
-    Bench device(configuration);
+    DeviceBench device(configuration);
     const std::string digits = std::string("a5c3962f").substr(0, 2 * configuration.data_bytes());
     CHECK(device.ask("#W:20" + digits + "\n") == "#S_W\n");
     const auto value = static_cast<std::uint32_t>(std::stoul(digits, nullptr, 16)) & configuration.data_mask();
@@ -22,7 +22,7 @@ TEST_CASE("writes work at every data width") {
 }
 
 TEST_CASE("a bus timeout never touches address 0") {
-  Bench device;
+  DeviceBench device;
   CHECK(device.ask("#W:F555AA55AA\n#R:F5\n#R:00\n") == "#?E_BAT\n#?E_BAT\n#S_R:40de0000\n");
 }
 
@@ -33,7 +33,7 @@ TEST_CASE("a group of 255 words in a device of 256 groups, by read-back and publ
   configuration.groups = 256;
   configuration.group_size = 255;
   configuration.base_hz = 1000;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   std::string addresses;
   std::string words;
   for (unsigned i = 0; i < 255; ++i) {
@@ -62,7 +62,7 @@ TEST_CASE("a group of 255 words in a device of 256 groups, by read-back and publ
 TEST_CASE("an empty group publishes nothing, neither by rate nor by event") {
   DeviceConfiguration configuration = bench();
   configuration.base_hz = 100000;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   device.ask("#WSR:000001\n#WIC:0001\n#EPS\n");
   device.device.set_events(1);
   CHECK(device.wait(50000).empty());
@@ -71,7 +71,7 @@ TEST_CASE("an empty group publishes nothing, neither by rate nor by event") {
 TEST_CASE("a silent address ends the publish, is tried at the next rate, and requests are served between") {
   DeviceConfiguration configuration = bench();
   configuration.base_hz = 100000;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   device.ask("#WSA:000310F512\n#WSR:000002\n#EPS\n", 1000);
   const std::string out = device.wait(10000);
   CHECK(std::count(out.begin(), out.end(), '\n') == 10);
@@ -82,7 +82,7 @@ TEST_CASE("a silent address ends the publish, is tried at the next rate, and req
 }
 
 TEST_CASE("a refused WSA leaves the group as it was") {
-  Bench device;
+  DeviceBench device;
   CHECK(device.ask("#WSA:01021011\n") == "#S_WSA\n");
   for (const char* bad : {"#WSA:010301\n", "#WSA:0111\n", "#WSA:0100\n", "#WSA:01\n"}) {
     CHECK(device.ask(bad).find("?E_") != std::string::npos);
@@ -91,7 +91,7 @@ TEST_CASE("a refused WSA leaves the group as it was") {
 }
 
 TEST_CASE("a checked request needs its star and exactly one checksum byte") {
-  Bench device;
+  DeviceBench device;
   CHECK(device.ask("$R:12*58\n") == "$S_R:40de1212*2d\n");
   for (const char* bad : {"$R:1258\n", "$R:12*5800\n", "$\n", "$R:12\n", "$R:12*\n", "$R:12*59\n"}) {
     CHECK(device.ask(bad) == "?f4\n");

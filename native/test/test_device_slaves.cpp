@@ -5,7 +5,7 @@
 
 using namespace unitylink::device;
 using unitylink::device::test::bench;
-using unitylink::device::test::Bench;
+using unitylink::device::test::DeviceBench;
 
 namespace {
 
@@ -20,8 +20,8 @@ DeviceConfiguration network() {
   return configuration;
 }
 
-struct Network : Bench {
-  Network() : Bench(network()) {}
+struct Network : DeviceBench {
+  Network() : DeviceBench(network()) {}
 
   void write(std::uint32_t address, std::uint32_t value) {
     char text[32];
@@ -145,7 +145,7 @@ TEST_CASE("TosNet: a damaged cycle is counted and told for one cycle") {
 TEST_CASE("TosNet: too many cycles without a commit halt the system, and only coming back online ends that") {
   DeviceConfiguration configuration = network();
   configuration.tosnet.max_skipped_writes = 10;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   const auto halted = [&device] { return (std::stoul(device.ask("#R:0400\n", 200).substr(5), nullptr, 16) >> 28 & 1u) == 1; };
   for (int i = 0; i < 5; ++i) {
     device.ask("#W:040000000000\n", 8 * cycle);
@@ -181,7 +181,7 @@ TEST_CASE("TosNet: the asynchronous channel, both ways") {
 TEST_CASE("FIFO: reading takes, nothing comes from an empty one, nothing goes into a full one") {
   DeviceConfiguration configuration;
   configuration.fifos = {{0x40, 2}};
-  Bench device(configuration);
+  DeviceBench device(configuration);
   CHECK(device.ask("#R:41\n#R:40\n") == "#S_R:00000000\n#?E_FBR\n");
   CHECK(device.device.bus().set(0x40, 7, 0) == BusStatus::ok);
   CHECK(device.device.bus().set(0x40, 8, 0) == BusStatus::ok);
@@ -195,7 +195,7 @@ TEST_CASE("FIFO: reading takes, nothing comes from an empty one, nothing goes in
 TEST_CASE("double buffer: visible by commit, and the hazard of a swap without a copy") {
   DeviceConfiguration configuration;
   configuration.double_buffers = {{0x40, 4}};
-  Bench device(configuration);
+  DeviceBench device(configuration);
   CHECK(device.ask("#W:4000000001\n#R:40\n") == "#S_W\n#S_R:00000000\n");
   CHECK(device.ask("#W:4400000000\n#R:40\n#R:44\n") == "#S_W\n#S_R:00000001\n#S_R:00000001\n");
   CHECK(device.device.bus().get(0x40, 0).value == 1);

@@ -4,7 +4,7 @@
 
 using namespace unitylink::device;
 using unitylink::device::test::bench;
-using unitylink::device::test::Bench;
+using unitylink::device::test::DeviceBench;
 
 namespace {
 
@@ -24,13 +24,13 @@ constexpr Row table[] = {
 TEST_CASE("latency from the first byte in to the last byte out") {
   for (const Row& row : table) {
     CAPTURE(row.request);
-    Bench core;
+    DeviceBench core;
     core.ask(row.request);
     CHECK(core.last_out == row.first_to_last);
 
     DeviceConfiguration configuration = bench();
     configuration.fifo_latency = 2;  // the library's FIFO on both sides
-    Bench stack(configuration);
+    DeviceBench stack(configuration);
     stack.ask(row.request);
     CHECK(stack.last_out == row.first_to_last + 4);
   }
@@ -41,7 +41,7 @@ TEST_CASE("steady-state period of requests back to back") {
     CAPTURE(row.request);
     Clock last[2];
     for (int run = 0; run < 2; ++run) {
-      Bench device;
+      DeviceBench device;
       for (int i = 0; i < 20 + run * 10; ++i) {
         device.put(row.request);
       }
@@ -57,7 +57,7 @@ TEST_CASE("a publish back to back takes 20 + 16 n clocks plain, 26 + 16 n checke
   configuration.base_hz = 50000000;  // more than the line can carry
   for (const std::uint32_t words : {1u, 4u, 8u, 15u}) {
     for (const bool checked : {false, true}) {
-      Bench device(configuration);
+      DeviceBench device(configuration);
       std::string set = "#WSA:000" + std::string(1, "0123456789ABCDEF"[words]);
       for (std::uint32_t word = 0; word < words; ++word) {
         set += "10";
@@ -75,7 +75,7 @@ TEST_CASE("a publish back to back takes 20 + 16 n clocks plain, 26 + 16 n checke
 TEST_CASE("the first strobe comes with enabling, the next ones every clock_hz / base_hz") {
   DeviceConfiguration configuration = bench();
   configuration.base_hz = 100000;
-  Bench device(configuration);
+  DeviceBench device(configuration);
   device.ask("#WSA:00021011\n#WSR:000003\n");
   device.ask("#EPS\n", 400);
   std::vector<Clock> heads;

@@ -10,7 +10,7 @@ using namespace unitylink;
 using namespace unitylink::test;
 
 TEST_CASE("a read and a write") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   Exchange read = reading(0x12, true);
   bench.submit(read);
@@ -28,7 +28,7 @@ TEST_CASE("a read and a write") {
 }
 
 TEST_CASE("the first fence gets through to a device that publishes, is in mid-message, or was asked before") {
-  Bench bench;
+  EngineBench bench;
   Exchange first;
   first.operation = Operation::resynchronise;
   first.attempts_max = 3;
@@ -46,7 +46,7 @@ TEST_CASE("the first fence gets through to a device that publishes, is in mid-me
 
 TEST_CASE("a fence that nobody answers may have gone into a frame that noise began: the next one ends it") {
   using namespace std::string_literals;
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   Exchange read = reading(1);
   bench.submit(read);
@@ -67,7 +67,7 @@ TEST_CASE("a fence that nobody answers may have gone into a frame that noise beg
 }
 
 TEST_CASE("gateware without RLC, and a datalink without checksums") {
-  Bench bench;
+  EngineBench bench;
   Exchange first;
   first.operation = Operation::resynchronise;
   bench.submit(first);
@@ -88,7 +88,7 @@ TEST_CASE("gateware without RLC, and a datalink without checksums") {
 }
 
 TEST_CASE("an error of the device ends its request and nothing else") {
-  Bench bench(1024);
+  EngineBench bench(1024);
   bench.begin();
   std::array<std::uint32_t, 3> values{};
   const std::array<std::uint32_t, 3> addresses{1, 2, 3};
@@ -110,7 +110,7 @@ TEST_CASE("an error of the device ends its request and nothing else") {
 }
 
 TEST_CASE("a timeout makes all in flight void; reads come again, writes are unknown, late answers match nothing") {
-  Bench bench(1024);
+  EngineBench bench(1024);
   bench.begin();
   Exchange first = reading(1), write = writing(2, 7), memory = writing(3, 8, true), last = reading(4), behind = reading(5);
   for (Exchange* exchange : {&first, &write, &memory, &last}) {
@@ -138,7 +138,7 @@ TEST_CASE("a timeout makes all in flight void; reads come again, writes are unkn
 }
 
 TEST_CASE("answers count only when all requests in flight have theirs: one that vanished shifts nothing") {
-  Bench bench(1024);
+  EngineBench bench(1024);
   bench.begin();
   Exchange first = reading(1), second = reading(2);
   bench.submit(first);
@@ -158,7 +158,7 @@ TEST_CASE("answers count only when all requests in flight have theirs: one that 
 TEST_CASE("bad replies, datalink errors and strange ones bring the fence at once") {
   for (const char* bad : {"$S_R:40de1212*2e\n", "#S_R:40de1212\n", "$S_R:40de12*00\n", "$S_W*f4\n", "?f4\n", "$S_RM:40de1212*00\n", "$?E_XYZ\n"}) {
     CAPTURE(bad);
-    Bench bench;
+    EngineBench bench;
     bench.begin();
     Exchange read = reading(0x12, true);
     bench.submit(read);
@@ -174,7 +174,7 @@ TEST_CASE("bad replies, datalink errors and strange ones bring the fence at once
 }
 
 TEST_CASE("a configuration or a stray answer when nothing is pending is no reason for anything") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   bench.answer(cnf);
   bench.answer("#S_R:00000001\n?f3\n$?E_ICC\n");
@@ -187,7 +187,7 @@ TEST_CASE("a configuration or a stray answer when nothing is pending is no reaso
 }
 
 TEST_CASE("a silent device: everything ends, in time, with the number of attempts") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   Exchange read = reading(1), write = writing(2, 3), unsent = writing(3, 4);
   bench.submit(read);
@@ -210,7 +210,7 @@ TEST_CASE("a silent device: everything ends, in time, with the number of attempt
 }
 
 TEST_CASE("credit: no more bytes on their way than the device's buffers hold, unless one alone is longer") {
-  Bench bench(40);
+  EngineBench bench(40);
   bench.begin();
   std::vector<Exchange> reads(10, reading(0x11));
   for (Exchange& read : reads) {
@@ -220,7 +220,7 @@ TEST_CASE("credit: no more bytes on their way than the device's buffers hold, un
   bench.answer("#S_R:00000001\n");
   CHECK(bench.sent() == "#R:11\n");
   std::array<std::uint32_t, 32> values{}, addresses{};
-  Bench other(16);
+  EngineBench other(16);
   other.begin();
   Exchange many = reading(0);
   many.operation = Operation::read_many;
@@ -234,7 +234,7 @@ TEST_CASE("credit: no more bytes on their way than the device's buffers hold, un
 }
 
 TEST_CASE("the window bounds a batch") {
-  Bench bench(65536, 4);
+  EngineBench bench(65536, 4);
   bench.begin();
   std::vector<Exchange> reads(6, reading(0x11));
   for (Exchange& read : reads) {
@@ -249,7 +249,7 @@ TEST_CASE("the window bounds a batch") {
 }
 
 TEST_CASE("after a failure the rest of its batch is not sent") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   Batch batch;
   std::vector<Exchange> writes(3, writing(1, 2));
@@ -266,7 +266,7 @@ TEST_CASE("after a failure the rest of its batch is not sent") {
 }
 
 TEST_CASE("requests that are taken back end at once; the others in flight come again, or are unknown") {
-  Bench bench(600);
+  EngineBench bench(600);
   bench.begin();
   std::array<Exchange, 2> mine{reading(1), writing(2, 3)};
   Exchange theirs = reading(4), write = writing(5, 6), later = reading(7);
@@ -290,7 +290,7 @@ TEST_CASE("requests that are taken back end at once; the others in flight come a
 }
 
 TEST_CASE("requests that are withdrawn harm no other: unsent ones are never sent, one on its way is waited for but not repeated") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   std::array<Exchange, 2> mine{reading(1), writing(2, 3)};
   Exchange theirs = writing(4, 5);
@@ -313,7 +313,7 @@ TEST_CASE("requests that are withdrawn harm no other: unsent ones are never sent
 }
 
 TEST_CASE("requests that are taken back during a fence leave nothing to trip over") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   std::array<Exchange, 2> mine{reading(1), reading(2)};
   bench.submit(mine[0]);
@@ -339,7 +339,7 @@ TEST_CASE("requests that are taken back during a fence leave nothing to trip ove
 }
 
 TEST_CASE("busy, another device, and the end of the port reach everybody") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   Exchange read = reading(1), write = writing(1, 2);
   SUBCASE("busy") {
@@ -371,7 +371,7 @@ TEST_CASE("busy, another device, and the end of the port reach everybody") {
 }
 
 TEST_CASE("publishes go to the ring of their group, whole ones only") {
-  Bench bench;
+  EngineBench bench;
   bench.begin();
   PublishRing ring(2, 3);
   bench.engine->expect_checked_publishes(true);

@@ -19,7 +19,7 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
     std::mt19937 random(seed);
     const double rate = seed % 5 == 0 ? 0 : std::uniform_real_distribution<>(0, 0.25)(random);
     test::VirtualDevice device({rate, rate, seed % 3 == 0 ? rate / 4 : 0, seed % 2 == 0}, seed);
-    Bench bench(seed % 4 == 0 ? 16 : 600, 1 + seed % 64);
+    EngineBench bench(seed % 4 == 0 ? 16 : 600, 1 + seed % 64);
     bench.engine->configure({.address_bytes = 1, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16, .rate_bytes = 2, .discovered = true});
     std::array<std::uint32_t, 8> addresses{};
     for (std::uint32_t index = 0; index < addresses.size(); ++index) {

@@ -30,7 +30,7 @@ using failing::What;
 namespace {
 
 constexpr std::uint32_t base = 0x20;
-constexpr std::size_t words = 6;
+constexpr std::size_t word_count = 6;
 
 enum class Told { done, not_done, perhaps, first };  // first: of several messages the first, perhaps
 
@@ -154,16 +154,16 @@ class Session {
   Told of_several(ul_status status) const { return status != UL_OK && !framed_ ? Told::first : told_of(status); }
 
   void work() {
-    std::uint32_t got[2 * words];
+    std::uint32_t got[2 * word_count];
     const auto one = values(1);
     told(one, told_of(call([&] { return ul_write(link_, base, one[0], nullptr); })), "write");
     call([&] { return ul_read(link_, base, got, nullptr); });
-    call([&] { return ul_read_many(link_, addresses_, words, got, 0, nullptr); });
-    call([&] { return ul_read_each(link_, addresses_, words, got, nullptr); });
-    const auto many = values(words);
-    told(many, of_several(call([&] { return ul_write_many(link_, addresses_, many.data(), words, nullptr); })), "writes");
-    const auto both = values(words);
-    told(both, of_several(call([&] { return ul_transfer(link_, addresses_, both.data(), words, addresses_, got, words, 0, nullptr); })), "transfer");
+    call([&] { return ul_read_many(link_, addresses_, word_count, got, 0, nullptr); });
+    call([&] { return ul_read_each(link_, addresses_, word_count, got, nullptr); });
+    const auto many = values(word_count);
+    told(many, of_several(call([&] { return ul_write_many(link_, addresses_, many.data(), word_count, nullptr); })), "writes");
+    const auto both = values(word_count);
+    told(both, of_several(call([&] { return ul_transfer(link_, addresses_, both.data(), word_count, addresses_, got, word_count, 0, nullptr); })), "transfer");
     const auto listed = values(1);
     const ul_list_word list[] = {{UL_WRITE, base, listed[0], 0}, {UL_READ, base, 0, 0}};
     told(listed, of_several(call([&] { return ul_list(link_, list, 2, got, 1, 0, nullptr); })), "list");
@@ -174,8 +174,8 @@ class Session {
 
   // What was taken by a post is told by the next sync that answers.
   void posts() {
-    const auto posted = values(words);
-    const ul_status taken = call([&] { return ul_post(link_, addresses_, posted.data(), words, nullptr); });
+    const auto posted = values(word_count);
+    const ul_status taken = call([&] { return ul_post(link_, addresses_, posted.data(), word_count, nullptr); });
     const ul_status status = call([&] { return ul_sync(link_, nullptr); });
     told(posted, taken == UL_OK && status == UL_OK ? Told::done : Told::first, "posts");
   }
@@ -222,7 +222,7 @@ class Session {
   std::uint32_t refused_ = 0;
   bool opened_ = false;
   ul_link* link_ = nullptr;
-  std::uint32_t addresses_[words];
+  std::uint32_t addresses_[word_count];
 };
 
 std::size_t open_files() {

@@ -12,7 +12,7 @@
 using namespace unitylink;
 using namespace unitylink::test;
 using device::DeviceConfiguration;
-using DeviceBench = device::test::Bench;
+using device::test::DeviceBench;
 
 namespace {
 
@@ -30,8 +30,8 @@ DeviceConfiguration silent_at_0() {
 }
 
 // An engine and a device that hand each other what they have, on the device's clock.
-struct Wire {
-  explicit Wire(const DeviceConfiguration& configuration, std::uint32_t fifo = 64, bool checksums = true) : device(configuration) {
+struct OldWire {
+  explicit OldWire(const DeviceConfiguration& configuration, std::uint32_t fifo = 64, bool checksums = true) : device(configuration) {
     EngineSettings settings;
     settings.receive_fifo_bytes = settings.transmit_fifo_bytes = fifo;
     settings.checksums = checksums;
@@ -180,7 +180,7 @@ TEST_CASE("2012: a configuration with a 2C byte in it is understood, with its ch
     DeviceConfiguration configuration = gateware_2012();
     configuration.base_hz = base_hz;
     configuration.read_many = 44;
-    const Wire wire(configuration);
+    const OldWire wire(configuration);
     CHECK(wire.engine->reported()->base_hz == base_hz);
     CHECK(wire.engine->reported()->read_many == 44);
   }
@@ -190,7 +190,7 @@ TEST_CASE("gateware without checksums is never sent a '$', where the URL says so
   DeviceConfiguration configuration = gateware_2012();
   configuration.checksum = device::Checksum::none;
   CHECK(DeviceBench(configuration).ask("$RLC*9B\n") == "?f4\n");
-  Wire wire(configuration, 64, false);
+  OldWire wire(configuration, 64, false);
   CHECK_FALSE(wire.engine->checksums());
   Exchange silent = reading(0xF5);
   wire.run(silent);
@@ -204,7 +204,7 @@ TEST_CASE("gateware without checksums is never sent a '$', where the URL says so
 }
 
 TEST_CASE("after a read that timed out a word that answers is read before anything else") {
-  Wire wire(silent_at_0());
+  OldWire wire(silent_at_0());
   Exchange good = reading(0x12);
   wire.run(good);
   wire.sent.clear();
@@ -242,7 +242,7 @@ TEST_CASE("after a read that timed out a word that answers is read before anythi
 }
 
 TEST_CASE("a read that timed out with no word known to answer names the hazard, and no write behind it is believed") {
-  Wire wire(silent_at_0());
+  OldWire wire(silent_at_0());
   Exchange silent = reading(0xF5);
   wire.run(silent);
   CHECK(wire.sent.ends_with("\n#R:F5\n"));
@@ -260,7 +260,7 @@ TEST_CASE("a read that timed out with no word known to answer names the hazard, 
 }
 
 TEST_CASE("a write that timed out names what may come of it, and what was on its way behind it is not believed") {
-  Wire wire(silent_at_0());
+  OldWire wire(silent_at_0());
   Exchange silent = writing(0xF5, 1);
   Exchange behind = reading(0x12);
   wire.submit(silent);
@@ -283,7 +283,7 @@ TEST_CASE("a write that timed out names what may come of it, and what was on its
 }
 
 TEST_CASE("a cycle that is left over is remembered when the line is lost and comes back") {
-  Wire wire(silent_at_0());
+  OldWire wire(silent_at_0());
   const auto lose_behind_a_timeout = [&wire] {
     Exchange silent = reading(0xF5);
     wire.submit(silent);
@@ -331,7 +331,7 @@ TEST_CASE("a cycle that is left over is remembered when the line is lost and com
 TEST_CASE("no request that succeeds is wrong on 2012 gateware whose address 0 is silent") {
   std::uint32_t executed = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
-    Wire wire(silent_at_0(), 16u << seed % 5);
+    OldWire wire(silent_at_0(), 16u << seed % 5);
     std::mt19937 random(seed);
     bool named = false;  // a write has timed out, and its error has told what that may do
     for (unsigned round = 0; round < 40; ++round) {
@@ -381,7 +381,7 @@ TEST_CASE("requests that overrun the device end with what it said, not with its 
     configuration.baud_hz = 3'000'000;
     configuration.fifo = 4;
     configuration.honour_flush = (variant & 2) != 0;
-    Wire wire(configuration, 256);
+    OldWire wire(configuration, 256);
     std::deque<Exchange> exchanges;
     for (std::uint32_t address = 0; address < 60; ++address) {
       exchanges.push_back(reading(address, (variant & 4) != 0));

@@ -8,15 +8,16 @@
 #include <vector>
 
 #include "layer2_message/link.hpp"
+#include "times.hpp"
 #include "virtual_line.hpp"
 
 using namespace unitylink;
+using unitylink::test::ms;
 using unitylink::test::VirtualLine;
 using unitylink::test::VirtualPlace;
 
 namespace {
 
-constexpr std::uint64_t ms = 1'000'000;
 constexpr std::uint64_t attempts_ns = 3 * 20 * ms;
 constexpr std::uint64_t slack_ns = 10 * ms;  // the bytes of one request, and the steps of the clock
 

@@ -3,12 +3,13 @@
 #include <doctest/doctest.h>
 
 #include "layer0_driver/robot_time.hpp"
+#include "times.hpp"
 
 using unitylink::RobotTime;
+using unitylink::test::ms;
 
 namespace {
 
-constexpr std::uint64_t ms = 1'000'000;
 constexpr std::uint64_t start = 1'000'000 * ms;
 
 }  // namespace

@@ -28,7 +28,7 @@ std::string opening(std::uint16_t nonce, std::uint16_t epoch) {
   return std::string(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size));
 }
 
-bool opened(std::string_view answer) {
+bool says_open(std::string_view answer) {
   return answer.find(static_cast<char>(protocol::device_kind::open)) == 0;
 }
 
@@ -70,13 +70,13 @@ TEST_CASE("forged datagrams take no session over, whatever they count on") {
   for (const bool guesses : {false, true}) {  // the next by counting, or any
     device::DeviceConfiguration configuration;
     configuration.offer_secret = 0xC0FFEE;
-    Bench bench(configuration);
+    DeviceBench bench(configuration);
     std::mt19937 random(5);
     int taken = 0;
     for (int round = 1; round <= rounds; ++round) {
       const auto nonce = static_cast<std::uint16_t>(guesses ? random() : static_cast<unsigned>(round));
       static_cast<void>(bench.ask(hello(), 2000));
-      taken += opened(bench.ask(opening(nonce, stolen), 2000)) ? 1 : 0;
+      taken += says_open(bench.ask(opening(nonce, stolen), 2000)) ? 1 : 0;
     }
     CHECK(taken == 0);
     // Whoever hears the answer is let in, at the latest a second after the last forgery.
@@ -89,6 +89,6 @@ TEST_CASE("forged datagrams take no session over, whatever they count on") {
       void on_discard(Discard, std::uint8_t, std::size_t) {}
     } told;
     decoder.feed(std::span(reinterpret_cast<const std::uint8_t*>(answer.data()), answer.size()), told);
-    CHECK(opened(bench.ask(opening(told.nonce, 0x1234), 2000)));
+    CHECK(says_open(bench.ask(opening(told.nonce, 0x1234), 2000)));
   }
 }

@@ -39,7 +39,17 @@ def test_a_figure_as_json(run: Run) -> None:
     assert report["quick"] is True
 
 
-@pytest.mark.parametrize("name", [name for name in FIGURES if name not in ELSEWHERE])
+LONG = {"roscpp-out"}  # compiles a package of ROS first, as tests/ros does
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long if name in LONG else ())
+        for name in FIGURES
+        if name not in ELSEWHERE
+    ],
+)
 def test_figure_yields_a_number(name: str, program: Callable[[str], Path]) -> None:
     said: list[str] = []
     report = measure(only=[name], quick=True, say=said.append)

@@ -63,6 +63,7 @@ def test_small_design_on_ulx3s(tmp_path: Path) -> None:
     assert not [text for text in report["notices"] if "before the PLL" in text]
 
 
+@pytest.mark.long
 def test_small_design_behind_a_synchronous_ft245(tmp_path: Path) -> None:
     """An ECP5, a PLL, a two-way pin, words on pins, and two clocks: the design's, and that of the FTDI chip.
 

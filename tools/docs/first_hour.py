@@ -159,6 +159,7 @@ class Terminal:
         )
         environment = {name: os.environ[name] for name in kept if name in os.environ}
         environment |= {"WHEEL": str(wheel), "COLUMNS": "100", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+        environment |= dict.fromkeys(("CC", "CXX", "CMAKE"), "/bin/false")  # nothing may compile
         self._folder = folder
         self._log = folder / "said"
         self._bash = subprocess.Popen(

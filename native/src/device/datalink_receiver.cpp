@@ -9,7 +9,7 @@
 namespace unitylink::device {
 
 namespace bytes = protocol::bytes;
-namespace error = protocol::datalink_error;
+namespace datalink_error = protocol::datalink_error;
 
 DatalinkReceiver::DatalinkReceiver(const DeviceConfiguration& configuration)
     : configuration_(configuration),
@@ -30,7 +30,7 @@ void DatalinkReceiver::release(Clock at) noexcept {
 
 DatalinkReceiver::Taken DatalinkReceiver::fail(std::uint8_t code, Clock now, Clock delay) noexcept {
   receiving_ = false;
-  const bool misplaced = code == error::format || code == error::odd_digits;
+  const bool misplaced = code == datalink_error::format || code == datalink_error::odd_digits;
   return {now + (misplaced ? timing::receive_misplaced : timing::receive_invalid), code, now + delay};
 }
 
@@ -56,14 +56,14 @@ DatalinkReceiver::Taken DatalinkReceiver::finish(Clock now) noexcept {
   Clock delay = timing::message_ready;
   if (message.checked && configuration_.published_2012) {  // it looks at the remainder and nothing else
     if (sum_ != 0 || configuration_.checksum == Checksum::none) {
-      return fail(error::checksum, now, timing::receive_first_digit);
+      return fail(datalink_error::checksum, now, timing::receive_first_digit);
     }
     delay += timing::checksum_verdict;
   } else if (message.checked) {
     // Exactly one checksum byte behind a star. The one exception is the empty message with an empty checksum, `$*`.
     const bool empty = checksum_bytes_ == 0 && message.letters.empty() && message.data.empty();
     if (!star_ || sum_ != 0 || (checksum_bytes_ != 1 && !empty)) {
-      return fail(error::checksum, now, timing::receive_first_digit);
+      return fail(datalink_error::checksum, now, timing::receive_first_digit);
     }
     delay += timing::checksum_verdict;
   }
@@ -87,7 +87,7 @@ DatalinkReceiver::Taken DatalinkReceiver::digit(std::uint8_t value, Clock now) {
     checksum_bytes_ += checksum_bytes_ < 2 ? 1u : 0u;
   } else {
     if (!stored()) {
-      return fail(error::message_too_long, now, timing::receive_first_digit);
+      return fail(datalink_error::message_too_long, now, timing::receive_first_digit);
     }
     message.data.push_back(byte);
   }
@@ -102,17 +102,17 @@ DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock 
   const char c = static_cast<char>(byte);
   if (!receiving_) {
     if (c == bytes::checked_head && configuration_.checksum == Checksum::none && !configuration_.published_2012) {
-      return fail(error::format, now);
+      return fail(datalink_error::format, now);
     }
     if (c == bytes::plain_head || c == bytes::checked_head) {
       return begin(c == bytes::checked_head, now);
     }
-    return is_head(c) ? fail(error::format, now) : Taken{now + timing::receive_skipped};
+    return is_head(c) ? fail(datalink_error::format, now) : Taken{now + timing::receive_skipped};
   }
   Message& message = messages_[first_ ^ complete_];
   if (half_ && digit_value(c) == not_a_digit) {
     const bool framing = is_head(c) || is_end(c) || c == bytes::data_mark || c == bytes::checksum_mark;
-    return fail(framing ? error::odd_digits : error::invalid_character, now);
+    return fail(framing ? datalink_error::odd_digits : datalink_error::invalid_character, now);
   }
   if (is_end(c)) {
     return finish(now);
@@ -122,7 +122,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock 
   }
   if (is_head(c) || (c == bytes::data_mark && (message.colon || star_)) ||
       (c == bytes::checksum_mark && (!message.checked || star_))) {
-    return fail(error::format, now);
+    return fail(datalink_error::format, now);
   }
   if (c == bytes::checksum_mark) {
     star_ = true;
@@ -131,17 +131,17 @@ DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock 
   if (c == bytes::data_mark) {
     message.colon = true;
     return stored() ? Taken{now + timing::receive_character}
-                    : fail(error::message_too_long, now, timing::receive_first_digit);
+                    : fail(datalink_error::message_too_long, now, timing::receive_first_digit);
   }
   if (message.colon || star_) {
     const std::uint8_t value = digit_value(c);
-    return value == not_a_digit ? fail(error::invalid_character, now) : digit(value, now);
+    return value == not_a_digit ? fail(datalink_error::invalid_character, now) : digit(value, now);
   }
   if (!is_letter(c)) {
-    return fail(error::invalid_character, now);
+    return fail(datalink_error::invalid_character, now);
   }
   if (!stored()) {
-    return fail(error::message_too_long, now, timing::receive_first_digit);
+    return fail(datalink_error::message_too_long, now, timing::receive_first_digit);
   }
   sum_ = checksum_.update(sum_, byte);  // the letter as sent: case counts
   message.letters.push_back(static_cast<char>(c & ~0x20));

@@ -7,13 +7,13 @@
 
 #include "layer1_stream/frame_decoder.hpp"
 #include "layer1_stream/frame_encoder.hpp"
+#include "layer1_stream/frame_heads.hpp"
 
 namespace unitylink::faults {
 namespace {
 
 using namespace protocol;
 
-constexpr std::size_t reply_head_bytes = 4;  // id, posts
 constexpr std::uint8_t reply_last = device_kind::reply + reply_status::no_group;
 
 LyingPeer::Bytes text(std::string_view line) { return LyingPeer::Bytes(line.begin(), line.end()); }
@@ -117,11 +117,11 @@ LyingPeer::Bytes LyingPeer::instead_of_line(const Bytes& message) {
 // Its answer to the same request, of an error that says that nothing was executed.
 LyingPeer::Bytes LyingPeer::refusal(const Bytes& message) {
   const std::vector<std::uint8_t> payload = payload_of(message, key_);
-  if (payload.size() < reply_head_bytes) {
+  if (payload.size() < frame_head::reply) {
     return {};
   }
   const auto status = refusals[random_() % refusals.size()];
-  return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(reply_head_bytes), key_);
+  return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(frame_head::reply), key_);
 }
 
 // Another nonce each time, and no session that is open.

@@ -52,7 +52,7 @@ void ask_low_latency(int descriptor) noexcept {
   }
 }
 
-Outcome cannot_open(const std::string& path, int error) {
+Outcome cannot_open_serial(const std::string& path, int error) {
   return refused_port("serial port " + path, error, "is it plugged in?",
                      "on Debian and Ubuntu: sudo adduser $USER dialout, then log in again");
 }
@@ -67,7 +67,7 @@ Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
   }
   Descriptor port(::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!port.open()) {
-    return cannot_open(url.path, errno);
+    return cannot_open_serial(url.path, errno);
   }
   const int descriptor = port.get();
   if (::isatty(descriptor) == 0) {
@@ -75,7 +75,7 @@ Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
   }
   // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return cannot_open(url.path, EBUSY);
+    return cannot_open_serial(url.path, EBUSY);
   }
   static_cast<void>(::ioctl(descriptor, TIOCEXCL));
   if (const int error = detail::make_raw(descriptor, static_cast<std::uint32_t>(baud_hz)); error != 0) {
@@ -83,7 +83,7 @@ Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
     if (error == EINVAL) {
       return {Status::mismatch, "serial port " + url.path + ": cannot run at " + std::to_string(baud_hz) + " baud"};
     }
-    return cannot_open(url.path, error);
+    return cannot_open_serial(url.path, error);
   }
   ask_low_latency(descriptor);
   const std::uint64_t byte_time_ns = is_pseudo_terminal(descriptor) ? 0 : bits_per_byte * 1'000'000'000u / baud_hz;

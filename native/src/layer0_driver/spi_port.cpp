@@ -16,7 +16,7 @@
 namespace unitylink {
 namespace {
 
-Outcome cannot_open(const std::string& path, int error) {
+Outcome cannot_open_spi(const std::string& path, int error) {
   if (error == ENOTTY) {
     return {Status::not_found, "SPI port " + path + ": this is not an SPI port of the kernel (spidev)"};
   }
@@ -29,16 +29,16 @@ Outcome cannot_open(const std::string& path, int error) {
 Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::unique_ptr<SpiPort>& port) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_CLOEXEC));
   if (!opened.open()) {
-    return cannot_open(path, errno);
+    return cannot_open_spi(path, errno);
   }
   std::unique_ptr<SpiPort> made(new SpiPort(opened.get(), speed_hz));
   const int descriptor = opened.release();  // it is the port's
   std::uint8_t mode = 0;
   if (::ioctl(descriptor, SPI_IOC_RD_MODE, &mode) != 0) {
-    return cannot_open(path, errno);
+    return cannot_open_spi(path, errno);
   }
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {  // spidev lets several programs in, whose messages would mix
-    return cannot_open(path, errno);
+    return cannot_open_spi(path, errno);
   }
   mode = SPI_MODE_0;
   std::uint8_t bits = 8;

@@ -2,6 +2,7 @@
 // What comes in: each frame to whom it belongs.
 #include <algorithm>
 
+#include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/framed_engine.hpp"
 #include "layer2_message/framed_request.hpp"
 
@@ -13,9 +14,7 @@ using namespace protocol;
 constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
 constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts, without a loss, before many are sent ahead again
 constexpr std::uint64_t careful_posts = 200;
-constexpr std::size_t reply_head_bytes = 4;    // id, posts
 constexpr std::uint32_t turns_at_once = 16;    // transmissions of a request whose turn has not come
-constexpr std::size_t publish_head_bytes = 7;  // group, sequence, clock
 
 Status status_of(std::uint8_t status) noexcept {
   switch (status) {
@@ -113,7 +112,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
       break;
     default:
       if (frame.kind >= device_kind::reply && frame.kind <= device_kind::reply + reply_status::no_group &&
-          payload.size() >= reply_head_bytes) {
+          payload.size() >= frame_head::reply) {
         on_reply(static_cast<std::uint8_t>(frame.kind - device_kind::reply), payload);
         return;
       }
@@ -124,7 +123,7 @@ void FramedEngine::on_frame(const Frame& frame) noexcept {
 
 void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
   last_answer_ns_ = now_ns_;
-  if (payload.size() < publish_head_bytes) {
+  if (payload.size() < frame_head::publish) {
     statistics_.malformed_messages += 1;
     return;
   }
@@ -133,7 +132,7 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
   const std::size_t width = configuration_.data_bytes;
   if (ring == nullptr) {
     statistics_.unclaimed_publishes += 1;
-  } else if (payload.size() != publish_head_bytes + ring->words() * width) {
+  } else if (payload.size() != frame_head::publish + ring->words() * width) {
     statistics_.mismatched_publishes += 1;
   } else {
     Group& group = groups_[number];
@@ -149,7 +148,7 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
     const std::uint32_t clocks = number_at(payload.data() + 3, 4);
     const std::uint64_t time_ns = clock_.valid() ? std::min(now_ns_, clock_.host_ns(clocks, now_ns_)) : now_ns_;
     statistics_.publishes += 1;
-    statistics_.overruns += ring->push(time_ns, payload.subspan(publish_head_bytes), width) ? 0 : 1;
+    statistics_.overruns += ring->push(time_ns, payload.subspan(frame_head::publish), width) ? 0 : 1;
   }
 }
 
@@ -176,7 +175,7 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
       ask_again(other);
     }
   }
-  on_answer(place, status, payload.subspan(reply_head_bytes));
+  on_answer(place, status, payload.subspan(frame_head::reply));
 }
 
 void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const std::uint8_t> body) noexcept {

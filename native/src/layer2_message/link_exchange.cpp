@@ -2,16 +2,13 @@
 // Exchange groups: words that are named once and then travel as bare data, many times a second.
 #include <algorithm>
 
+#include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/failure.hpp"
 #include "layer2_message/framed_request.hpp"
 #include "layer2_message/link.hpp"
 
 namespace unitylink {
 namespace {
-
-constexpr std::size_t definition_head_bytes = 5;  // id, group, two counts
-constexpr std::size_t request_head_bytes = 5;     // id, the post a barrier names, group
-constexpr std::size_t reply_head_bytes = 4;       // id, posts
 
 constexpr std::uint32_t slot_of(std::uint32_t id) noexcept { return id % protocol::limits::exchanges_max; }
 
@@ -67,14 +64,14 @@ Outcome Link::check_exchange(const ExchangeLayout& layout) const {
   if (words > description_.exchange_size) {
     return too_large("this gateware's hold " + std::to_string(description_.exchange_size));
   }
-  const std::size_t definition = definition_head_bytes + words * (configuration_.address_bytes + 1);
-  const std::size_t asked = request_head_bytes + bytes_of(layout.outputs);
+  const std::size_t definition = frame_head::exchange_definition + words * (configuration_.address_bytes + 1);
+  const std::size_t asked = frame_head::exchange + bytes_of(layout.outputs);
   if (std::max(definition, asked) > description_.request_max) {
     return too_large("its messages would have " + std::to_string(std::max(definition, asked)) + " bytes, and the device takes " +
                      std::to_string(description_.request_max));
   }
-  if (reply_head_bytes + bytes_of(layout.inputs) > description_.reply_max) {
-    return too_large("its answers would have " + std::to_string(reply_head_bytes + bytes_of(layout.inputs)) + " bytes, and the device sends " +
+  if (frame_head::reply + bytes_of(layout.inputs) > description_.reply_max) {
+    return too_large("its answers would have " + std::to_string(frame_head::reply + bytes_of(layout.inputs)) + " bytes, and the device sends " +
                      std::to_string(description_.reply_max));
   }
   return {};

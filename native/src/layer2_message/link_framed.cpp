@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link.hpp"
 
 namespace unitylink {
 namespace {
 
-constexpr std::size_t list_head_bytes = 7;       // id, the post a barrier names, flags, an operation and its count
-constexpr std::size_t operation_head_bytes = 2;
-constexpr std::size_t list_reply_head_bytes = 6; // id, posts, done
+constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operation;
+
 constexpr std::size_t words_max = 255;           // in one operation
 constexpr std::size_t posts_per_flush = 256;
 constexpr double ticks_max = 4294967295.0;       // of the base frequency
@@ -28,8 +28,8 @@ std::size_t Link::words_read(bool repeat) const noexcept {
     return 0;
   }
   const std::size_t kept = description_.cache > 2 + configuration_.data_bytes ? (description_.cache - 2) / configuration_.data_bytes : 0;
-  return std::min({words_max, (description_.reply_max - list_reply_head_bytes) / configuration_.data_bytes,
-                   (description_.request_max - list_head_bytes) / configuration_.address_bytes, repeat ? words_max : kept});
+  return std::min({words_max, (description_.reply_max - frame_head::list_reply) / configuration_.data_bytes,
+                   (description_.request_max - list_of_one_bytes) / configuration_.address_bytes, repeat ? words_max : kept});
 }
 
 std::size_t Link::words_written() const noexcept {
@@ -37,7 +37,7 @@ std::size_t Link::words_written() const noexcept {
     return 0;
   }
   return std::min<std::size_t>(words_max,
-                               (description_.request_max - list_head_bytes) / (configuration_.address_bytes + configuration_.data_bytes));
+                               (description_.request_max - list_of_one_bytes) / (configuration_.address_bytes + configuration_.data_bytes));
 }
 
 // Words of one call of post() that go out in one message.
@@ -53,9 +53,9 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
                                " values; " + std::to_string(addresses.size()) + " to read and room for " + std::to_string(values.size())};
   }
   const std::size_t width = configuration_.address_bytes;
-  const std::size_t asked = list_head_bytes + 2 * operation_head_bytes + write_addresses.size() * (width + configuration_.data_bytes) +
+  const std::size_t asked = list_of_one_bytes + 2 * frame_head::operation + write_addresses.size() * (width + configuration_.data_bytes) +
                             addresses.size() * width;
-  const std::size_t answered = list_reply_head_bytes + addresses.size() * configuration_.data_bytes;
+  const std::size_t answered = frame_head::list_reply + addresses.size() * configuration_.data_bytes;
   const bool together = words_written() > 0 && asked <= description_.request_max && answered <= description_.reply_max &&
                         write_addresses.size() <= words_max && addresses.size() <= words_max;
   if (together && write_addresses.size() + addresses.size() > 0) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/failure.hpp"
 #include "layer2_message/framed_request.hpp"
 #include "layer2_message/link.hpp"
@@ -12,10 +13,7 @@ namespace {
 
 namespace kinds = protocol::list_operation;
 
-constexpr std::size_t list_head_bytes = 5;        // id, the post a barrier names, flags
-constexpr std::size_t list_reply_head_bytes = 6;  // id, posts, done
-
-constexpr bool known(std::uint32_t operation) noexcept {
+constexpr bool known_operation(std::uint32_t operation) noexcept {
   return operation == kinds::read || operation == kinds::read_fifo || operation == kinds::write || operation == kinds::write_fifo ||
          operation == kinds::write_masked || operation == kinds::add;
 }
@@ -29,7 +27,7 @@ std::size_t reads_of(std::span<const ListWord> steps) noexcept {
 Outcome Link::check_list(std::span<const ListWord> steps, std::size_t room) const {
   for (std::size_t index = 0; index < steps.size(); ++index) {
     const ListWord& word = steps[index];
-    if (!known(word.operation)) {
+    if (!known_operation(word.operation)) {
       return {Status::range, "operation " + std::to_string(index) + " of a list is of no kind there is: " + std::to_string(word.operation)};
     }
     if (Outcome outcome = check_address(word.address, index); !outcome.ok()) {
@@ -53,7 +51,7 @@ std::size_t Link::list_fits(std::span<const ListWord> steps) const noexcept {
     const std::span<const ListWord> part = steps.first(count);
     const std::size_t answer = reads_of(part) * configuration_.data_bytes;
     const bool takes = std::any_of(part.begin(), part.end(), [](const ListWord& word) { return word.operation == kinds::read_fifo; });
-    return list_head_bytes + bytes_of(part, configuration_) <= description_.request_max && list_reply_head_bytes + answer <= description_.reply_max &&
+    return frame_head::list + bytes_of(part, configuration_) <= description_.request_max && frame_head::list_reply + answer <= description_.reply_max &&
            (!takes || 2 + answer <= description_.cache);
   };
   std::size_t low = 0;

@@ -31,7 +31,7 @@ constexpr Override overrides[] = {
     {"rate_bytes", &LinkOptions::rate_bytes, limits_of::rate_bytes},
 };
 
-constexpr const char* known =
+constexpr const char* known_options =
     "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, trace, baud (serial), "
     "speed_hz, poll and waiting (spi), channel, mode, baud, latency and event (ftdi), node, baud, poll and silence (rs485), plant and root (sim, rtl), "
     "address_bytes, data_bytes, "
@@ -144,7 +144,7 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       (url.scheme == "spi" && is_spi_option(name)) || (url.scheme == "rs485" && is_rs485_option(name))) {
     return {};  // the driver's
   }
-  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known};
+  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known_options};
 }
 
 }  // namespace

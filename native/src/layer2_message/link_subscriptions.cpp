@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "layer1_stream/classic_encoder.hpp"
+#include "layer1_stream/frame_heads.hpp"
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link_state.hpp"
 #include "layer2_message/shapes.hpp"
@@ -14,13 +15,11 @@ namespace {
 
 // Framed: the payload's head and words. Classic: "&PUB:", group and count, the words, "*hh", line feed.
 std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked, bool framed) noexcept {
-  return framed ? frame_bytes(7 + words * data_bytes) : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
+  return framed ? frame_bytes(frame_head::publish + words * data_bytes) : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
 }
 
 // Every configuration command may be sent twice: it sets, it does not count.
 constexpr RequestOptions repeatable{.checked = std::nullopt, .repeat = true, .timeout_ns = 0};
-constexpr std::size_t definition_head_bytes = 9;  // id, group, divisor, flags, count
-constexpr std::size_t publish_head_bytes = 7;       // group, sequence, clock
 constexpr std::size_t ring_words_max = std::size_t{1} << 26;
 
 Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std::move(why)}; }
@@ -32,8 +31,8 @@ std::uint32_t Link::usable_group_size() const noexcept {
     const auto words = [](std::uint32_t most, std::size_t head, std::uint32_t each) {
       return most > head ? static_cast<std::uint32_t>((most - head) / each) : 0;
     };
-    return std::min({configuration_.group_size, words(description_.request_max, definition_head_bytes, configuration_.address_bytes),
-                     words(description_.reply_max, publish_head_bytes, configuration_.data_bytes)});
+    return std::min({configuration_.group_size, words(description_.request_max, frame_head::group_definition, configuration_.address_bytes),
+                     words(description_.reply_max, frame_head::publish, configuration_.data_bytes)});
   }
   if (gateware_ == Gateware::corrected) {
     return configuration_.group_size;

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from unitylink.errors import BusError, ValueRangeError, shown
+from unitylink.errors import BusError, DeviceMismatch, ValueRangeError, shown
 
 from .arguments import whole, wholes
 from .proxy import HardwareProxy
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
 DATA, COUNT, SPACE = 0, 1, 2  # relative addresses
+WORDS_MOST = 2**16  # each way: the deepest that `fifo_slave` can be
 BLOCK_WORDS = 255  # the most one read-many can carry; the link splits further where the gateware takes less
 
 
@@ -73,11 +74,14 @@ class FifoProxy(HardwareProxy):
             ) from error
 
     def pop_many(self, limit: int, *, timeout_s: float | None = None) -> NDArray[np.uint32]:
-        """Take what is there, at most `limit` words, oldest first."""
+        """Take what is there, at most `limit` words, oldest first.
+
+        Raises DeviceMismatch where the device counts more words than a FIFO can hold: there is none here.
+        """
         limit = whole("fifo: limit", limit)
         if limit < 0:
             raise ValueRangeError(f"fifo: cannot take {shown(limit)} words")
-        left = min(limit, int(self.link.read(self.base + COUNT)))
+        left = min(limit, self._counted(COUNT))
         blocks = [np.zeros(0, np.uint32)]
         while left:
             block = min(left, BLOCK_WORDS)
@@ -99,9 +103,19 @@ class FifoProxy(HardwareProxy):
         """Append words in order; ValueRangeError before the first is sent where there is no room for all."""
         batch = wholes("fifo: words", words)
         self._check_words(batch)
-        space = int(self.link.read(self.base + SPACE))
+        space = self._counted(SPACE)
         if len(batch) > space:
             raise ValueRangeError(
                 f"fifo at {self.base:#06x}: {len(batch)} words do not fit, it has room for {space}"
             )
         self.write_many([DATA] * len(batch), batch, timeout_s=timeout_s)
+
+    def _counted(self, register: int) -> int:
+        """Return one of the counters; a number that no FIFO can have would be hours of popping."""
+        count = int(self.link.read(self.base + register))
+        if count > WORDS_MOST:
+            raise DeviceMismatch(
+                f"there is no FIFO at {self.base:#06x}: the word at {self.base + register:#06x} is {count:,}"
+                f", and a FIFO holds at most {WORDS_MOST:,} words"
+            )
+        return count

@@ -8,7 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from unitylink.errors import BusError, LinkTimeout, ValueRangeError
+from unitylink.errors import BusError, DeviceMismatch, LinkTimeout, ValueRangeError
+from unitylink.gateware import gateware_folder
 from unitylink.layer3_hardware import FifoProxy, FifoStatus, MemoryProxy, NetworkNode, TosNetProxy
 
 
@@ -69,6 +70,20 @@ def test_fifo_says_what_to_do(fake: ModuleType) -> None:
     assert fifo.link.bus.from_pc == [1, 2]  # type: ignore[attr-defined]
     with pytest.raises(ValueRangeError):
         fifo.pop_many(-1)
+
+
+def test_what_counts_more_words_than_a_fifo_holds_is_none(fake: ModuleType) -> None:
+    """Popping so many words from some register would take hours."""
+    link = fake.FakeLink()
+    fifo = FifoProxy(link, 0x40)
+    most = "range 2 to 2 ** 16 := 16; -- words each way"
+    assert most in (gateware_folder() / "cores" / "fifo_slave.vhd").read_text("utf-8")
+    link.bus.words = {0x41: 2**16 + 1, 0x42: 2**32 - 1}
+    for act in (lambda: fifo.pop_many(10**9), lambda: fifo.push_many([1])):
+        with pytest.raises(DeviceMismatch, match=r"no FIFO at 0x0040: the word at 0x004[12] is "):
+            act()
+    link.bus.words[0x41] = 2**16
+    assert len(fifo.pop_many(3)) == 3
 
 
 def test_tosnet_node_addressing(fake: ModuleType) -> None:

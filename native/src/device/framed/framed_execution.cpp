@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "device/framed/framed_application.hpp"
+#include "layer1_stream/frame_heads.hpp"
 
 namespace unitylink::device {
 
@@ -15,8 +16,6 @@ namespace status = protocol::reply_status;
 
 namespace {
 
-constexpr std::size_t reply_head_bytes = 4;    // id and posts
-constexpr std::size_t publish_head_bytes = 7;  // group, sequence, clock
 constexpr Clock silent_cycle = protocol::limits::bus_timeout_clocks + 1;
 
 std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
@@ -101,7 +100,7 @@ FramedApplication::Status FramedApplication::untimely() const noexcept {
 FramedApplication::Status FramedApplication::refusal(bool repeated) const noexcept {
   const std::size_t word_bytes = configuration_.data_bytes();
   bool writes = request_.operation == request_kind::write;
-  std::size_t reply_bytes = reply_head_bytes;
+  std::size_t reply_bytes = frame_head::reply;
   bool lost_if_repeated = false;
   switch (request_.operation) {
     case request_kind::read:
@@ -139,7 +138,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
       if (request_.address >= groups_.size() || request_.addresses.size() > configuration_.group_size) {
         return status::no_group;
       }
-      reply_bytes = publish_head_bytes + word_bytes * request_.addresses.size();
+      reply_bytes = frame_head::publish + word_bytes * request_.addresses.size();
       break;
     case request_kind::define_exchange:
       if (request_.address >= exchanges_.size() || request_.members.size() > configuration_.exchange_size) {

@@ -127,8 +127,12 @@ def compile_netlist(
     *,
     tools: _Tools | None = None,
     say: Progress | None = None,
+    fast: bool = True,
 ) -> None:
-    """Make the shared library of the netlist `verilog` of `top`; raise ToolError."""
+    """Make the shared library of the netlist `verilog` of `top`; raise ToolError.
+
+    What is not `fast` is compiled in a third of the time, and runs ten times slower.
+    """
     tools = tools if tools is not None else _Tools()
     say = say if say is not None else _silent
     with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:
@@ -149,7 +153,8 @@ def compile_netlist(
             ],
             folder,
         )
-        _compile(folder, _kind(verilog, top), top, library, tools=tools, say=say)
+        level = "-O2" if fast else "-O0"
+        _compile(folder, level, _kind(verilog, top), top, library, tools=tools, say=say)
 
 
 def _kind(verilog: str, top: str) -> list[str]:
@@ -164,7 +169,7 @@ def _kind(verilog: str, top: str) -> list[str]:
 
 
 def _compile(
-    folder: Path, kind: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
+    folder: Path, level: str, kind: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
 ) -> None:
     include = tools.verilator_include()
     flags = [*_COMPILE, *kind, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
@@ -176,11 +181,11 @@ def _compile(
         often = small if path.stat().st_size < _SMALL_BYTES else large
         (rarely if re.search("Slow|Syms|ConstPool", path.name) else often).append(path)
     # What runs only once need not be fast, and most of a small file's time goes into the headers.
-    jobs = [(path, "-O2") for path in large]
-    for name, paths, level in (("clock", small, "-O2"), ("others", rarely, "-O0")):
+    jobs = [(path, level) for path in large]
+    for name, paths, chosen in (("clock", small, level), ("others", rarely, "-O0")):
         joined = folder / f"{name}.cpp"
         joined.write_text("".join(f'#include "{path}"\n' for path in paths), encoding="utf-8")
-        jobs.append((joined, level))
+        jobs.append((joined, chosen))
     done = 0
 
     def compile_one(job: tuple[Path, str]) -> str:
