@@ -231,7 +231,7 @@ def section(results: dict[str, Any]) -> list[Block]:
         ),
         Code(f"{COMMAND} --json > docs/faults-beside-litex.json && make docs"),
         Table(
-            "Faults that go wrong with the package, and what ours did.",
+            "Faults that the package does not handle, and what ours did.",
             headers,
             [cells(row) for row in shown],
         ),

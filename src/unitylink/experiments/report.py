@@ -37,8 +37,8 @@ MODEL = (
 PEERS = (
     "LiteX is its released package 2024.12. CommUART has the port itself. CommUDP speaks Etherbone in "
     "datagrams. RemoteClient speaks Etherbone to litex_server, which has the port or the network. "
-    "Each client uses its best call for a block. 'Etherbone packets' is CommUDP with a feature that "
-    "its packets allow and it does not offer: scattered addresses in one read, built with LiteX's own "
+    "Each client uses its best call for a block. 'Etherbone packets' adds a feature that the packets "
+    "allow but CommUDP does not offer: scattered addresses in one read, built with LiteX's own "
     "classes. The device at the far end is ours and takes packets of any length. LiteX's gateware "
     "holds 16 words by default. Neither UARTBone nor Etherbone acknowledges a write or carries a "
     "checksum, so a write is one that is read back. RemoteClient's write followed by a read waits "

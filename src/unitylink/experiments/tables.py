@@ -294,7 +294,7 @@ def publish_delays(rows: list[dict[str, Any]]) -> Table:
     return Table(
         "The effect of send-immediate on publishes: four words at 961 Hz through the chip of the "
         "paper. Times are in us, from the last byte out of the gateware to the program.",
-        ["gateware", "send-immediate behind", "publishes", "mean", "most"],
+        ["gateware", "send-immediate after", "publishes", "mean", "most"],
         [
             [
                 row["gateware"],
