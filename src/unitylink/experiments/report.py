@@ -146,12 +146,12 @@ def _publishing(results: dict[str, Any]) -> list[Block]:
     return [
         Heading(2, "Publishing"),
         Figure(
-            "Highest rate of publishes against their size (the paper's Fig. 4). It is 50e6/(20+16n) "
-            "for the gateware of 2012, 50e6/(10+8n) for our core, and 67.1e6 bit/s over the bytes of "
-            "a message for the ideal link. In the long run the chip's model takes a packet of 510 "
-            "bytes per microframe. It takes a burst of up to 1276 bytes at the link's rate, because "
-            "chip and FIFO hold it. The full stack is measured, at up to twice the ideal link's rate. "
-            "The paper's own points are a picture without numbers.",
+            "Highest rate of publishes against their size (the paper's Fig. 4). The gateware of 2012 "
+            "reaches 50e6/(20+16n), our core 50e6/(10+8n). The ideal link reaches 67.1e6 bit/s over "
+            "the bytes of a message. In the long run the chip's model takes a packet of 510 bytes per "
+            "microframe. It takes a burst of up to 1276 bytes at the link's rate, because chip and "
+            "FIFO hold it. The full stack is measured, at up to twice the ideal link's rate. The "
+            "paper's own points are a picture without numbers.",
             PUBLISHES,
         ),
         tables.publish_delays(results["publish_delays"]),

@@ -187,11 +187,11 @@ def peers(measured: dict[str, Any]) -> list[Block]:
             ],
         ),
         Table(
-            "What a read gives when one bit of the answer is flipped, what the next read gives, and "
-            "what a read does when the device answers no more. RemoteClient ends after four seconds "
-            "with 0 and no error (docs/faults.md has more such faults). On a network the checksums of "
-            "Ethernet and UDP find most flipped bits before that. Here the bit flips after these "
-            "checks, as in a buffer.",
+            "The columns: what a read gives when one bit of the answer is flipped, what the next read "
+            "gives, and what a read does when the device no longer answers. RemoteClient ends after "
+            "four seconds with 0 and no error (docs/faults.md has more such faults). On a network the "
+            "checksums of Ethernet and UDP find most flipped bits before that. Here the bit flips "
+            "after these checks, as in a buffer.",
             ["client", "a flipped bit", "the read after it", "a frozen device"],
             [
                 [row["name"], *(_outcome(row[name]) for name in ("flipped", "after", "frozen"))]
