@@ -28,25 +28,25 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
         connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
         connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
 
-    The framed protocol is spoken where the device knows it, else the classic one (`link.protocol`,
-    `link.notice`, which is logged): that is where it answers eight classic questions and no HELLO. Values
-    with SAFE and PULSEs then are DeviceMismatch, unless the URL says `protocol=classic`. Options:
-    `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its outputs
-    safe), `spec_hash=HEX` (DeviceMismatch where the gateware has another wire hash) or
-    `spec_hash=any` (objects are made although it was built from another spec; that is logged).
+    The link speaks the framed protocol if the device knows it. It falls back to the classic one if the device
+    answers eight classic questions and no HELLO (`link.protocol`, and `link.notice`, which is logged). Then a
+    PULSE or a value with SAFE is a DeviceMismatch, unless the URL says `protocol=classic`.
 
-    `reconnect=1` in the URL, or `reconnect=True`: a line that is lost, or whose device falls silent, is
-    opened again, and what was subscribed goes on (`Link.on_event`, `Link.wait_up`). What is asked meanwhile
-    is LinkDown at once; with `wait=SECONDS` reads wait so long instead. Not for `fd:` and `mmap:`.
-    `reconnect="auto"`: so it is where the URL does not say, and names a place of hardware that allows it.
+    Options: `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its outputs
+    safe), `spec_hash=HEX` (DeviceMismatch if the gateware has another wire hash) or `spec_hash=any` (objects
+    are made although the gateware was built from another spec, which is logged).
 
-    `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. The others'
-    options: `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's
-    buffers), `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`; `none`: the
-    gateware has no checksums, and is never sent a `$`), `window=64`, `gateware=auto|2012|corrected`,
-    `trace=FILE` (a capture of all bytes, for `unitylink decode` and Wireshark).
-    Where gateware has no RLC also `address_bytes= data_bytes= read_many= publish_mode= base_hz= groups=
-    group_size= rate_bytes=`.
+    With `reconnect=1` in the URL, or `reconnect=True`, a line that is lost or silent is opened again, and
+    subscriptions go on (`Link.on_event`, `Link.wait_up`). Requests meanwhile are LinkDown at once. With
+    `wait=SECONDS` reads wait that long instead. This is not for `fd:` and `mmap:`. `reconnect="auto"` does so
+    if the URL does not say otherwise and names hardware that allows it.
+
+    `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. All others have
+    `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's buffers),
+    `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`, or `none` for gateware without checksums, which
+    never gets a `$`), `window=64`, `gateware=auto|2012|corrected`, `trace=FILE` (a capture of all bytes, for
+    `unitylink decode` and Wireshark). For gateware without RLC also `address_bytes= data_bytes= read_many=
+    publish_mode= base_hz= groups= group_size= rate_bytes=`.
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
     """
@@ -80,7 +80,7 @@ def _with_reconnect(url: str, reconnect: bool) -> str:
 
 @contextmanager
 def open_driver(url: str) -> Iterator[Driver]:
-    """Open what `url` names for those who speak the protocol themselves; closed at the end of the `with`.
+    """Open the bytes of what `url` names, for callers with a protocol of their own. The `with` closes it.
 
     Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout.
     """

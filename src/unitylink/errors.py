@@ -24,7 +24,7 @@
     ├── BoardError                 a board that is not known, or a design that does not go on it
     └── BindingError               a generated file that does not belong to this library, spec or link
 
-Whose fault it is can be read from the branch: `LinkError` is the world outside, the others are the caller's.
+The branch tells the cause: a `LinkError` comes from the world outside, the others from the caller.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 
 def shown(value: object) -> str:
-    """Return a value for the text of an error: short, whatever it is.
+    """Return a value as a short text, for an error.
 
     >>> shown([1, 2, "x"]), shown(10**5000)
     ("[1, 2, 'x']", 'a number that is too long to be shown')
     """
     try:
         return reprlib.repr(value)
-    except Exception:  # an integer of more digits than Python writes; an object that cannot show itself
+    except Exception:  # an integer with more digits than Python writes, or an object that cannot show itself
         return (
             f"a {'number' if isinstance(value, int) else type(value).__name__} that is too long to be shown"
         )
@@ -58,8 +58,8 @@ class UnityLinkError(Exception):
 class LinkError(UnityLinkError):
     """Something about a link failed.
 
-    `item` is the name from the spec where a layer above knew it, `address` the word address,
-    `attempts` how often the request was sent, `elapsed_s` the time from the first attempt to the verdict.
+    `item` is the name from the spec, if a layer above knew it. `address` is the word address. `attempts` is
+    how often the request was sent. `elapsed_s` is the time from the first attempt to the result.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class LinkError(UnityLinkError):
         self.elapsed_s = elapsed_s
 
     def with_item(self, item: str) -> Self:
-        """Name the item this error is about, unless a lower layer already did; return self for `raise`.
+        """Name the item of this error, unless a lower layer already did. Return self for `raise`.
 
         >>> str(LinkTimeout("read of 0x0088 unanswered", address=0x88).with_item("j1.cpos"))
         'j1.cpos: read of 0x0088 unanswered'
@@ -97,9 +97,9 @@ class LinkTimeout(LinkError):
 
 
 class OutcomeUnknown(LinkError):
-    """A request with side effects was sent and its answer was lost: it may or may not have been executed.
+    """A request with side effects was sent and its reply was lost: it may or may not have been executed.
 
-    Read the item back (or re-establish a known state) before going on; nothing was repeated by itself.
+    Read the item back, or write a known state, before you go on. Nothing was repeated by itself.
     """
 
 
@@ -108,9 +108,9 @@ class LinkClosed(LinkError):
 
 
 class LinkDown(LinkError):
-    """The line is gone and is being opened again (`reconnect=1`); nothing was sent.
+    """The line is gone and is being opened again (`reconnect=1`). Nothing was sent.
 
-    `Link.wait_up` waits for it, `Link.on_event` tells when it is back.
+    `Link.wait_up` waits for the line, `Link.on_event` tells when it is back.
     """
 
 
@@ -139,7 +139,8 @@ class NetworkError(LinkError):
 
 
 class DeadManTripped(LinkError):
-    """The device heard nothing for too long, made its outputs safe, and writes nothing before `arm()`."""
+    """The device has heard nothing for too long. Its outputs are safe, and it writes nothing before
+    `arm()`."""
 
 
 class DeviceMismatch(LinkError):
@@ -147,18 +148,18 @@ class DeviceMismatch(LinkError):
 
 
 class ValueRangeError(UnityLinkError, ValueError):
-    """A value, address or count that cannot be sent; nothing was."""
+    """A value, address or count that cannot be sent. Nothing was sent."""
 
 
 class AssignmentError(UnityLinkError, AttributeError):
-    """An attribute or entry of a robot that cannot be replaced: a value is written by its methods."""
+    """An attribute or entry of a robot that cannot be replaced. Write a value by its methods."""
 
 
 class UnknownName(UnityLinkError, KeyError):
     """A name that a robot, a group or a recording does not have."""
 
     def __str__(self) -> str:
-        """Return the sentence, which a KeyError would show in quotes."""
+        """Return the sentence without the quotes of a KeyError."""
         return str(self.args[0]) if self.args else ""
 
 
@@ -167,7 +168,7 @@ class UrlError(UnityLinkError, ValueError):
 
 
 class SpecError(UnityLinkError):
-    """A UL-spec has errors; `diagnostics` holds all of them, `str()` is the rendered report."""
+    """A UL-spec has errors. `diagnostics` holds all of them, and `str()` is the report."""
 
     def __init__(self, report: str, diagnostics: Sequence[object] = ()) -> None:
         super().__init__(report)

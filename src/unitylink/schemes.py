@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The schemes of link URLs: one table that `connect`, the command line and their help texts read.
 
-A new way to a device is a row here, and either a driver of the native core or a function that makes what the
-URL names and says which driver URL reaches it.
+A new scheme needs a row here. It also needs a driver of the native core, or a function that makes what the
+URL names and returns the driver URL that reaches it. CONTRIBUTING.md has the steps.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from unitylink.errors import UrlError
 
 
 class Device(Protocol):
-    """What a scheme makes; it is closed after the link."""
+    """What a scheme makes. It is closed after the link."""
 
     def close(self) -> None: ...
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """One way to a device. `form` is an example of its URLs, `what` says in a few words where it leads.
+    """One way to a device. `form` is an example of its URLs. `what` says in a few words where it leads.
 
-    `make` returns what the URL names and the URL under which the native core reaches it; None: the core opens
-    the URL itself. `virtual`: there is no port and no hardware behind it, and the URL names a spec.
-    `stream`: bytes go there; else layer 2 reaches the registers itself, with no protocol between. `once`: it
-    cannot be opened a second time.
+    `make` returns what the URL names, and the URL under which the native core reaches that. None: the core
+    opens the URL itself. `virtual`: the URL names a spec, and there is no port and no hardware. `stream`:
+    bytes go there. Otherwise layer 2 reaches the registers itself, without a protocol. `once`: it cannot be
+    opened a second time.
     """
 
     name: str
@@ -40,12 +40,13 @@ class Scheme:
 
     @property
     def lasting(self) -> bool:
-        """Whether a program that wants its line back asks for it here: a virtual board is never unplugged."""
+        """Whether `reconnect="auto"` opens a lost line again: not for a virtual board, which is never
+        unplugged."""
         return self.stream and not self.once and not self.virtual
 
 
 def _simulated(url: str) -> tuple[Device, str]:
-    from unitylink.simulate import simulated_board  # the twin and the plants: only for those who want them
+    from unitylink.simulate import simulated_board  # here: it loads the twin and the plants
 
     return simulated_board(url)
 
@@ -68,7 +69,7 @@ SCHEMES = {
 
 
 def scheme_of(url: str) -> Scheme:
-    """Return the scheme of a link URL; UrlError, which lists all forms, where it has none of them.
+    """Return the scheme of a link URL. If it has none, UrlError lists all forms.
 
     >>> scheme_of("tcp://192.168.1.10:5555?crc=1").what
     'a board on the network, or `unitylink simulate`'
@@ -76,7 +77,7 @@ def scheme_of(url: str) -> Scheme:
     name, colon, _ = url.partition(":")
     try:
         whole = b"\0" not in url.encode()
-    except UnicodeEncodeError:  # a word of a command line that is no UTF-8
+    except UnicodeEncodeError:  # a word of a command line that is not UTF-8
         whole = False
     if not whole:
         raise UrlError(f"link URL {url!r}: it is no UTF-8, or has a NUL in it")

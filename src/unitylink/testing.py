@@ -6,7 +6,7 @@
         arm.robot["x.target"].write(100)
         assert arm.registers[arm.robot["x.target"].address] == 100
 
-pytest finds it as a plug-in; nothing has to be imported.
+pytest finds it as a plug-in, so you import nothing.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Simulated:
 
     @property
     def registers(self) -> Registers:
-        """What the FPGA sees: set what sensors say, get what was written."""
+        """The registers from the FPGA's side: set what sensors say, get what was written."""
         return self.board.registers
 
 
@@ -47,8 +47,8 @@ def unitylink_sim(request: pytest.FixtureRequest) -> Iterator[Callable[..., Simu
     """Make robots on virtual boards: `unitylink_sim(SPEC, plant=None, options="", **generics)`.
 
     SPEC is a file, looked for beside the test and then in the working folder. `plant` is the name of a plant,
-    a file, or an object with `attach` and `step`; `options` are those of a link URL ("crc=1"); `generics`
-    those of `BoardConfiguration`, such as `data_bits=16`. All is closed when the test ends.
+    a file, or an object with `attach` and `step`. `options` are those of a link URL ("crc=1"). `generics` are
+    those of `BoardConfiguration`, such as `data_bits=16`. Everything is closed when the test ends.
     """
     with ExitStack() as stack:
 

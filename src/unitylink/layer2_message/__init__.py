@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Layer 2: requests, publishes and everything that can go wrong between them, as words at addresses.
+"""Layer 2: requests and publishes as words at addresses, with all that can go wrong between.
 
     from unitylink import connect
 
@@ -10,7 +10,7 @@
             positions.wait(1.0)
             times_s, values = positions.drain()
 
-Values are raw unsigned words; names, signs and units are layer 4's.
+Values are raw unsigned words. Names, signs and units belong to layer 4.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Pending:
-    """A word that a batch will have read at its end."""
+    """A word that a batch reads at its end."""
 
     def __init__(self, address: int) -> None:
         """Made by Batch.read."""
@@ -25,7 +25,7 @@ class Pending:
 
     @property
     def value(self) -> int:
-        """The word; RuntimeError before the batch has ended, or when it failed."""
+        """The word. RuntimeError before the batch has ended, or if it failed."""
         if self._value is None:
             raise RuntimeError(
                 f"the batch has not read 0x{self.address:x} yet: it does so where its with block ends"
@@ -37,11 +37,12 @@ class Pending:
 
 
 class Batch:
-    """Collects operations, and does them in their order where its with block ends.
+    """Collects operations, and does them in their order at the end of its `with` block.
 
-    On a framed link in one message each way where the device's buffers allow, else in several; each is
-    executed once, or OutcomeUnknown says that the device was reset. Nothing is sent when the block raises. On
-    a classic link they are reads and writes one after the other, so that others may come between.
+    On a framed link it takes one message each way if the device's buffers allow that, or else several. Each
+    operation is executed once, or OutcomeUnknown says that the device was reset. Nothing is sent if the block
+    raises. On a classic link they are reads and writes one after the other. Those of other threads may come
+    between.
     """
 
     def __init__(self, engine: Engine, *, atomic: bool = False) -> None:
@@ -56,11 +57,11 @@ class Batch:
         return self._read(p.LIST_OPERATION_READ, address)
 
     def read_many(self, addresses: Iterable[int]) -> list[Pending]:
-        """Read words; addresses in a row are named by their first."""
+        """Read words. The message names only the first of addresses in a row."""
         return [self.read(address) for address in addresses]
 
     def read_fifo(self, address: int, count: int) -> list[Pending]:
-        """Read `address` so many times, as a FIFO is; no word is lost or taken twice."""
+        """Read `address` several times, as a FIFO is read. No word is lost or taken twice."""
         return [self._read(p.LIST_OPERATION_READ_FIFO, address) for _ in range(count)]
 
     def write(self, address: int, value: int) -> None:
@@ -68,7 +69,7 @@ class Batch:
         self._steps.append((p.LIST_OPERATION_WRITE, address, value, 0))
 
     def write_many(self, addresses: Iterable[int], values: Iterable[int]) -> None:
-        """Write `values` to `addresses`; addresses in a row are named by their first."""
+        """Write `values` to `addresses`. The message names only the first of addresses in a row."""
         for address, value in zip(addresses, values, strict=True):
             self.write(address, value)
 
@@ -77,7 +78,7 @@ class Batch:
         self._steps += [(p.LIST_OPERATION_WRITE_FIFO, address, value, 0) for value in values]
 
     def write_masked(self, address: int, mask: int, value: int) -> None:
-        """Write the bits of `value` that are set in `mask`; the others stay as the device has them."""
+        """Write the bits of `value` that are set in `mask`. The others stay as the device has them."""
         self._steps.append((p.LIST_OPERATION_WRITE_MASKED, address, value, mask))
 
     def add(self, address: int, value: int) -> None:

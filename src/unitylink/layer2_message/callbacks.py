@@ -15,7 +15,7 @@ from unitylink.errors import LinkError
 from .engine import Engine
 
 _PATIENCE_NS = 200_000_000
-STUCK_S = 5.0  # one call that takes longer is not waited for at the end
+STUCK_S = 5.0  # at the end the thread waits no longer than this for one call
 
 _log = logging.getLogger("unitylink.link")
 _here = threading.local()
@@ -29,15 +29,15 @@ def called_back() -> bool:
 class Deliverable(Protocol):
     """A subscription, as the callback thread sees it."""
 
-    gather_s: float  # how long what has come may wait; inf: as long as the others
-    told: int  # how many calls have been begun
+    gather_s: float  # how long a publish may wait; inf: as long as the others
+    told: int  # number of calls begun
 
     @property
     def ended(self) -> bool:
         """Whether nothing will come any more."""
 
     def deliver(self) -> None:
-        """Fetch what has come and call back for each."""
+        """Fetch the publishes that have come, and call back for each."""
 
     def hush(self) -> None:
         """Call back no more."""
@@ -66,22 +66,22 @@ class CallbackThread:
             self._changed.notify_all()
 
     def finish(self, subscription: Deliverable) -> None:
-        """Wait until all that had come of a subscription which has ended was called back for.
+        """Wait until the callback has had every publish of a subscription that has ended.
 
-        One call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        A call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
         """
         self._wait_for(lambda: self._thread is None or subscription not in self._subscriptions)
 
     def disown(self) -> None:
-        """Forget the thread, which a forked child does not have, and the lock that it may have held."""
+        """Forget the thread and the lock that it may have held. A forked child does not have that thread."""
         self._subscriptions = ()
         self._changed = threading.Condition()
         self._thread = None
 
     def stop(self) -> None:
-        """Wait until all that came before the link ended was called back for; in a callback, end with it.
+        """Wait until the callbacks have had all that came before the link ended. In a callback, end with it.
 
-        One call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
+        A call that takes longer than STUCK_S is left behind, with a RuntimeWarning.
         """
         thread = self._thread
         if thread is threading.current_thread():
@@ -95,9 +95,9 @@ class CallbackThread:
                     subscription.hush()
 
     def _wait_for(self, done: Callable[[], bool]) -> bool:
-        """Wait while callbacks return; False, having warned, where one does not."""
+        """Wait while callbacks return. If one does not, warn and return False."""
         with self._changed:
-            self._changed.notify_all()  # the thread may be at rest
+            self._changed.notify_all()  # the thread may be idle
             before = -1
             while not self._changed.wait_for(done, STUCK_S):
                 told = sum(subscription.told for subscription in self._subscriptions)
@@ -126,15 +126,15 @@ class CallbackThread:
     def _serve(self) -> None:
         seen = 0
         for subscription in self._subscriptions:
-            subscription.deliver()  # what is to be told first, for which no publish wakes
+            subscription.deliver()  # what is called first, because no publish wakes the thread for it
         while True:
             before, seen = seen, self._native.wait_publishes(seen, _PATIENCE_NS)
-            over = seen == before and self._native.closed  # with news at the end there is one turn more
+            over = seen == before and self._native.closed  # with news at the end there is one more turn
             subscriptions = self._subscriptions
             for subscription in subscriptions:
                 subscription.deliver()
             for subscription in [each for each in subscriptions if each.ended]:
-                subscription.deliver()  # all that it ever gets is there since it has ended
+                subscription.deliver()  # it has ended, so no more can come
                 self.remove(subscription)
             rest_s = self._rest_s()
             if over or rest_s or not self._subscriptions:
@@ -149,4 +149,4 @@ class CallbackThread:
         return 0.0 if shortest == inf else shortest
 
     def _rest(self, most_s: float) -> None:
-        self._changed.wait(most_s)  # who closes a subscription ends it
+        self._changed.wait(most_s)  # closing a subscription ends it

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Configuration:
-    """What the device told about itself (or the URL, where it cannot): widths, groups, publishing."""
+    """What the device says about itself: widths, groups, publishing. If it cannot, the URL says it."""
 
     address_bytes: int
     data_bytes: int
@@ -17,15 +17,15 @@ class Configuration:
     publish_mode: int
     """0 none, 1 requests before publishing, 2 publishing before requests."""
     base_hz: int
-    """Frequency of the base strobe: a subscription with divisor n publishes base_hz / n times a second."""
+    """Frequency of the base strobe. A subscription with divisor n publishes base_hz / n times a second."""
     groups: int
     group_size: int
-    """Addresses in a group as advertised; see usable_group_size."""
+    """Addresses in a group, as the device says. See usable_group_size."""
     rate_bytes: int
     discovered: bool
-    """True when the device reported it, False when the URL said so."""
+    """True if the device reported it, False if the URL did."""
     usable_group_size: int = 0
-    """group_size - 1 on 2012 gateware: a group filled to the brim there never stops publishing."""
+    """group_size - 1 on 2012 gateware, where a full group never stops publishing."""
 
     @property
     def data_bits(self) -> int:
@@ -60,12 +60,13 @@ class Statistics:
     bytes_sent: int
     bytes_received: int
     posts: int
-    """Writes without an answer that were sent (framed protocol)."""
+    """Posts that were sent: writes without a reply (framed protocol)."""
     missing_publishes: int
     """Gaps in the sequence of publishes: lost on the way (framed protocol)."""
     sessions: int
-    """Opened by this link; more than one: the device was reset, had another host, or the line was lost."""
+    """Sessions that this link has opened. More than one: the device was reset, had another host, or the line
+    was lost."""
     restarts: int
-    """Sessions that the device had no more: it was reset, or another host took it (framed protocol)."""
+    """Sessions that the device had lost: it was reset, or another host took it (framed protocol)."""
     reconnections: int
     """Times the line was lost and came back (`reconnect=1`)."""

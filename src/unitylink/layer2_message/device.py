@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a framed device tells about itself: its description, its counters, its clock."""
+"""What a framed device says about itself: its description, its counters, its clock."""
 
 from __future__ import annotations
 
@@ -21,30 +21,31 @@ class Description:
     """What the gateware says it is (docs/protocol.md, section 6)."""
 
     version: int
-    """Of the protocol: major in the upper half, minor in the lower."""
+    """Version of the protocol: major in the upper half, minor in the lower."""
     gateware_version: int
     build: int
     clock_hz: int
     features: int
-    """Bits FEATURE_… of unitylink.protocol."""
+    """The bits FEATURE_… of unitylink.protocol."""
     credit: int
-    """Bytes of requests that may be unanswered."""
+    """How many bytes of requests may be unanswered."""
     request_max: int
     """Bytes of the longest payload of a request."""
     reply_max: int
     window: int
-    """Requests that may be unanswered."""
+    """How many requests may be unanswered."""
     cache: int
-    """Bytes of a reply that are kept for a repeat."""
+    """How many bytes of a reply are kept for a repeat."""
     exchanges: int
     exchange_size: int
     spec_hash: int
-    """The wire hash of the spec that it was built from (`unitylink.wire_hash`); 0: it does not know."""
+    """The wire hash of the spec that the gateware was built from (`unitylink.wire_hash`). 0: it does not
+    know."""
 
 
 @dataclass(frozen=True)
 class Health:
-    """The device's own counters since its reset; each stops at 2^32 - 1."""
+    """The device's own counters since its reset. Each stops at 2^32 - 1."""
 
     frames: int
     discarded_check: int
@@ -55,7 +56,7 @@ class Health:
     discarded_stale: int
     discarded_long: int
     duplicates: int
-    """Requests that came again; each was executed once."""
+    """Requests that came again. Each was executed once."""
     posts: int
     posts_ahead: int
     posts_old: int
@@ -71,44 +72,44 @@ class Health:
 
     @classmethod
     def count(cls) -> int:
-        """How many counters there are, one register each, in the order of the fields."""
+        """The number of counters. Each is one register, in the order of the fields."""
         return len(fields(cls))
 
 
 @dataclass(frozen=True)
 class DeadMan:
-    """What watches whether the host is alive (docs/protocol.md, section 6)."""
+    """The state of the dead-man, which watches whether the host is alive (docs/protocol.md, section 6)."""
 
     tripped: bool
-    """The outputs are safe, and nothing is written before `Link.arm`."""
+    """Whether it has tripped: the outputs are safe, and nothing is written before `Link.arm`."""
     running: bool
     silence_s: float
-    """After which it trips; 0 where it does not run."""
+    """The silence after which it trips. 0 if it does not run."""
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The device's clock in the host's time, fitted to readings of it."""
+    """The device's clock in the host's time, fitted to readings of that clock."""
 
     period_ns: float
-    """Of one clock of the device, by the host's clock."""
+    """The duration of one clock of the device, by the host's clock."""
     drift_ppm: float
-    """By how much that is longer than the device says."""
+    """How much longer that is than the device says."""
     uncertainty_ns: float
-    """How far a time stamp can be off: half of the quickest round trip."""
+    """How wrong a time stamp can be: half of the quickest round trip."""
 
 
 def told_notice(engine: Engine, url: str) -> str:
-    """Return why `engine` speaks the classic protocol without having been asked to, and warn of it."""
+    """Return why `engine` speaks the classic protocol although nobody asked for it, and warn."""
     if engine.notice:
         _log.warning("%s: %s", url, engine.notice)
     return engine.notice
 
 
 def checked_spec(engine: Engine, url: str, spec: str, hashes: Sequence[int]) -> str:
-    """Return why it is not known that the gateware was built from `spec`, which has one of `hashes`.
+    """Return why it is unknown whether the gateware was built from `spec`, which has one of `hashes`.
 
-    Empty where it was; DeviceMismatch where it was not, unless the URL says `spec_hash=any`, which is logged.
+    Return "" if it was. If it was not, raise DeviceMismatch, or with `spec_hash=any` in the URL log it.
     """
     try:
         unverified = engine.check_spec(spec, hashes)

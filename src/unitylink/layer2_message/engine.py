@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a Link stands on: the native engine, which speaks a protocol, or mapped memory, which needs none."""
+"""What a Link needs below it: the native engine with its protocol, or mapped memory, which needs none."""
 
 from __future__ import annotations
 
@@ -18,23 +18,26 @@ Pairs = Iterable[tuple[int, int]] | npt.NDArray[Any]
 
 
 class Request(Protocol):
-    """An asynchronous request under way; its ticket is posted to the mailbox when it is done."""
+    """An asynchronous request under way. Its ticket is posted to the mailbox when it is done."""
 
     def withdraw(self, link: Any, /) -> None: ...
     def result(self, link: Any, /) -> Any: ...
 
 
 class Engine(Protocol):
-    """Requests and publishes of one device, as words at addresses; thread-safe. Errors as of `Link`.
+    """Requests and publishes of one device, as words at addresses. Thread-safe, with the errors of `Link`.
 
-    `start` posts `ticket` to `mailbox` when what it began is done. Subscriptions are known by numbers, whose
-    remainder modulo 256 is their group. `take_single` gives the publish that waits where it is the only one,
-    None where there are none or several. What has come when `unsubscribe` returns is all there will be.
-    `wait_publishes` returns how many publishes have come and subscriptions have ended, once that is not
-    `seen`, after `timeout_ns` at the latest. `notify_publishes` has 1 written to an eventfd for every publish
-    and every end. `events` returns (kind, time_s, text) of what has become of the line since a number, and
-    the number of the next; it is news, too. `generation` is another number when what the device holds may not
-    be what was written to it. `check_alive` raises why the device went away by itself.
+    `start` begins a request and posts `ticket` to `mailbox` when it is done. A subscription has a number, and
+    its remainder modulo 256 is the group. `take_single` returns the waiting publish if it is the only one,
+    else None. After `unsubscribe` has returned, no more publishes come.
+
+    `wait_publishes` counts the publishes that have come and the subscriptions that have ended. It returns
+    when that count is no longer `seen`, at the latest after `timeout_ns`. `notify_publishes` writes 1 to an
+    eventfd for every publish and every end. `events` returns the events of the line (kind, time_s, text)
+    since a number, and the number of the next. An event also ends `wait_publishes`.
+
+    `generation` changes when the device may no longer hold what was written to it. `check_alive` raises the
+    reason if the device went away by itself.
     """
 
     def read(self, address: int, checked: bool | None, repeat: bool, timeout_s: float | None, /) -> int: ...
@@ -157,7 +160,7 @@ class Engine(Protocol):
 
 
 def open_engine(url: str) -> Engine:
-    """Return the engine that the scheme of `url` needs. Raises what Link does."""
+    """Return the engine that the scheme of `url` needs. Raises what Link raises."""
     if url.startswith("mmap:"):
         from .mapped_engine import MappedEngine
 
@@ -166,5 +169,5 @@ def open_engine(url: str) -> Engine:
 
 
 def check_url(url: str) -> None:
-    """Raise UrlError for a URL whose form or options no link with a protocol takes; nothing is opened."""
+    """Raise UrlError if no link with a protocol takes the form or options of this URL. Opens nothing."""
     _native.check_link_url(url)

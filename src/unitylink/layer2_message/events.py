@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What becomes of a line, and of the device behind it, while a program goes on."""
+"""What happens to a line, and to the device behind it, while a program runs."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _log = logging.getLogger("unitylink.link")
 
 @dataclass(frozen=True)
 class LinkEvent:
-    """Something has become of a link. In this order: `lost`, `restarted` if the device was, `back`.
+    """Something has happened to a link: `lost`, then `restarted` if the device was, then `back`.
 
-    `restarted` comes alone where the device was reset and its line stayed.
+    `restarted` comes alone if the device was reset and its line stayed.
     """
 
     kind: Literal["lost", "restarted", "back"]
-    """`lost`: the line is gone, or the device silent; it is being opened again. `restarted`: the device was
-    reset, or another program has had it: its outputs are its own. `back`: requests are taken again, and what
-    was subscribed goes on."""
+    """`lost`: the line is gone or the device silent, and is being opened again. `restarted`: the device was
+    reset, or another program has had it, so its outputs are its own. `back`: requests are taken again, and
+    subscriptions go on."""
     time_s: float
-    """Of `Link.now_s()`."""
+    """When, by `Link.now_s()`."""
     text: str
     """Why, in words."""
 
@@ -45,7 +45,7 @@ class EventListener:
     def __init__(self, native: Engine, callback: EventCallback) -> None:
         self._native, self._callback = native, callback
         self._next = native.events(0)[1]
-        self.gather_s = inf  # as long as the others may: events are rare
+        self.gather_s = inf  # as long as the others, because events are rare
         self.told = 0
 
     def deliver(self) -> None:
@@ -56,7 +56,7 @@ class EventListener:
             self.told += 1
             try:
                 self._callback(LinkEvent(*row))
-            except BaseException:  # sys.exit() too: it would silence the subscriptions
+            except BaseException:  # sys.exit() too, or it would end the subscriptions
                 _log.exception("the callback %r of an event failed; the events go on", self._callback)
 
     def hush(self) -> None:

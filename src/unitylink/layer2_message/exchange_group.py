@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""ExchangeGroup: words that are named once and then written and read as bare data, many times a second."""
+"""ExchangeGroup: words that are named once, and then written and read as bare data."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Word = Union[int, tuple[int, int]]
 
 
 class ExchangeGroup:
-    """Outputs that are written and inputs that are read in one message each way, with the bus held.
+    """Outputs and inputs that are written and read in one message each way, with the bus held.
 
-    Made by `Link.exchange_group`. It is defined again by itself when the device was reset.
+    Made by `Link.exchange_group`. After a reset of the device it is defined again by itself.
 
     >>> with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:    # doctest: +SKIP
     ...     position, = group.exchange([1000, 1])
@@ -45,15 +45,15 @@ class ExchangeGroup:
     def exchange(
         self, words: Sequence[int] | npt.NDArray[Any] = (), *, timeout_s: float | None = None
     ) -> Words:
-        """Write `words`, one for each of `writes`, then return those of `reads`.
+        """Write `words`, one for each of `writes`. Then return the words of `reads`.
 
-        Raises ValueRangeError for another number of words, or one beyond its bytes; OutcomeUnknown when the
-        device was reset meanwhile; DeadManTripped.
+        Raises ValueRangeError for a wrong number of words, or a word beyond its bytes. Raises OutcomeUnknown
+        if the device was reset meanwhile, and DeadManTripped.
         """
         return self._engine.exchange(self._id, words, len(self.reads), timeout_s)
 
     def close(self) -> None:
-        """Give the device's group back; twice does nothing."""
+        """Release the device's group. Calling it twice does no harm."""
         self._engine.release_exchange(self._id)
 
     def __enter__(self) -> Self:

@@ -30,32 +30,33 @@ if TYPE_CHECKING:
 
 
 class Link(Line):
-    """A connection to one device; every method may be called from any thread.
+    """A connection to one device. Every method may be called from any thread.
 
-    `checked` asks for a checksum (None: the link's default, URL option `crc`), `repeat` says that sending the
-    request twice does no harm, `timeout_s` is per attempt. Errors are the `LinkError` branch of
-    `unitylink.errors`, and `ValueRangeError` before anything is sent.
+    `checked` asks for a checksum (None: the link's default, URL option `crc`). `repeat` says that sending the
+    request twice does no harm. `timeout_s` is per attempt. Errors are the `LinkError` branch of
+    `unitylink.errors`. A `ValueRangeError` comes before anything is sent.
     """
 
     url: str
     configuration: Configuration
     protocol: str
-    """`framed`, `classic`, or `memory` where there is none between."""
+    """`framed`, `classic`, or `memory`, where there is no protocol."""
     notice: str
-    """Why the classic protocol is spoken although it was not asked for, which is logged; empty otherwise."""
+    """Why the link speaks the classic protocol although nobody asked for it. Empty otherwise. It is
+    logged."""
     description: Description | None
-    """What the gateware says about itself; None on a classic link."""
+    """What the gateware says about itself. None on a classic link."""
     unverified: str
-    """Why it is not known that the gateware was built from this program's spec; empty where it was."""
-    _unclosed = False  # while it must still be closed, whatever has become of the port
+    """Why it is unknown whether the gateware was built from this program's spec. Empty if it was."""
+    _unclosed = False  # while it must still be closed, whatever happened to the port
 
     def __init__(self, url: str) -> None:
-        """Open `url`, resynchronise with the device whatever it was doing, and ask for its configuration."""
+        """Open `url`, resynchronise with the device, and ask for its configuration."""
         self._native = open_engine(url)
         self._warned = ""
         self._warn()
         self.url = url
-        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link, whose maker puts it here
+        self.board: Any = None  # the virtual board behind a `sim:` or `rtl:` link; its maker sets it
         told = self._native.configuration
         self.configuration = Configuration(**told, usable_group_size=self._native.usable_group_size)
         self.protocol = self._native.protocol
@@ -81,7 +82,7 @@ class Link(Line):
         """Return the word at `address`.
 
         Raises LinkTimeout, BusError (nothing answers there), LinkClosed, ProtocolError.
-        `repeat=False` is for addresses where reading does something, such as taking a word out of a FIFO.
+        `repeat=False` is for addresses where reading has an effect, such as taking a word from a FIFO.
         """
         return self._native.read(address, checked, repeat, timeout_s)
 
@@ -94,9 +95,9 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `value` to `address`; it is done when this returns.
+        """Write `value` to `address`. It is done when this returns.
 
-        Raises OutcomeUnknown when the answer was lost and the write may not be repeated.
+        Raises OutcomeUnknown if the reply was lost and the write may not be repeated.
         """
         self._native.write(address, value, checked, repeat, timeout_s)
 
@@ -113,7 +114,8 @@ class Link(Line):
     ) -> Words:
         """Return the words at `addresses` (uint32, same order), in as few messages as the device allows.
 
-        `atomic` wants them from one message, read under one bus lock: DeviceMismatch when they are too many.
+        With `atomic` they come from one message, read under one bus lock. DeviceMismatch if they are too
+        many.
         """
         return self._native.read_many(addresses, atomic, checked, repeat, timeout_s)
 
@@ -137,7 +139,7 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `values` to `addresses` in order; after one has failed no further one is sent."""
+        """Write `values` to `addresses` in order. After a failure no further one is sent."""
         self._native.write_many(addresses, values, checked, repeat, timeout_s)
 
     def exchange(
@@ -150,20 +152,21 @@ class Link(Line):
     ) -> Words:
         """Do `writes` (address, value), then `reads`, and return the words read.
 
-        One message each way on a framed link where the device's buffers allow, and executed exactly once; on
-        a classic one it is write_many and read_many. `atomic` holds the bus from the first word to the last:
-        DeviceMismatch when that is not possible. OutcomeUnknown: the device was reset meanwhile.
+        On a framed link it takes one message each way if the device's buffers allow that. It is executed
+        exactly once. On a classic link it is write_many and read_many. `atomic` holds the bus from the first
+        word to the last: DeviceMismatch if that is not possible. OutcomeUnknown: the device was reset
+        meanwhile.
 
             link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
         """
         return self._native.transfer(writes, reads, atomic, timeout_s)
 
     def exchange_group(self, writes: Sequence[Word] = (), reads: Sequence[Word] = ()) -> ExchangeGroup:
-        """Name words that are written and read together many times: addresses, or (address, bytes).
+        """Name words that are written and read together many times, as addresses or (address, bytes).
 
-        Then only data travels: a few bytes write all and bring all back, in one transaction of the bus. On a
-        classic link it is write_many and read_many. Raises DeviceMismatch when the device has no exchange
-        groups, none left, or none so large.
+        Then only data travels: a few bytes write all outputs and bring all inputs, in one transaction of the
+        bus. On a classic link it is write_many and read_many. Raises DeviceMismatch if the device has no
+        exchange groups, none left, or none so large.
 
             with link.exchange_group(writes=[0x20, (0x21, 1)], reads=[0x10]) as group:
                 (position,) = group.exchange([1000, 1])
@@ -171,11 +174,11 @@ class Link(Line):
         return ExchangeGroup(self._native, writes, reads, self.configuration.data_bytes)
 
     def batch(self, *, atomic: bool = False) -> Batch:
-        """Return a context manager that collects operations, and does them together, in order, at its end.
+        """Return a context manager that collects operations and does them in order at its end.
 
-        `atomic` holds the bus from the first to the last, in one message: DeviceMismatch where that is not
-        possible. Within one message no operation begins before all of it has been checked. An operation finds
-        what those before it have written; all else that an atomic batch reads is of one moment where the
+        `atomic` holds the bus from the first to the last, in one message: DeviceMismatch if that is not
+        possible. No operation of a message begins before the whole message has been checked. An operation
+        finds what those before it have written. All else that an atomic batch reads is of one moment, if the
         gateware freezes its registers while the bus is held.
 
             with link.batch() as batch:
@@ -187,7 +190,7 @@ class Link(Line):
         return Batch(self._native, atomic=atomic)
 
     def post(self, address: int, value: int) -> None:
-        """Write `value` to `address` without waiting for an answer; see post_many."""
+        """Write `value` to `address` without waiting for a reply. See post_many."""
         self._native.post((address,), (value,), None)
 
     def post_many(
@@ -195,18 +198,18 @@ class Link(Line):
         addresses: Sequence[int] | npt.NDArray[Any],
         values: Sequence[int] | npt.NDArray[Any],
     ) -> None:
-        """Write `values` to `addresses` in order, without waiting for answers: at the full rate of the line.
+        """Write `values` to `addresses` in order, without waiting for replies, at the full rate of the line.
 
-        They are executed once and in order, before every request that follows; `sync` tells what became of
-        them. It waits only while the line is full. On a classic link it is write_many.
+        They are executed once and in order, before every request that follows. `sync` reports their result.
+        The call waits only while the line is full. On a classic link it is write_many.
         """
         self._native.post(addresses, values, None)
 
     def sync(self, *, timeout_s: float | None = None) -> None:
         """Return when all posts have been executed.
 
-        Raises BusError when some of them failed since the last call, OutcomeUnknown when the device was reset
-        before it had confirmed them.
+        Raises BusError if some of them failed since the last call. Raises OutcomeUnknown if the device was
+        reset before it had confirmed them.
         """
         self._native.sync(timeout_s)
 
@@ -220,7 +223,7 @@ class Link(Line):
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> int:
-        """Return the word at `address`; see read."""
+        """Return the word at `address`. See read."""
         words: Words = await self._start((address,), None, False, checked, repeat, timeout_s)
         return int(words[0])
 
@@ -233,7 +236,7 @@ class Link(Line):
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> Words:
-        """Return the words at `addresses`; see read_many."""
+        """Return the words at `addresses`. See read_many."""
         words: Words = await self._start(addresses, None, atomic, checked, repeat, timeout_s)
         return words
 
@@ -246,7 +249,7 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `value` to `address`; see write."""
+        """Write `value` to `address`. See write."""
         await self._start((address,), (value,), False, checked, repeat, timeout_s)
 
     async def write_many_async(
@@ -258,7 +261,7 @@ class Link(Line):
         repeat: bool = False,
         timeout_s: float | None = None,
     ) -> None:
-        """Write `values` to `addresses` in order; see write_many."""
+        """Write `values` to `addresses` in order. See write_many."""
         await self._start(addresses, values, False, checked, repeat, timeout_s)
 
     def _start(self, *request: Any) -> asyncio.Future[Any]:
@@ -285,31 +288,32 @@ class Link(Line):
         ring: int = 4096,
         group: int | None = None,
     ) -> Subscription:
-        """Have the device publish the words at `addresses` together.
+        """Let the device publish the words at `addresses` together.
 
-        It does so every `divisor` base periods, or (`on_event`) when the group's event input says so.
-        `verify` reads each address once before: 2012 gateware never stops publishing an address where
-        nothing answers. Say False where reading does something. `ring` publishes are kept until they are
-        fetched; then the newest win. `group` asks for one of the device's groups, as `on_event` may need:
-        each has its own event input. Raises DeviceMismatch when the device has no group left, or none so
-        large, or the line is too slow.
+        It does so every `divisor` base periods, or with `on_event` when the group's event input says so.
+        `verify` reads each address once before, because 2012 gateware never stops publishing an address where
+        nothing answers. Use False if reading has an effect. `ring` publishes are kept until they are fetched.
+        If more come, the newest win. `group` asks for one certain group of the device. `on_event` may need
+        that, because each group has its own event input.
+
+        Raises DeviceMismatch if the device has no group left, or none so large, or if the line is too slow.
         """
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
         return Subscription(self, identity, words, divisor)
 
-    # ---- its time
+    # ---- the link's time
 
     def now_s(self) -> float:
-        """Return the time in which publishes are stamped and deadlines count: `time.monotonic()`.
+        """Return the time of publishes and deadlines: `time.monotonic()` on a real board.
 
-        Of a `sim:` or `rtl:` link it is robot time: the same, but it waits while this machine is too busy to
-        run the virtual boards of the process, so that they stay together (docs/rtl-simulation.md).
+        On a `sim:` or `rtl:` link it is robot time. Robot time waits while this machine is too busy to run
+        the virtual boards of the process. So the boards stay together (docs/rtl-simulation.md).
         """
         return self._native.now_s()
 
     def sleep_until(self, time_s: float) -> None:
-        """Sleep until `now_s()` is `time_s`: how a program keeps the pace of the robot.
+        """Sleep until `now_s()` is `time_s`. So a program keeps the pace of the robot.
 
         >>> due_s = link.now_s()                                             # doctest: +SKIP
         >>> for target in path:                                              # doctest: +SKIP
@@ -325,16 +329,16 @@ class Link(Line):
     def read_control(self, address: int, count: int = 1) -> Words:
         """Return control registers of the device (`CONTROL_…` of unitylink.protocol), `count` from `address`.
 
-        Raises DeviceMismatch on a classic link, ProtocolError where there is no such register.
+        Raises DeviceMismatch on a classic link, ProtocolError if there is no such register.
         """
         return self._native.read_control(address, count)
 
     def write_control(self, address: int, value: int) -> None:
-        """Write a control register of the device; see read_control."""
+        """Write a control register of the device. See read_control."""
         self._native.write_control(address, value)
 
     def health(self) -> Health | None:
-        """Return the device's own counters: what reached it, what it dropped. None on a classic link."""
+        """Return the device's own counters: what reached it and what it dropped. None on a classic link."""
         if self.protocol != "framed":
             return None
         most = max(1, (self.description.reply_max - 4) // 4) if self.description else 1
@@ -345,15 +349,16 @@ class Link(Line):
         return Health(*words)
 
     def set_dead_man(self, silence_s: float, *, timeout_s: float | None = None) -> None:
-        """Have `silence_s` without a sign of life make the outputs safe; 0: never. URL option: `deadman`.
+        """Let the device make its outputs safe after `silence_s` without a sign of life. 0: never.
 
-        The link gives signs of life by itself as long as this program runs. After a trip whatever would be
-        written is DeadManTripped until `arm()`. DeviceMismatch where the gateware has no dead-man.
+        The URL option is `deadman`. The link gives signs of life by itself as long as this program runs.
+        After a trip every write is DeadManTripped until `arm()`. DeviceMismatch if the gateware has no
+        dead-man.
         """
         self._native.set_dead_man(silence_s, timeout_s)
 
     def dead_man(self) -> DeadMan | None:
-        """Ask the device how its dead-man stands; None on a classic link, which has none."""
+        """Ask the device for the state of its dead-man. None on a classic link, which has none."""
         if self.protocol != "framed":
             return None
         state, ticks = (
@@ -363,44 +368,45 @@ class Link(Line):
         return DeadMan(tripped=bool(state & 1), running=bool(state & 2), silence_s=ticks / base_hz)
 
     def arm(self, *, timeout_s: float | None = None) -> None:
-        """Let outputs be written again after the dead-man has tripped, and start it again.
+        """Allow writes again after the dead-man has tripped, and start it again.
 
-        Nothing else does: not a new link, and no write. Where it tripped in the session of this link, the
-        session is ended and another begun. Publishes go on. DeviceMismatch on a classic link.
+        Nothing else does that, neither a new link nor a write. If it tripped in the session of this link,
+        that session ends and a new one begins. Publishes go on. DeviceMismatch on a classic link.
         """
         self._native.arm(timeout_s)
 
     @property
     def clock(self) -> Clock | None:
-        """The device's clock in the host's time; None before the first subscription and on a classic link."""
+        """The device's clock in the host's time. None before the first subscription and on a classic link."""
         period_ns, drift_ppm, uncertainty_ns = self._native.clock()
         return Clock(period_ns, drift_ppm, uncertainty_ns) if period_ns > 0 else None
 
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
-        """Raise DeviceMismatch where the gateware was built from another spec than `spec` of `hashes`.
+        """Raise DeviceMismatch if the gateware was built from another spec than `spec` with `hashes`.
 
-        What cannot say, and with `spec_hash=any` in the URL all (logged), is let pass: see `unverified`.
-        Objects of a spec and the command line do this by themselves (`unitylink.wire_hash`).
+        Gateware that cannot say passes, see `unverified`. With `spec_hash=any` in the URL all gateware
+        passes, which is logged. Objects of a spec and the command line call this by themselves
+        (`unitylink.wire_hash`).
         """
         self.unverified = checked_spec(self._native, self.url, spec, hashes)
 
     # ---- the rest
 
     def statistics(self) -> Statistics:
-        """Return what has been counted since the link was opened."""
+        """Return the counters since the link was opened."""
         return Statistics(**self._native.statistics())
 
     @property
     def closed(self) -> bool:
-        """Whether the link has ended, by close() or because the port is gone."""
+        """Whether the link has ended, through close() or because the port is gone."""
         return self._native.closed
 
     def check_alive(self) -> None:
-        """Raise LinkClosed, which says why, if the link has ended."""
+        """If the link has ended, raise LinkClosed with the reason."""
         self._native.check_alive()
 
     def close(self) -> None:
-        """Stop publishing if this link began it, and close the port; whoever waits gets LinkClosed."""
+        """Stop the publishing that this link began, and close the port. Waiting callers get LinkClosed."""
         forget(self)
         first, self._unclosed = self._unclosed, False
         self._native.close()
@@ -415,17 +421,17 @@ class Link(Line):
             self._on_close.pop()()
 
     def _warn(self) -> None:
-        """Tell what did not go as wished although the link works, once."""
+        """Warn once of what went wrong although the link works."""
         if self._native.warning not in ("", self._warned):
             self._warned = self._native.warning
             warnings.warn(self._warned, RuntimeWarning, stacklevel=3)
 
     def call_on_close(self, action: Callable[[], None]) -> None:
-        """Call `action` when the link is closed: for what was made for it, such as an in-process board."""
+        """Call `action` when the link is closed, for example to close its virtual board."""
         self._on_close.append(action)
 
     def disown(self) -> None:
-        """Leave the link to the process that this one was forked from."""
+        """Leave the link to the parent process, after a fork."""
         forget(self)
         self._unclosed = False
         self._native.disown()

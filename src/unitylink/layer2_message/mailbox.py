@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How an event loop finds out which of its requests are done."""
+"""How an event loop learns which of its requests are done."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .engine import Engine, Request
 
 
 class LoopMailbox:
-    """One per event loop and link: the loop watches its descriptor."""
+    """One for each event loop and link. The loop watches its descriptor."""
 
     def __init__(self, native: Engine, loop: asyncio.AbstractEventLoop) -> None:
         self._native = native
@@ -35,7 +35,7 @@ class LoopMailbox:
         return future
 
     def retire(self) -> None:
-        """Stop watching once nothing is waited for; called in the loop's thread when the link is closed."""
+        """Stop watching once nothing waits. Called in the loop's thread when the link is closed."""
         self._retired = True
         if not self._waiting:
             self._loop.remove_reader(self._mailbox.descriptor)
@@ -55,7 +55,7 @@ class LoopMailbox:
 
 @contextmanager
 def arrivals(native: Engine) -> Iterator[asyncio.Event]:
-    """An asyncio.Event that is set whenever there is news of a link."""
+    """An asyncio.Event that is set when there is news of a link."""
     loop = asyncio.get_running_loop()
     arrived = asyncio.Event()
     mailbox = _native.mailbox()

@@ -28,14 +28,14 @@ from .engine import Integers, Pairs, Times, Words
 from .mapped_url import WORD_BYTES, parse_mapped_url
 from .polled_publishes import PolledPublishes
 
-_PASSES = 8  # reads of some words in a row before they count as never at rest
+_PASSES = 8  # reads of some words in a row before they count as always changing
 
 
 class MappedEngine:
-    """Words of mapped memory; see `Engine` for what each method is.
+    """Words of mapped memory. `Engine` describes each method.
 
     `checked`, `repeat` and `timeout_s` mean nothing here: nothing is sent, and an access is over at once.
-    Words that are to be of one moment are read until two passes agree.
+    Words that must be of one moment are read until two passes agree.
     """
 
     warning = ""
@@ -159,7 +159,7 @@ class MappedEngine:
         self.write_many(addresses, values, None, False, timeout_s)
 
     def sync(self, timeout_s: float | None) -> None:
-        """Do nothing: a post is done at once."""
+        """Do nothing, because a post is done at once."""
 
     def read_control(self, address: int, count: int) -> Words:
         raise DeviceMismatch("mapped memory has no registers of its own; they need the framed protocol")
@@ -211,7 +211,7 @@ class MappedEngine:
         repeat: bool,
         timeout_s: float | None,
     ) -> _Done:
-        """Do the request at once; only its result waits for the event loop."""
+        """Do the request at once. Only its result waits for the event loop."""
         try:
             done = _Done()
             if values is None:
@@ -317,7 +317,7 @@ class MappedEngine:
         return 0
 
     def check_alive(self) -> None:
-        """Do nothing: memory does not go away by itself, or nobody is told."""
+        """Do nothing: memory does not go away by itself, or nobody learns of it."""
 
     @property
     def closed(self) -> bool:
@@ -344,7 +344,7 @@ class _Done:
     error: Exception | None = None
 
     def withdraw(self, link: object) -> None:
-        """Do nothing: it is done."""
+        """Do nothing: the request is done."""
 
     def result(self, link: object) -> Words | None:
         if self.error is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`mmap:` URLs: which window of which device or file."""
+"""`mmap:` URLs: a window of a device or file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _UIO = re.compile(r"/dev/(uio\d+)")
 
 @dataclass(frozen=True)
 class MappedUrl:
-    """A window of `size` bytes from `offset` on; `base_hz` is the frequency that divisors divide."""
+    """A window of `size` bytes from `offset` on. `base_hz` is the frequency that divisors divide."""
 
     path: str
     offset: int
@@ -30,7 +30,7 @@ class MappedUrl:
 
 
 def parse_mapped_url(url: str) -> MappedUrl:
-    """Return what `mmap:PATH?offset=&size=&address_bytes=&base_hz=` says.
+    """Return the parts of `mmap:PATH?offset=&size=&address_bytes=&base_hz=`.
 
     Without `size` the window goes to the end of the file (a BAR in sysfs has one) or of the UIO device's map.
     Raises UrlError, LinkNotFound.
@@ -77,7 +77,7 @@ def _number(url: str, name: str, text: str) -> int:
 
 
 def _size_of(url: str, path: str, offset: int) -> int:
-    """Return the bytes behind `offset`, where the system knows how many there are."""
+    """Return the number of bytes from `offset` on, if the system knows it."""
     size = _file_bytes(path)
     found = _UIO.fullmatch(path)
     if found is not None:  # offset n pages chooses map n of a UIO device
@@ -95,7 +95,7 @@ def _size_of(url: str, path: str, offset: int) -> int:
 
 
 def _within(url: str, path: str, end: int) -> None:
-    """Refuse a window beyond the end of a file: touching it would end the program."""
+    """Refuse a window beyond the end of a file: an access there would end the program."""
     size = _file_bytes(path)
     if size is not None and end > size:
         raise UrlError(f"{url!r}: the window ends at byte {end}, and {path} has {size}")

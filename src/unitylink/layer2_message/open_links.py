@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The links that are open: what becomes of them when the program ends, or forks."""
+"""The open links: what happens to them when the program ends or forks."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _open: weakref.WeakSet[Link] = weakref.WeakSet()
 def remember(link: Link) -> None:
     """Close `link` when the program ends without close()."""
     _open.add(link)
-    # The last to be registered is the first to run: before an in-process board goes.
+    # The last to be registered runs first: before an in-process board is closed.
     atexit.unregister(_close_all)
     atexit.register(_close_all)
 
 
 def forget(link: Link) -> None:
-    """Leave `link` alone: it is closed, or another process's."""
+    """Forget `link`: it is closed, or belongs to another process."""
     _open.discard(link)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes of a device that cannot publish: a thread reads each group's words when they are due."""
+"""Publishes for a device that cannot publish: a thread reads each group's words when they are due."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .engine import Times, Words
 
 @dataclass
 class _Group:
-    """A subscription: what it reads, how often, and what nobody has fetched yet."""
+    """A subscription: what it reads, how often, and the publishes that wait."""
 
     addresses: tuple[int, ...]
     period_s: float
@@ -32,9 +32,9 @@ class _Group:
 
 
 class PolledPublishes:
-    """The groups of one device. `read` returns the words at addresses, as of one moment where it can.
+    """The groups of one device. `read` returns the words at addresses, of one moment where it can.
 
-    A poll that comes late is skipped and counted as lost, not made up for. Times are the middle of the read.
+    A late poll is skipped and counted as lost, and not made up for. Times are the middle of the read.
     """
 
     def __init__(self, read: Callable[[tuple[int, ...]], list[int]]) -> None:
@@ -51,7 +51,7 @@ class PolledPublishes:
         self._closed = False
 
     def add(self, addresses: tuple[int, ...], period_s: float, ring: int, group: int | None) -> int:
-        """Begin to read `addresses` every `period_s`; the number of the subscription."""
+        """Begin to read `addresses` every `period_s`. Return the number of the subscription."""
         with self._changed:
             taken = {id % GROUPS_MAX for id, other in self._groups.items() if other.period_s}
             free = (number for number in range(GROUPS_MAX) if number not in taken)
@@ -60,7 +60,7 @@ class PolledPublishes:
                 which = "all groups are" if group is None else f"group {group} is"
                 raise DeviceMismatch(f"{which} in use: there are {GROUPS_MAX}, 0 to {GROUPS_MAX - 1}")
             for ended in [id for id in self._groups if id % GROUPS_MAX == number]:
-                del self._groups[ended]  # nobody drained what came before its end
+                del self._groups[ended]  # nobody fetched what came before its end
             self._generation += 1
             identity = self._generation * GROUPS_MAX + number
             self._groups[identity] = _Group(addresses, period_s, ring)
@@ -72,7 +72,7 @@ class PolledPublishes:
         return identity
 
     def remove(self, identity: int) -> None:
-        """End a subscription; what has come can still be drained."""
+        """End a subscription. The publishes that have come can still be fetched."""
         with self._changed:
             group = self._groups.get(identity)
             if group is not None:
@@ -122,7 +122,7 @@ class PolledPublishes:
             return group.lost if group else 0
 
     def wait(self, identity: int, timeout_s: float) -> bool:
-        """Wait for something to drain; LinkClosed once nothing can come any more."""
+        """Wait for a publish. LinkClosed if none can come any more."""
         until = time.monotonic() + max(0.0, timeout_s)
         with self._changed:
             while True:
@@ -139,13 +139,13 @@ class PolledPublishes:
                 self._changed.wait(left)
 
     def wait_for_news(self, seen: int, timeout_s: float) -> int:
-        """Return how many publishes have come and subscriptions ended, once it is not `seen`."""
+        """Return the number of publishes and ended subscriptions, once it is no longer `seen`."""
         with self._changed:
             self._changed.wait_for(lambda: self.received + self._ended != seen or self._closed, timeout_s)
             return self.received + self._ended
 
     def watch(self, descriptor: int) -> None:
-        """Write to an eventfd whenever something has come, and at the end."""
+        """Write to an eventfd for each publish, and at the end."""
         with self._changed:
             self._watchers.append(descriptor)
             self._wake(descriptor)
@@ -155,7 +155,7 @@ class PolledPublishes:
             self._watchers.remove(descriptor)
 
     def close(self) -> None:
-        """End all subscriptions and the thread; whoever waits gets LinkClosed."""
+        """End all subscriptions and the thread. Waiting callers get LinkClosed."""
         with self._changed:
             self._closed = True
             self._due.clear()
@@ -165,7 +165,7 @@ class PolledPublishes:
             thread.join()
 
     def disown(self) -> None:
-        """Forget the thread, which a forked child does not have, and the lock that it may have held."""
+        """Forget the thread and the lock that it may have held. A forked child does not have that thread."""
         self._changed = threading.Condition()
         self._closed, self._thread = True, None
         self._due.clear()
@@ -183,7 +183,7 @@ class PolledPublishes:
             started = time.monotonic()
             try:
                 words = self._read(group.addresses)
-            except LinkError:  # the memory was closed between: close() is on its way
+            except LinkError:  # the memory was closed meanwhile: close() comes next
                 return
             now = time.monotonic()
             with self._changed:

@@ -33,8 +33,8 @@ _log = logging.getLogger("unitylink.link")
 class Subscription:
     """The publishes of one gateware group: raw words of `addresses`, with a time.
 
-    On a framed link it is the time at which the device read them, by its clock in the host's time; on a
-    classic one that of their arrival.
+    On a framed link this is the time at which the device read them, by its clock in the host's time. On a
+    classic link it is the time of their arrival.
     """
 
     group: int
@@ -53,30 +53,30 @@ class Subscription:
         self.addresses = addresses
         self._words = len(addresses)
         self.divisor = divisor
-        self._link = link  # a link lives as long as somebody has a subscription of it
+        self._link = link  # a link lives as long as one of its subscriptions
         self._native = link._native
         self._identity = identity
         self._callbacks = link._callbacks
         self._open = True
-        self._ending = threading.Lock()  # of who closes it
-        self._taking = threading.Lock()  # of what was fetched and not yet called back for or drained
+        self._ending = threading.Lock()  # held to close it
+        self._taking = threading.Lock()  # held to fetch, call back and drain
         self._rows: Iterator[Publish] = iter(())
         self._kept: list[Publish] = []
         self._lost: tuple[int, int] | None = None
         self._callback: PublishCallback | None = None
         self.gather_s = 0.0
-        self.told = 0  # calls back that were begun
+        self.told = 0  # number of calls begun
         self._arrays: ArraysCallback | None = None
         self._first: Publish | None = None
 
     @property
     def lost(self) -> int:
-        """Publishes that were overwritten before anybody fetched them."""
+        """Publishes that were overwritten before they were fetched."""
         return self._native.lost(self._identity) if self._lost is None else self._lost[0]
 
     @property
     def missing(self) -> int:
-        """Publishes that were lost on the way; always 0 on a classic link, where nothing tells."""
+        """Publishes that were lost on the way. Always 0 on a classic link, which cannot tell."""
         return self._native.missing(self._identity) if self._lost is None else self._lost[1]
 
     @property
@@ -96,9 +96,9 @@ class Subscription:
         return times, values
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until there is something to drain; False after `timeout_s`.
+        """Wait until there is something to drain. False after `timeout_s`.
 
-        Raises LinkClosed once nothing can come any more: link or subscription are closed, the port is gone.
+        Raises LinkClosed if nothing can come any more: link or subscription are closed, or the port is gone.
         """
         try:
             return bool(self._kept) or self._native.wait(self._identity, timeout_s)
@@ -118,13 +118,14 @@ class Subscription:
     ) -> None:
         """Call `callback(time_s, words)` for every publish from now on, in the link's callback thread.
 
-        With `gather_s` the thread may rest so long between two looks, so that a fast stream does not wake it
-        for each publish; it does while all callbacks of the link allow it, and then for the shortest.
-        With `arrays` several that have come together are offered first, as from `drain`: where
-        `arrays(times, words)` is True, it has taken all of it.
-        `first` is told before all that comes, as if it were a publish.
-        What a callback raises is logged; the thread goes on. A subscription has one callback, the last given.
-        A port that is gone ends the calls; that is logged too.
+        With `gather_s` the thread may sleep that long between two looks, so that a fast stream does not wake
+        it for each publish. It sleeps only if all callbacks of the link allow it, and then for the shortest
+        time. With `arrays` several publishes that have come together are offered first, as from `drain`. If
+        `arrays(times, words)` returns True, it has taken all of them. `first` is called before all publishes,
+        as if it were one.
+
+        An exception in a callback is logged, and the thread goes on. A subscription has one callback, the
+        last given. A port that is gone ends the calls, which is logged too.
         """
         if not self._open:
             raise LinkClosed("the subscription is closed")
@@ -135,7 +136,7 @@ class Subscription:
     async def __aiter__(self) -> AsyncIterator[tuple[float, tuple[int, ...]]]:
         """Yield (time_s, words) of every publish until link or subscription are closed.
 
-        Raises LinkClosed when the port is gone.
+        Raises LinkClosed if the port is gone.
         """
         with arrivals(self._native) as arrived:
             while True:
@@ -153,18 +154,19 @@ class Subscription:
                 arrived.clear()
 
     def close(self) -> None:
-        """Stop the group's publishes and free the group. Twice does nothing.
+        """Stop the group's publishes and free the group. Calling it twice does no harm.
 
-        What had come is not lost: the callback has been called for all of it when this returns, and is not
-        called again; without one it can still be drained, whatever becomes of the group. Called within a
-        callback, of whatever subscription, it waits for nobody: what was not called back for can be drained.
-        Anywhere else it waits for a call under way, so hold no lock that the callback needs; one that
-        does not return for five seconds is left behind, with a RuntimeWarning.
+        No publish that had come is lost. When this returns, the callback has had all of them and is not
+        called again. Without a callback they can still be drained, whatever happens to the group.
+
+        Within a callback, of any subscription, this waits for nobody. The remaining publishes can then be
+        drained. Anywhere else it waits for a call under way, so hold no lock that the callback needs. A call
+        that does not return for five seconds is left behind, with a RuntimeWarning.
         """
         within = called_back()
         if within:
             self.hush()
-        if not self._ending.acquire(blocking=not within):  # who closes it waits for this callback
+        if not self._ending.acquire(blocking=not within):  # close() waits for this callback
             return
         try:
             if self._open:
@@ -203,17 +205,17 @@ class Subscription:
 
     @property
     def ended(self) -> bool:
-        """Whether nothing will come any more, because it was closed."""
+        """Whether it was closed, so that nothing comes any more."""
         return not self._open and not self._native.subscribed(self._identity)
 
     def hush(self) -> None:
-        """Call back no more; what has come can be drained."""
+        """Call back no more. The publishes that have come can be drained."""
         self._callback = self._arrays = None
         with self._taking:
             self._kept += self._rows
 
     def deliver(self) -> None:
-        """Fetch what has come and call back for each; what the callback raises does not stop the rest."""
+        """Fetch the publishes and call back for each. An exception in one call does not stop the rest."""
         callback, first = self._callback, self._first
         if callback is not None and first is not None:
             self._first = None
@@ -231,13 +233,13 @@ class Subscription:
         self.told += 1
         try:
             callback(*publish)
-        except BaseException:  # sys.exit() too: it would silence the other subscriptions
+        except BaseException:  # sys.exit() too, or it would end the other subscriptions
             self._report(callback)
 
     def _deliver_all(self, callback: PublishCallback | None) -> None:
         times, values = self._native.drain(self._identity, self._words)
         self.told += 1
-        if self._arrays is not None and len(times) > 1:  # one alone is sooner told as it is
+        if self._arrays is not None and len(times) > 1:  # a single one is faster without arrays
             try:
                 if self._arrays(times, values):
                     return
@@ -250,7 +252,7 @@ class Subscription:
                 for time_s, words in self._rows:
                     self.told += 1
                     callback(time_s, words)
-                    if self._callback is not callback:  # it closed the subscription, or gave another
+                    if self._callback is not callback:  # it closed the subscription, or set another callback
                         break
                 else:
                     return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Layer 3: one proxy per kind of gateware module; addresses are relative to the module."""
+"""Layer 3: one proxy for each kind of gateware module. Addresses are relative to the module."""
 
 from __future__ import annotations
 

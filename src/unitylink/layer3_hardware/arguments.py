@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What callers give: numbers; anything else is a ValueRangeError before anything is sent."""
+"""The numbers that callers give. Anything else is a ValueRangeError before anything is sent."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from unitylink.errors import ValueRangeError, shown
 
 
 def whole(what: str, value: object) -> int:
-    """Return a whole number, also one of numpy's; `what` is what the error calls it.
+    """Return a whole number, also one of numpy's. `what` is its name in the error.
 
     >>> whole("fifo: limit", 1.5)
     Traceback (most recent call last):
@@ -25,7 +25,7 @@ def whole(what: str, value: object) -> int:
 
 
 def wholes(what: str, values: Iterable[object]) -> list[int]:
-    """Return whole numbers of a sequence; text is none."""
+    """Return the whole numbers of a sequence. A text is not one."""
     try:
         if isinstance(values, (str, bytes)):
             raise TypeError
@@ -36,7 +36,7 @@ def wholes(what: str, values: Iterable[object]) -> list[int]:
 
 
 def positive(what: str, value: object) -> float:
-    """Return a real number from 0 on: a time in s, a rate in Hz."""
+    """Return a real number of at least 0: a time in s, a rate in Hz."""
     number = math.nan
     if not getattr(value, "ndim", 0) and hasattr(value, "__float__"):
         with suppress(TypeError, ValueError, OverflowError):

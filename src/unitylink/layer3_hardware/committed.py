@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 class CommittedProxy(HardwareProxy):
     """Write outputs in bursts, each ended by one commit.
 
-    The gateware swaps its buffers at a commit and does not copy: a word that is not written before a commit
-    falls back to its value of two commits ago. So the proxy keeps a shadow of every output it is responsible
-    for (those declared and those written) and writes all of them before each commit. What it does not know
-    yet it reads back from the device first, so that a robot that is already running does not jump. What it
-    wrote before a line came back (`reconnect=1`), or a device restarted, it does not know any more.
+    The gateware swaps its buffers at a commit and does not copy them. So a word that is not written before a
+    commit falls back to its value of two commits ago. Therefore the proxy keeps a shadow of every output that
+    is declared or written, and writes all of them before each commit. A word that it does not know yet is
+    first read from the device, so that a running robot does not jump. After a line came back (`reconnect=1`)
+    or a device restarted, it knows none of its words any more.
 
-    The words of a burst may be sent twice, a commit never is: if its reply is lost, OutcomeUnknown says so.
+    The words of a burst may be sent twice, a commit never is. If its reply is lost, OutcomeUnknown says so.
 
     >>> with proxy.batch():            # doctest: +SKIP
     ...     proxy.write(0x8C, 100)     # nothing is sent yet
@@ -40,7 +40,7 @@ class CommittedProxy(HardwareProxy):
     kind = "committed memory"
     repeatable_writes = True
     commit_address = 0  # relative; set by the subclass or instance
-    commit_timeout_s = 0.5  # for what follows a burst: the gateware takes the commit within one cycle
+    commit_timeout_s = 0.5  # for the commit after a burst: the gateware takes it within one cycle
 
     def __init__(
         self, link: Link, base: int = 0, *, words: int | None = None, control: Link | None = None
@@ -57,12 +57,12 @@ class CommittedProxy(HardwareProxy):
 
     @property
     def outputs(self) -> dict[int, int | None]:
-        """The shadow: relative address -> word as last committed, None where it was not read back yet."""
+        """The shadow: relative address -> word as last committed, None if it was not read back yet."""
         with self._lock:
             return dict(self._outputs)
 
     def declare_outputs(self, addresses: Iterable[int]) -> None:
-        """Take responsibility for these words: each commit writes them, at first as the device has them."""
+        """Let each commit write these words too, at first as the device has them."""
         with self._lock:
             for address in wholes(f"{self.kind}: addresses", addresses):
                 self._check_output(address)
@@ -70,9 +70,10 @@ class CommittedProxy(HardwareProxy):
 
     @contextmanager
     def batch(self) -> Iterator[Self]:
-        """Collect this thread's writes and commit them once at the end; if the block raises, send nothing.
+        """Collect this thread's writes and commit them once at the end. If the block raises, send nothing.
 
-        Other threads wait. A batch inside a batch joins it; what raises inside takes back the inner writes.
+        Other threads wait. A batch inside a batch joins it. If the inner one raises, only its writes are
+        dropped.
         """
         with self._lock:
             if self._staged is not None:
@@ -107,7 +108,7 @@ class CommittedProxy(HardwareProxy):
         checked: bool | None = None,
         timeout_s: float | None = None,
     ) -> None:
-        """Write words that take effect together: one burst, one commit; or add them to the open batch."""
+        """Write words that take effect together, in one burst with one commit, or add them to the batch."""
         where, words = wholes(f"{self.kind}: addresses", addresses), wholes(f"{self.kind}: values", values)
         if len(where) != len(words):
             raise ValueRangeError(f"{self.kind}: {len(where)} addresses and {len(words)} values")
@@ -137,8 +138,8 @@ class CommittedProxy(HardwareProxy):
     ) -> None:
         """Write words that take effect together.
 
-        A burst is a sequence that must not be interleaved with another, sync or async: it runs under the
-        lock, in a worker thread, and the event loop stays free. Cancelling the await does not take it back.
+        A burst must not be interleaved with another one, sync or async. So it runs under the lock, in a
+        worker thread, and the event loop stays free. Cancelling the await does not take it back.
         """
         if self.collects_here:  # the worker would wait for the batch to end
             self.write_many(addresses, values, checked=checked)
@@ -150,7 +151,7 @@ class CommittedProxy(HardwareProxy):
         return self._batch_thread == threading.get_ident()
 
     def commit(self, *, timeout_s: float | None = None) -> None:
-        """Write every known output again and commit: what to do after an OutcomeUnknown."""
+        """Write every known output again and commit. Use it after an OutcomeUnknown."""
         with self._lock:
             self._burst({}, None, timeout_s)
 
@@ -163,11 +164,11 @@ class CommittedProxy(HardwareProxy):
         self._forget_old()
         if not self._settled:
             self._settle(deadline, committed=False)
-        for address in changes:  # if this burst fails half-way, the next one has to mend these words too
+        for address in changes:  # if this burst fails half-way, the next one must write these words too
             self._outputs.setdefault(address, None)
         self._read_back(changes, timeout_s)
         words = {address: word for address, word in self._outputs.items() if word is not None} | changes
-        self._settled = False  # whatever happens from here on, look before the next burst
+        self._settled = False  # whatever happens from here on, check before the next burst
         self.link.write_many(
             [self.base + address for address in words],
             list(words.values()),
@@ -179,7 +180,7 @@ class CommittedProxy(HardwareProxy):
         try:
             self.control.write(commit, 1, checked=checked, repeat=False, timeout_s=timeout_s)
         except OutcomeUnknown as error:
-            self._outputs.update(changes)  # it may have happened: falling back later would be a jump
+            self._outputs.update(changes)  # the commit may have happened: to fall back later would be a jump
             raise OutcomeUnknown(
                 f"{self.kind}: the commit of {len(words)} words at {commit:#06x} was sent and its reply "
                 "lost; it may or may not have taken effect and was not repeated. "
@@ -196,7 +197,7 @@ class CommittedProxy(HardwareProxy):
         return self.link.generation, self.control.generation
 
     def _forget_old(self) -> None:
-        """Forget the shadow where a line came back or a device restarted: no old set-point is repeated."""
+        """Forget the shadow after a line came back or a device restarted: no old set-point is repeated."""
         if (generation := self._generation_now()) != self._generation:
             self._outputs = dict.fromkeys(self._outputs)
             self._settled, self._generation = False, generation
@@ -210,4 +211,4 @@ class CommittedProxy(HardwareProxy):
             self._outputs.update(zip(unknown, (int(word) for word in words), strict=True))
 
     def _settle(self, deadline: float, *, committed: bool) -> None:
-        """Wait until no commit is pending; after our own (`committed`) raise if it was dropped."""
+        """Wait until no commit is pending. After our own (`committed`) raise if it was dropped."""

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 class DoubleBufferProxy(CommittedProxy):
     """Give access to a double-buffered memory of `size` words: +0 to +size-1 the bank, +size the commit.
 
-    A write goes to the hidden bank, a read comes from the visible one. The banks swap at once at a commit,
-    without copying (see CommittedProxy for what that needs).
+    A write goes to the hidden bank, a read comes from the visible one. A commit swaps the banks at once,
+    without copying. CommittedProxy explains what follows from that.
 
     >>> table = DoubleBufferProxy(link, base=0x300, size=16)   # doctest: +SKIP
     >>> table.write_many(range(16), profile)   # the FPGA never sees half of it  # doctest: +SKIP
@@ -35,7 +35,7 @@ class DoubleBufferProxy(CommittedProxy):
         self.commit_address = size
 
     def commits(self) -> int:
-        """Read how many commits the gateware has taken; tells after an OutcomeUnknown what happened."""
+        """Read how many commits the gateware has taken. After an OutcomeUnknown it tells what happened."""
         return self.link.read(self.base + self.size)
 
     def _check_output(self, address: int) -> None:

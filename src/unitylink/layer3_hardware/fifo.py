@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A FIFO in the gateware: reading its data word pops, writing it pushes, so neither is ever repeated."""
+"""A FIFO in the gateware. Reading its data word pops, writing it pushes. So neither is ever repeated."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 DATA, COUNT, SPACE = 0, 1, 2  # relative addresses
 WORDS_MOST = 2**16  # each way: the deepest that `fifo_slave` can be
-BLOCK_WORDS = 255  # the most one read-many can carry; the link splits further where the gateware takes less
+BLOCK_WORDS = 255  # the most that one read-many can carry; the link splits further if the gateware takes less
 
 
 @dataclass(frozen=True)
 class FifoStatus:
-    """How many words wait for the PC, and how many more the gateware has room for."""
+    """How many words wait for the PC, and how many more fit into the gateware."""
 
     count: int
     space: int
@@ -43,8 +43,8 @@ class FifoStatus:
 class FifoProxy(HardwareProxy):
     """Give access to a FIFO, one queue each way: +0 data (read pops, write pushes), +1 words there, +2 room.
 
-    A lost reply to a pop may have taken a word with it, so nothing is repeated: the error says what is not
-    known. Popping an empty FIFO and pushing into a full one are bus errors.
+    A lost reply to a pop may have taken a word with it. So nothing is repeated, and the error says what is
+    unknown. Popping an empty FIFO and pushing into a full one are bus errors.
 
     >>> samples = FifoProxy(link, base=0x200)     # doctest: +SKIP
     >>> samples.pop_many(limit=100)               # what is there, at most 100  # doctest: +SKIP
@@ -64,7 +64,7 @@ class FifoProxy(HardwareProxy):
         return FifoStatus(int(count), int(space))
 
     def pop(self, *, timeout_s: float | None = None) -> int:
-        """Take the oldest word; BusError where there is none."""
+        """Take the oldest word. BusError if there is none."""
         try:
             return self.read(DATA, timeout_s=timeout_s)
         except BusError as error:
@@ -74,9 +74,9 @@ class FifoProxy(HardwareProxy):
             ) from error
 
     def pop_many(self, limit: int, *, timeout_s: float | None = None) -> NDArray[np.uint32]:
-        """Take what is there, at most `limit` words, oldest first.
+        """Take the waiting words, oldest first, at most `limit`.
 
-        Raises DeviceMismatch where the device counts more words than a FIFO can hold: there is none here.
+        Raises DeviceMismatch if the device counts more words than a FIFO can hold. Then there is no FIFO.
         """
         limit = whole("fifo: limit", limit)
         if limit < 0:
@@ -90,7 +90,7 @@ class FifoProxy(HardwareProxy):
         return np.concatenate(blocks)
 
     def push(self, word: int, *, timeout_s: float | None = None) -> None:
-        """Append one word; BusError where there is no room."""
+        """Append one word. BusError if there is no room."""
         try:
             self.write(DATA, word, timeout_s=timeout_s)
         except BusError as error:
@@ -100,7 +100,7 @@ class FifoProxy(HardwareProxy):
             ) from error
 
     def push_many(self, words: Iterable[int], *, timeout_s: float | None = None) -> None:
-        """Append words in order; ValueRangeError before the first is sent where there is no room for all."""
+        """Append words in order. Without room for all, ValueRangeError comes before the first is sent."""
         batch = wholes("fifo: words", words)
         self._check_words(batch)
         space = self._counted(SPACE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every hardware proxy has: words at addresses relative to a base, and what may be sent twice."""
+"""What all hardware proxies share: words at addresses relative to a base, and what may be sent twice."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class HardwareProxy:
-    """Give access to the words of one gateware module, addressed from its base.
+    """The words of one gateware module, addressed from its base.
 
-    Values are raw unsigned words of the link's data width. A subclass says by `repeatable_reads` and
-    `repeatable_writes` what the link may send again by itself after a lost reply.
+    Values are raw unsigned words of the link's data width. `repeatable_reads` and `repeatable_writes` of a
+    subclass say which requests the link may repeat after a lost reply.
 
     >>> led = MemoryProxy(link, base=0x40)   # doctest: +SKIP
     >>> led.write(2, 0xFF)                   # the bus sees address 0x42  # doctest: +SKIP
@@ -37,15 +37,15 @@ class HardwareProxy:
         self.base = whole(f"{self.kind}: base", base)
         if self.base < 0:
             raise ValueRangeError(f"{self.kind}: base {shown(base)} is negative")
-        self.words = words  # how many words the module has, where that is known
+        self.words = words  # how many words the module has, if that is known
 
     @property
     def collects_here(self) -> bool:
-        """Say whether what this thread writes is only sent later, at the end of a batch."""
+        """Return whether the writes of this thread are only sent later, at the end of a batch."""
         return False
 
     def bus_address(self, address: int) -> int:
-        """Return the bus address of a relative one; ValueRangeError where the module has no such word."""
+        """Return the bus address of a relative one. ValueRangeError if the module has no such word."""
         address = whole(f"{self.kind} at {self.base:#06x}: address", address)
         if address < 0 or (self.words is not None and address >= self.words):
             held = "" if self.words is None else f"; it has words 0 to {self.words - 1:#x}"
@@ -57,7 +57,7 @@ class HardwareProxy:
         return [self.bus_address(address) for address in wholes(where, addresses)]
 
     def reader(self, address: int, *, checked: bool | None = None, repeat: bool = True) -> Callable[..., int]:
-        """Return a function that reads one word with nothing left to look up, for whoever reads it often."""
+        """Return a function that reads one word. It looks nothing up, for callers that read often."""
         return partial(
             self.link.read,
             self.bus_address(address),
@@ -80,9 +80,9 @@ class HardwareProxy:
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> NDArray[np.uint32]:
-        """Read many words; with `atomic` in one bus transaction, so that they belong together.
+        """Read many words. With `atomic` they come from one bus transaction, so that they belong together.
 
-        `repeat` False is for words that reading changes.
+        `repeat=False` is for words that reading changes.
         """
         return self.link.read_many(
             self.bus_addresses(addresses),
@@ -145,7 +145,7 @@ class HardwareProxy:
         repeat: bool = True,
         timeout_s: float | None = None,
     ) -> NDArray[np.uint32]:
-        """Read many words; with `atomic` in one bus transaction."""
+        """Read many words. With `atomic` they come from one bus transaction."""
         return await self.link.read_many_async(
             self.bus_addresses(addresses),
             atomic=atomic,
@@ -183,9 +183,9 @@ class HardwareProxy:
         )
 
     def subscribe(self, addresses: Iterable[int], **options: Any) -> Subscription:
-        """Have the gateware publish words as one group: `divisor=` of the base rate, or `on_event=True`.
+        """Let the gateware publish words as one group: with `divisor=` of the base rate, or `on_event=True`.
 
-        The link reads each address once before it is published, where that has no side effect.
+        The link first reads each address once, if that has no side effect.
         """
         options.setdefault("verify", self.repeatable_reads)
         for name in ("divisor", "ring"):
@@ -194,7 +194,7 @@ class HardwareProxy:
         return self.link.subscribe(self.bus_addresses(addresses), **options)
 
     def declare_outputs(self, addresses: Iterable[int]) -> None:
-        """Say which words the PC is responsible for; only proxies with a commit need to know."""
+        """Tell which words the PC is responsible for. Only proxies with a commit need that."""
         self.bus_addresses(addresses)
 
     def _pairs(self, addresses: Iterable[int], values: Iterable[int]) -> tuple[list[int], list[int]]:
@@ -205,7 +205,7 @@ class HardwareProxy:
         return bus, words
 
     def _check_words(self, values: Sequence[int]) -> None:
-        """Refuse what does not fit the bus before a part of it is sent."""
+        """Refuse words that do not fit the bus, before any is sent."""
         bits = self.link.configuration.data_bits
         for value in values:
             if not 0 <= value < 1 << bits:

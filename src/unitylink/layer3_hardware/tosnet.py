@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The TosNet bus slave: an isochronous shared memory of up to 15 nodes, its status, and its commits."""
+"""TosNet, the paper's real-time network between FPGAs: a shared memory of up to 15 nodes, status, commits."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class TosNetProxy(CommittedProxy):
     """Give access to a TosNet network behind the gateware.
 
     Node `n`'s register `r` has four OUT words, which the node writes, and four IN words, which it obeys.
-    `read` and `write` take the word address (node * 64 + register * 8 + 4 if IN + word);
-    `node(n).register(r)` computes it. A commit takes effect at the next network cycle; a write waits for
-    that, and raises NetworkError where the network is offline, halted, or dropped the commit.
+    `read` and `write` take the word address (node * 64 + register * 8 + 4 if IN + word).
+    `node(n).register(r)` computes it.
 
-    `control` is the link that status and commits go over, the same one unless told otherwise (CTRL in a
-    UL-spec).
+    A commit takes effect at the next network cycle. A write waits for that. It raises NetworkError if the
+    network is offline or halted, or dropped the commit. `control` is the link for status and commits, by
+    default the same one (CTRL in a UL-spec).
 
     >>> network = TosNetProxy(link)                                   # doctest: +SKIP
     >>> network.node(2).register(1).inputs[0] = 1000   # one burst, one commit  # doctest: +SKIP
@@ -55,7 +55,7 @@ class TosNetProxy(CommittedProxy):
         self._async = TosNetAsync(self.control, base)
 
     def node(self, node_id: int) -> TosNetNode:
-        """Return node 1-15 (0 where the gateware uses it)."""
+        """Return node 1-15, or 0 if the gateware uses it."""
         return TosNetNode(self, node_id)
 
     def status(self) -> TosNetStatus:
@@ -76,11 +76,11 @@ class TosNetProxy(CommittedProxy):
         return NetworkNode.decode_list([int(word) for word in words])
 
     def async_send(self, node_id: int, data: bytes, *, timeout_s: float = 0.5) -> None:
-        """Send bytes to a node (0 = all) over the asynchronous channel; LinkTimeout if it stays full."""
+        """Send bytes to a node (0 = all) over the asynchronous channel. LinkTimeout if it stays full."""
         self._async.send(node_id, data, timeout_s)
 
     def async_receive(self) -> list[tuple[int, bytes]]:
-        """Return what the asynchronous channel has received, oldest first, as (sender's node id, bytes)."""
+        """Return the messages of the asynchronous channel, oldest first, as (sender's node id, bytes)."""
         return self._async.receive()
 
     def _check_output(self, address: int) -> None:
@@ -126,7 +126,7 @@ class TosNetProxy(CommittedProxy):
 
 
 class TosNetNode:
-    """One node of the network; iterate over it for its registers."""
+    """One node of the network. Iterate over it for its registers."""
 
     def __init__(self, network: TosNetProxy, node_id: int) -> None:
         node_id = whole("tosnet: node", node_id)
@@ -144,7 +144,7 @@ class TosNetNode:
 
 
 class TosNetRegister:
-    """A register: `outputs[0..3]` are written by the node, `inputs[0..3]` are what it obeys."""
+    """A register: the node writes `outputs[0..3]` and obeys `inputs[0..3]`."""
 
     def __init__(self, node: TosNetNode, number: int) -> None:
         number = whole("tosnet: register", number)
@@ -156,7 +156,7 @@ class TosNetRegister:
 
 
 class TosNetWords:
-    """Four words of a register; `words[2]` reads, `words[2] = 5` writes and commits (or joins a batch)."""
+    """Four words of a register. `words[2]` reads, `words[2] = 5` writes and commits (or joins a batch)."""
 
     def __init__(self, network: TosNetProxy, first: int) -> None:
         self.network = network

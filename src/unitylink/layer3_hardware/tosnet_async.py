@@ -23,8 +23,7 @@ FIFO_WORDS = 128
 class TosNetAsync:
     """Move bytes through the channel's two FIFOs, four to a word, byte 0 in bits 31-24.
 
-    Pushing and popping are never repeated by themselves: a lost reply is an OutcomeUnknown (or a
-    LinkTimeout).
+    Pushing and popping are never repeated: a lost reply is an OutcomeUnknown or a LinkTimeout.
     """
 
     def __init__(self, link: Link, base: int) -> None:

@@ -80,7 +80,7 @@ class TosNetCounters:
 
 @dataclass(frozen=True)
 class NetworkNode:
-    """One node of the ring: its id, ring address, and which of its 8 registers are enabled."""
+    """One node of the ring: its id, its ring address, and which of its 8 registers are enabled."""
 
     node_id: int
     ring_address: int
@@ -88,7 +88,7 @@ class NetworkNode:
 
     @classmethod
     def decode_list(cls, words: list[int]) -> tuple[NetworkNode, ...]:
-        """Decode the network registers; the list ends where the stored ring address is not the index.
+        """Decode the network registers. The list ends where the stored ring address is not the index.
 
         >>> [n.node_id for n in NetworkNode.decode_list([0x010101, 0x030312, 0])]
         [1, 2]

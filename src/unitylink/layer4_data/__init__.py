@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Layer 4: typed values, groups of them, publishing, and the base of generated classes.
 
-Names are loaded when they are first used: generators only need what generated code is called.
+Names are loaded when they are first used. Generators need only the names that generated code has.
 """
 
 from __future__ import annotations

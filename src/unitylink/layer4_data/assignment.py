@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is said to who assigns to an object of a robot: it would be replaced, and nothing written."""
+"""The error for an assignment to an object of a robot: it would replace the object and write nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _METHODS = {"WRITE": "write", "READWRITE": "write", "PULSE": "pulse", "W1C": "cl
 
 
 def refuse(path: str, held: object, value: object) -> NoReturn:
-    """Raise AssignmentError for `path = value`, with the method that does what was meant.
+    """Raise AssignmentError for `path = value`. It names the method that writes.
 
     >>> refuse("j1.pos_sp", robot.j1.pos_sp, 3)  # doctest: +SKIP
     Traceback (most recent call last):
@@ -34,7 +34,7 @@ def refuse(path: str, held: object, value: object) -> NoReturn:
 
 
 class Array(tuple[Any, ...]):
-    """The members of an array of the spec: a tuple that says how a part is written."""
+    """The members of an array of the spec: a tuple whose error says how to write a part."""
 
     path: str
 
@@ -45,5 +45,5 @@ class Array(tuple[Any, ...]):
         return array
 
     def __setitem__(self, index: int, value: object) -> None:
-        """Refuse what is meant as a write."""
+        """Refuse the assignment: a write was probably meant."""
         refuse(f"{self.path}[{index!r}]", self[index] if isinstance(index, int) else self, value)

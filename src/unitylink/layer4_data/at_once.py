@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What several links do at the same time."""
+"""Jobs of several links at the same time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ R = TypeVar("R")
 
 
 def at_once(jobs: Sequence[Callable[[], R]]) -> list[R]:
-    """Run jobs at the same time, each link's in a thread; all end before the first error is raised."""
+    """Run jobs at the same time, each link's in a thread. All end before the first error is raised."""
     if len(jobs) <= 1:
         return [job() for job in jobs]
     with ThreadPoolExecutor(len(jobs)) as pool:

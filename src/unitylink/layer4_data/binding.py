@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What belongs together: a generated file with this library and its spec, a tree of values with its links."""
+"""Whether things belong together: a generated file with library and spec, a tree of values with its links."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 
 def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> None:
-    """Refuse a generated file that is foreign (other library) or stale (its spec has changed since).
+    """Refuse a generated file that is foreign (of another library) or stale (its spec has changed since).
 
-    Generated modules call it when they are imported, with their own `__file__`. The spec is looked for beside
-    the file; where it is not there, only the library can be checked.
+    Generated modules call it with their own `__file__` when they are imported. The spec is looked for beside
+    the file. Without it only the library is checked.
     """
     spec_file = Path(file).parent / source
     beside = spec_file.is_file()
@@ -41,7 +41,7 @@ def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> No
         )
     if not beside:
         return
-    from unitylink.spec import compile_file  # only here: most generated files do not lie beside their spec
+    from unitylink.spec import compile_file  # here: most generated files have no spec beside them
 
     spec = compile_file(spec_file).spec
     if spec is None:
@@ -59,10 +59,10 @@ def check(file: str, *, source: str, spec_hash: str, binding_version: int) -> No
 class Tree:
     """What the nodes of one tree share: links by name, addresses, display names, classes, publisher.
 
-    `links` has the links that are not `link`, by the name of a COMM or CTRL parameter or of a declared link;
-    `classes` the Python classes of enumerations and packed values. `source` is what the spec is called, and
-    `gateware` has the wire hashes that the gateware behind each link in use may have, by the link's name, ""
-    for `link`: DeviceMismatch where one has another, see `Link.check_spec`.
+    `links` has the links other than `link`, by the name of a COMM or CTRL parameter or of a declared link.
+    `classes` has the Python classes of enumerations and packed values. `source` is the name of the spec.
+    `gateware` has the wire hashes that the gateware behind each link in use may have, by the link's name (""
+    for `link`). Another hash raises DeviceMismatch, see `Link.check_spec`.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class Tree:
         size: int = 0,
         link: str = "",
     ) -> HardwareProxy:
-        """Return the proxy of a link binding; `comm` carries the data, `ctrl` what controls the module."""
+        """Return the proxy of a link binding. `comm` carries the data, `ctrl` controls the module."""
         return hardware_for(kind, self.link_of(comm, link), base, self.link_of(ctrl, link), size)
 
     def link_of(self, parameter: str | None, declared: str = "") -> Link:
@@ -107,7 +107,7 @@ class Tree:
         return self.link
 
 
-# A module has one shadow of its outputs, however many trees reach it: living proxies are shared.
+# A module has one shadow of its outputs, even if several trees reach it. So living proxies are shared.
 _lock = threading.Lock()
 _shared: WeakValueDictionary[tuple[str, int, int, int, int], HardwareProxy] = WeakValueDictionary()
 KINDS = ("memory", "tosnet", "double_buffer", "fifo")
@@ -116,7 +116,7 @@ KINDS = ("memory", "tosnet", "double_buffer", "fifo")
 def hardware_for(
     kind: str, link: Link, base: int = 0, control: Link | None = None, size: int = 0
 ) -> HardwareProxy:
-    """Return the one proxy for a module; `kind` is one of KINDS, `size` the words of a double buffer."""
+    """Return the one proxy for a module. `kind` is one of KINDS, `size` the words of a double buffer."""
     control = control if control is not None else link
     key = (
         kind,
@@ -124,7 +124,7 @@ def hardware_for(
         base,
         id(control),
         size,
-    )  # a living proxy keeps its links, so their ids stay theirs
+    )  # a living proxy keeps its links alive, so no other object gets their ids
     with _lock:
         proxy = _shared.get(key)
         if proxy is None:

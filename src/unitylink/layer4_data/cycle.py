@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Cycle: all outputs written and all inputs read, again and again: the body of a control loop."""
+"""Cycle: the body of a control loop. It writes all outputs and reads all inputs."""
 
 from __future__ import annotations
 
@@ -30,10 +30,12 @@ class Cycle:
     """Write every WRITE of a group and read every READ, in as few bytes and messages as the link allows.
 
     Made by `ValueGroup.cycle` and `Node.cycle`. A value that a call does not name keeps what it was last
-    given, at first its INITIAL; after a line came back or a device restarted all must be given again. On a
-    framed link the words are named once, as an exchange group; then each call is one message each way with
-    bare data, and what it returns is of one moment (`atomic`). Where that cannot be, `notice` says why, and
-    the same is done in the next best way.
+    given. At first that is its INITIAL. After a line came back or a device restarted, all values must be
+    given again.
+
+    On a framed link the words are named once, as an exchange group. Then each call is one message each way
+    with bare data, and its result is of one moment (`atomic`). Where that is not possible, `notice` says why,
+    and the next best way is taken.
 
     >>> with robot.cycle() as cycle:                                # doctest: +SKIP
     ...     state = cycle(target=0.0)
@@ -59,7 +61,7 @@ class Cycle:
 
     @property
     def atomic(self) -> bool:
-        """Whether all is of one moment: each call one transaction of the device's bus, on one link."""
+        """Whether all values are of one moment: each call is one transaction of the bus, on one link."""
         return len(self._parts) == 1 and all(part.atomic for part in self._parts)
 
     def __call__(
@@ -70,10 +72,10 @@ class Cycle:
         timeout_s: float | None = None,
         **named: Any,
     ) -> Snapshot:
-        """Write and read once; values are given as to `ValueGroup.write`, here also none at all.
+        """Write and read once. Give values as to `ValueGroup.write`, or none at all.
 
-        All values are checked before the first is sent. Raises ValueRangeError, also for one that was never
-        given, and what writing raises: OutcomeUnknown, DeadManTripped, BusError.
+        All values are checked before the first is sent. Raises ValueRangeError, also for a value that was
+        never given. Raises what writing raises: OutcomeUnknown, DeadManTripped, BusError.
         """
         self._forget_old()
         if values is not None or named:
@@ -96,7 +98,7 @@ class Cycle:
         return self.group.taken(words)
 
     def _forget_old(self) -> None:
-        """Forget what was given where a line came back or a device restarted: it must be given again."""
+        """Forget the values after a line came back or a device restarted: they must be given again."""
         for link, before in self._generations.items():
             if link.generation != before:
                 self._generations[link] = link.generation
@@ -120,7 +122,7 @@ class Cycle:
 
 
 class _Part:
-    """What lies on one link."""
+    """The part of the cycle on one link."""
 
     def __init__(
         self,
@@ -165,7 +167,7 @@ class _Part:
         words = [word for value in self._plain for word in self._split(value)]
         if self._exchange is not None:
             read = self._exchange.exchange(words, timeout_s=timeout_s).tolist()
-        elif self.atomic:  # too large for a group of the device: named in each message
+        elif self.atomic:  # too large for a group of the device, so each message names its words
             pairs = list(zip(self._outputs, words, strict=True))
             read = self.link.exchange(self._inputs, pairs, atomic=True, timeout_s=timeout_s).tolist()
         else:
@@ -191,7 +193,7 @@ def _initial(value: WriteValue[Any]) -> int | None:
 
 
 def _words(value: Value[Any], data_bytes: int) -> list[tuple[int, int]]:
-    """Return address and bytes of each word: as many as the type has bits for."""
+    """Return the address and the bytes of each word. The bytes follow from the bits of the type."""
     left = (value.codec.width + 7) // 8
     words = []
     for address in value.addresses:

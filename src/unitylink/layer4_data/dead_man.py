@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The dead-men of the devices that a part of a robot lies on."""
+"""The dead-men of the devices behind a part of a robot."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class DeadMen:
-    """What each of some links is asked and told about its dead-man, see `Link.dead_man`.
+    """The dead-men of several links, asked and set together. See `Link.dead_man`.
 
     >>> robot.dead_man.start(0.1)                  # doctest: +SKIP
     >>> if robot.dead_man.tripped:                 # doctest: +SKIP
@@ -23,27 +23,27 @@ class DeadMen:
         self.links = links
 
     def start(self, silence_s: float) -> None:
-        """Have `silence_s` without a sign of life make safe what has a SAFE value; 0: never.
+        """Let the devices write the SAFE values after `silence_s` without a sign of life. 0: never.
 
-        Raises DeviceMismatch on a classic link or where the gateware has none.
+        Raises DeviceMismatch on a classic link, or if the gateware has no dead-man.
         """
         time_s = positive("dead-man: silence_s", silence_s)
         for link in self.links:
             link.set_dead_man(time_s)
 
     def arm(self) -> None:
-        """Let outputs be written again after a dead-man has tripped."""
+        """Allow writes again after a dead-man has tripped."""
         for link in self.links:
             link.arm()
 
     @property
     def tripped(self) -> bool:
-        """Ask whether a dead-man has tripped; False on classic links, which have none."""
+        """Ask whether a dead-man has tripped. False on classic links, which have none."""
         states = [link.dead_man() for link in self.links]
         return any(state is not None and state.tripped for state in states)
 
     @property
     def running(self) -> bool:
-        """Ask whether all links have a dead-man that runs."""
+        """Ask whether the dead-man of every link runs."""
         states = [link.dead_man() for link in self.links]
         return all(state is not None and state.running for state in states)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What generated code says about its values, under one name: `facts.Quantity(facts.ValueType("int", 16))`."""
+"""The names with which generated code describes its values: `facts.Quantity(facts.ValueType("int", 16))`."""
 
 from __future__ import annotations
 

@@ -42,10 +42,10 @@ Writes = dict["HardwareProxy", list[tuple[WriteValue[Any], int]]]  # values and 
 
 
 class ValueGroup:
-    """Give values one name: READs are taken together by `snapshot`, WRITEs take effect together by `write`.
+    """Several values: `snapshot` reads the READs together, `write` lets the WRITEs take effect together.
 
-    `values` is a mapping from key to value, or values, whose keys are then their paths. They may live on any
-    number of links.
+    `values` is a mapping from key to value, or a sequence of values, whose keys are then their paths. The
+    values may be on any number of links.
 
     >>> targets = ValueGroup([robot.j1.pos_sp, robot.j2.pos_sp])         # doctest: +SKIP
     >>> targets.write([100, -200])                                       # doctest: +SKIP
@@ -70,7 +70,7 @@ class ValueGroup:
         self.reads = {k: v for k, v in self.values.items() if isinstance(v, ReadValue)}
         self.writes = {k: v for k, v in self.values.items() if isinstance(v, WriteValue)}
         self.listeners: Listeners[Snapshot] = Listeners(path)
-        self._watching = threading.Lock()  # of who begins to listen
+        self._watching = threading.Lock()  # held while a listener is added
         self._by_link: dict[Link, dict[str, ReadValue[Any]]] = {}
         for key, value in self.reads.items():
             self._by_link.setdefault(value.hardware.link, {})[key] = value
@@ -97,7 +97,7 @@ class ValueGroup:
         refuse(f"{self.path}[{key!r}]", self.values.get(key), value)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Take no attribute once it is made: one more would be written nowhere."""
+        """Refuse new attributes: nothing would write them."""
         if "_sets" in self.__dict__:
             raise AssignmentError(
                 f"{self.path}.{name} is not set to {shown(value)}; write values of the group: "
@@ -111,7 +111,7 @@ class ValueGroup:
     # Reading
 
     def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read all READs: per link one atomic read, the links at the same time.
+        """Read all READs: one atomic read for each link, all links at the same time.
 
         Raises DeviceMismatch where one atomic read cannot hold them, unless `consistent` is False.
         """
@@ -138,7 +138,7 @@ class ValueGroup:
         return self.taken(dict(zip(self._by_link, fetched, strict=True)))
 
     async def snapshot_async(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read all READs: per link one atomic read, the links at the same time."""
+        """Read all READs: one atomic read for each link, all links at the same time."""
         self._check_snapshot(consistent)
 
         async def fetch(link: Link, values: dict[str, ReadValue[Any]]) -> tuple[float, list[int]]:
@@ -175,7 +175,7 @@ class ValueGroup:
                 )
 
     def taken(self, fetched: Mapping[Link, tuple[float, list[int]]]) -> Snapshot:
-        """Return what was read: of each link when, and the words of its READs in their order."""
+        """Return for each link the time of the read, and the words of its READs in order."""
         numbers: dict[str, Any] = {}
         times_s: dict[str, float] = {}
         sampled_s: dict[str, float] = {}
@@ -197,11 +197,11 @@ class ValueGroup:
         timeout_s: float | None = None,
         **named: Any,
     ) -> None:
-        """Write WRITEs together: a sequence for all of them in order, a mapping or keywords for some.
+        """Write WRITEs together. Give a sequence for all of them in order, or a mapping or keywords for some.
 
-        A keyword is a key with "_" for what no name can have ("j[2].pos" is j_2_pos), or its last step where
-        that is unique. All values are checked before the first is sent. Per hardware proxy it is one burst
-        (on TosNet: with one commit), the links at the same time.
+        A keyword is a key with "_" in place of what a name cannot have ("j[2].pos" is j_2_pos), or its last
+        step where that is unique. All values are checked before the first is sent. Each hardware proxy gets
+        one burst (on TosNet: with one commit). All links are written at the same time.
         """
         writes = self._words(values, named)
         batched = [hardware for hardware in writes if hardware.collects_here]
@@ -223,7 +223,7 @@ class ValueGroup:
                     value.wrote(raw)
 
         try:
-            send(batched)  # here, for a batch is its thread's
+            send(batched)  # here, because a batch belongs to its thread
             at_once([partial(send, proxies) for proxies in by_link.values()])
         except LinkError as error:
             raise self._named(error)  # noqa: B904
@@ -256,7 +256,7 @@ class ValueGroup:
             raise self._named(error)  # noqa: B904
 
     def cycle(self) -> Cycle:
-        """Return what writes all WRITEs and reads all READs with each call, as a control loop does.
+        """Return a Cycle: each call writes all WRITEs and reads all READs, as a control loop does.
 
         >>> with group.cycle() as cycle:                                 # doctest: +SKIP
         ...     state = cycle(j1_pos_sp=100, j2_pos_sp=-200)
@@ -266,7 +266,7 @@ class ValueGroup:
     def chosen(
         self, values: Mapping[str, Any] | Sequence[Any] | None, named: Mapping[str, Any]
     ) -> dict[WriteValue[Any], Any]:
-        """Return which WRITEs a call of `write` is about, and what it gives them."""
+        """Return the WRITEs that a call of `write` names, with their values."""
         chosen: dict[WriteValue[Any], Any] = {}
         if isinstance(values, Mapping):
             for key, number in values.items():
@@ -315,23 +315,26 @@ class ValueGroup:
     def on_publish(
         self, callback: Callable[[float, Snapshot], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(time_s, snapshot)` for each set of fresh samples; return what takes it back.
+        """Call `callback(time_s, snapshot)` for each set of fresh samples. Return the function that ends it.
 
-        There is a set for each tick of each rate, and for each event. What has one rate is of one tick, in
-        whatever gateware groups; the others are as they came last: `snapshot.sampled_s` says when. What was
-        published on an event, or at another rate, is read once at the beginning. Only what reading changes is
-        not in a set before it has come. READs without PUBLISH need `rate_hz`: the PC then polls them.
+        There is a set for each tick of each rate, and for each event. Values of one rate are of one tick,
+        whatever their gateware groups. The other values are the last that came. `snapshot.sampled_s` says
+        when each was sampled.
+
+        Values that are published on an event, or at another rate, are read once at the beginning. A value
+        that reading changes is not in a set before it has been published. READs without PUBLISH need
+        `rate_hz`: the PC then polls them.
         """
         return self._with_watch(self.listeners.on_publish(callback), rate_hz)
 
     def on_change(
         self, callback: Callable[[Snapshot], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(snapshot)` once per set in which a value has changed; else as `on_publish`."""
+        """Call `callback(snapshot)` for each set in which a value has changed. See `on_publish`."""
         return self._with_watch(self.listeners.on_change(callback), rate_hz)
 
     def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, Snapshot]]:
-        """Iterate over sets: `async for time_s, snapshot in group.publishes():`; see `on_publish`."""
+        """Iterate over sets: `async for time_s, snapshot in group.publishes():`. See `on_publish`."""
         return self.listeners.stream(
             lambda: self._watch(rate_hz),
             lambda: all(value.is_published() for value in self.reads.values()),
@@ -339,7 +342,7 @@ class ValueGroup:
         )
 
     def _newest(self, rate_hz: float | None) -> tuple[float, Snapshot] | None:
-        """Return the set as it is, where something is published on change, and has been already."""
+        """Return the current set if a value is published on change and has been published already."""
         rare = [v for v in self.reads.values() if v.publish is not None and v.publish.trigger == "change"]
         if not rare or not all(value.publisher.newest(value) for value in rare):
             return None
@@ -348,7 +351,7 @@ class ValueGroup:
         return None if snapshot is None else (snapshot.time_s, snapshot)
 
     def _with_watch(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
-        """Have the publishes come for a listener, who is there before the first."""
+        """Start the publishes for a listener. The listener is there before the first one."""
         try:
             self._watch(rate_hz)
         except BaseException:
@@ -372,7 +375,7 @@ class ValueGroup:
             value.publisher.require(value)
 
     def _seed(self) -> None:
-        """Read once what comes at another time, so that the first set has it; not what reading changes."""
+        """Read once the values that come at another time, for the first set. Omit what reading changes."""
         by_link: dict[Link, list[ReadValue[Any]]] = {}
         for value in self._sets.unknown:
             if value.pollable and value.hardware.repeatable_reads:
@@ -390,12 +393,12 @@ class ValueGroup:
             except LinkError as error:
                 raise self._named(error)  # noqa: B904
             for value, raw in zip(values, join(values, words), strict=True):
-                with suppress(UnexpectedValue):  # then it is not in a set before it comes
+                with suppress(UnexpectedValue):  # then no set has it before it comes
                     self._sets.seed(time_s, value, value.codec.decode(raw))
         self._sets.begin()
 
     def take(self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]) -> None:
-        """Take a publish that carries some of our values; tell the listeners when it completes a set."""
+        """Take a publish that carries some of our values. Tell the listeners when it completes a set."""
         snapshot = self._sets.take(time_s, values, numbers)
         if snapshot is not None:
             self.listeners.tell(time_s, snapshot)
@@ -407,7 +410,7 @@ class ValueGroup:
 def _has_length(values: object) -> bool:
     try:
         len(values)  # type: ignore[arg-type]
-    except TypeError:  # of numpy's scalars too, which have the method
+    except TypeError:  # also of numpy's scalars, which have the method
         return False
     return True
 
@@ -425,7 +428,7 @@ def _any_checked(values: Iterable[Value[Any]]) -> bool | None:
 
 
 async def _all(jobs: Iterable[Coroutine[Any, Any, R]]) -> list[R]:
-    """Await jobs at the same time; all end before the first error is raised."""
+    """Await jobs at the same time. All end before the first error is raised."""
     ended = await asyncio.gather(*jobs, return_exceptions=True)
     for result in ended:
         if isinstance(result, BaseException):

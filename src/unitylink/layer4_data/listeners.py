@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Who is told of a publish; what a callback raises is reported, and stops nobody else."""
+"""The callbacks of a publish. An exception in one is reported and does not stop the others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger("unitylink.publishing")
 T = TypeVar("T")
 
 STREAM_LIMIT = 65_536  # publishes kept for an `async for` that does not keep up
-ALIVE_CHECK_S = 0.2  # how soon an `async for` notices that nothing can come any more
+ALIVE_CHECK_S = 0.2  # how soon an `async for` notices its end
 
 
 class Listeners(Generic[T]):
@@ -27,10 +27,10 @@ class Listeners(Generic[T]):
 
     def __init__(self, item: str) -> None:
         self._item = item
-        self._lock = threading.Lock()  # of who comes and goes; telling needs none: tuples are replaced
+        self._lock = threading.Lock()  # held to add or remove callbacks only
         self._publish: tuple[Callable[[float, T], object], ...] = ()
         self._change: tuple[Callable[[T], object], ...] = ()
-        self.previous: object = None  # what was published last: nothing yet
+        self.previous: object = None  # nothing has been published yet
         self.heard = False
         """Whether somebody wants to hear of each publish; who does not ask `tell` then keeps `previous`."""
 
@@ -66,10 +66,10 @@ class Listeners(Generic[T]):
         alive: Callable[[], bool],
         newest: Callable[[], tuple[float, T] | None] = lambda: None,
     ) -> AsyncIterator[tuple[float, T]]:
-        """Iterate over (time_s, value) of every publish, from any thread, until not `alive`: none can come.
+        """Iterate over (time_s, value) of every publish, from any thread, until not `alive`.
 
-        `begin` has them come; who listens is there before, so that the first is not lost. `newest` is what an
-        iteration begins with where they come already, and the next may be long in coming.
+        `begin` starts the publishes. The listener is there before, so the first is not lost. If they come
+        already, the iteration begins with `newest`, because the next one may take long.
         """
         waiting: deque[tuple[float, T]] = deque(maxlen=STREAM_LIMIT)
         wake: list[Callable[[], object]] = []
@@ -109,7 +109,7 @@ class Listeners(Generic[T]):
             while waiting or alive():
                 while waiting:
                     one = waiting.popleft()
-                    if first is None or one[0] > first[0]:  # else it is the one that it began with
+                    if first is None or one[0] > first[0]:  # otherwise it is the one from the beginning
                         yield one
                 try:
                     await asyncio.wait_for(arrived.wait(), ALIVE_CHECK_S)

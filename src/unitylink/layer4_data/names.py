@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What generated code is built on, and trees made at run time too: names of attributes, and the version."""
+"""The names of attributes, and the version, of generated code and of trees that are made at run time."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NODE_NAMES = frozenset(
     }
 )
 
-# What a generated module itself calls something: no class and no attribute of a spec can be called that.
+# Names that a generated module uses itself: no class and no attribute of a spec can have them.
 MODULE_NAMES = frozenset(
     {
         "ClearValue",
@@ -61,7 +61,7 @@ def python_names(names: Iterable[str], reserved: Iterable[str] = ATTRIBUTE_NAMES
 
 
 def attribute_of(member: Instance | Element | Group) -> str:
-    """Return the name under which a node has a member: for one of an array that of the array."""
+    """Return the name under which a node has a member. For a member of an array it is the array's name."""
     return member.name if isinstance(member, Group) else member.array or member.name
 
 

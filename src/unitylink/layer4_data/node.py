@@ -66,12 +66,12 @@ class Node:
         self._feed: ValueGroup | None = None
 
     def __init_subclass__(cls, *, closed: bool = False, **more: Any) -> None:
-        """Generated classes are `closed`: they have the attributes of the spec, and no others."""
+        """Generated classes are `closed`: they have only the attributes of the spec."""
         super().__init_subclass__(**more)
         cls._closed = closed
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Take each member once: a value that was replaced by a number would never be written again."""
+        """Set each member only once: if a number replaced a value, nothing could write it any more."""
         held = self.__dict__.get(name)
         if name.startswith("_"):
             pass
@@ -89,7 +89,7 @@ class Node:
         """Refuse what is meant as a write."""
         refuse(self._path(path), self[path], value)
 
-    # What generated classes and trees from a Spec are built with
+    # What builds generated classes and trees from a Spec
 
     def _bind(self, kind: str, **binding: Any) -> None:
         self._hardware = self._tree.hardware(kind, **binding)
@@ -150,7 +150,7 @@ class Node:
                 yield from member
 
     def __getitem__(self, path: str) -> Value[Any] | ValueGroup | Node:
-        """Return the value, group or part at a path of the spec's names; UnknownName says what is near."""
+        """Return the value, group or part at a path of the spec's names. UnknownName lists similar names."""
         if not isinstance(path, str):
             raise UnknownName(f"{self.path or self.name}: names are text, not {shown(path)}")
         here: Value[Any] | ValueGroup | Node = self
@@ -169,21 +169,21 @@ class Node:
     # Doing
 
     def snapshot(self, *, consistent: bool = True, timeout_s: float | None = None) -> Snapshot:
-        """Read every READ below at once; keys are paths relative to this node. See ValueGroup.snapshot.
+        """Read every READ below at once. Keys are paths relative to this node. See ValueGroup.snapshot.
 
-        Values that reading would change (READCLEAR) are left out.
+        Values that reading would change (READCLEAR) are omitted.
         """
         return self._all().snapshot(consistent=consistent, timeout_s=timeout_s)
 
     def apply_initial(self, *, timeout_s: float | None = None) -> None:
-        """Write the initial value of everything below that has one: together, on TosNet with one commit.
+        """Write the INITIAL values of everything below, together; on TosNet with one commit.
 
-        Nothing is written by itself when a link is opened: a robot that is running must not jump.
+        Opening a link writes nothing: a robot that is running must not jump.
         """
         self._apply("initial", timeout_s)
 
     def apply_safe(self, *, timeout_s: float | None = None) -> None:
-        """Write the safe value of everything below that has one, together; others stay as they are."""
+        """Write the SAFE values of everything below, together. Values without one stay as they are."""
         self._apply("safe", timeout_s)
 
     def _apply(self, which: str, timeout_s: float | None) -> None:
@@ -196,25 +196,25 @@ class Node:
             self._all().write(known, timeout_s=timeout_s)
 
     def cycle(self) -> Cycle:
-        """Return what writes every WRITE below and reads every READ with each call: see Cycle."""
+        """Return a Cycle: each call writes every WRITE below and reads every READ."""
         return self._all().cycle()
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """The links of the values below, each once: for `link.health()`, `link.dead_man()` and the like."""
+        """The links of the values below, each once, for example for `link.health()`."""
         return tuple(dict.fromkeys(value.hardware.link for value in self))
 
     @property
     def dead_man(self) -> DeadMen:
-        """What makes the outputs safe when this program falls silent: `start`, `tripped`, `arm`."""
+        """The dead-men, which make outputs safe if this program is silent: `start`, `tripped`, `arm`."""
         return DeadMen(self.links)
 
     def on_publish(self, callback: Callable[[float, Snapshot], object]) -> Callable[[], None]:
-        """Call `callback(time_s, snapshot)` once per set of fresh samples of all published values below."""
+        """Call `callback(time_s, snapshot)` for each set of fresh samples of all published values below."""
         return self._published().on_publish(callback)
 
     def on_change(self, callback: Callable[[Snapshot], object]) -> Callable[[], None]:
-        """Call `callback(snapshot)` once per set in which a published value below has changed."""
+        """Call `callback(snapshot)` for each set in which a published value below has changed."""
         return self._published().on_change(callback)
 
     def publishes(self) -> AsyncIterator[tuple[float, Snapshot]]:
@@ -222,7 +222,8 @@ class Node:
         return self._published().publishes()
 
     def start_publishing(self, *, fallback: bool = False) -> None:
-        """Start what the whole tree publishes; with `fallback` poll what the gateware has no room for."""
+        """Start the whole tree's publishes. With `fallback` the PC polls those that do not fit the
+        gateware."""
         self.publisher.start(fallback=fallback)
 
     def stop_publishing(self) -> None:
@@ -236,7 +237,7 @@ class Node:
             yield self
 
     def record(self) -> Recording:
-        """Keep what is published and what set-points are written within a `with` block."""
+        """Record the publishes and the written set-points within a `with` block."""
         return Recording(self.publisher, self._all().writes.values())
 
     def _all(self) -> ValueGroup:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishing without help from the gateware: the PC reads at a rate, in a thread of its own."""
+"""Publishing without the gateware: the PC reads at a rate, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ if TYPE_CHECKING:
 
 
 class Poller:
-    """Read a plan's words at its rate and deliver them; a read that fails is counted as lost.
+    """Read a plan's words at its rate and deliver them. A read that fails is counted as lost.
 
-    The first that fails is logged, and that it works again: not each while a line is gone.
-    A poll that comes too late is skipped and counted, not made up for. The time delivered is the middle of
-    the read.
+    The first failure is logged, and so is the first success after it. A poll that is too late is skipped and
+    counted, and not made up for. The time delivered is the middle of the read.
     """
 
     def __init__(self, plan: PublishPlan, deliver: Callable[[float, Sequence[int]], None]) -> None:
@@ -35,16 +34,14 @@ class Poller:
 
     def close(self) -> None:
         self._stop.set()
-        if (
-            self._thread is not threading.current_thread()
-        ):  # a callback may stop the publishing it is called by
+        if self._thread is not threading.current_thread():  # a callback may stop the publishing that calls it
             self._thread.join()
 
     def _run(self) -> None:
         link, addresses = self._plan.link, self._plan.addresses
         atomic = 1 < len(addresses) <= link.configuration.read_many
         checked, period_s = self._plan.checked, 1 / self._plan.rate_hz
-        failed = 0  # polls, since it last worked
+        failed = 0  # failed polls since the last that worked
         due = time.monotonic()
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             started = link.now_s()

@@ -10,7 +10,7 @@ from .value import Value
 
 
 def portions(values: Sequence[Value[Any]], consistent: bool) -> list[tuple[list[int], bool]]:
-    """Return what is read at once: (addresses, atomic); no value of several words is ever torn."""
+    """Return what is read at once: (addresses, atomic). No value of several words is ever divided."""
     whole = [address for value in values for address in value.addresses]
     if consistent or len(whole) == len(values):
         return [(whole, consistent and len(whole) > 1)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One running publish: the values that are sampled together, and what is done when they arrive."""
+"""One running publish: values that are sampled together, and what happens when they arrive."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HARDWARE, SOFTWARE = 1, 2  # the modes of PUBLISH(mode, divisor)
 
 
 def base_hz(link: Link) -> int:
-    """Return the base publish frequency; gateware that has none is polled by the usual one."""
+    """Return the base publish frequency. Gateware without one is polled at the default."""
     return link.configuration.base_hz or protocol.BASE_HZ_DEFAULT
 
 
@@ -33,7 +33,8 @@ def base_hz(link: Link) -> int:
 class PublishPlan:
     """Values of one link that are published together: by one gateware group (mode 1) or one poll (mode 2).
 
-    `number` is the gateware's group where it matters which: the one whose event line triggers it.
+    `number` is the gateware's group if it must be a certain one: the group whose event line triggers the
+    publish.
     """
 
     link: Link
@@ -59,23 +60,25 @@ class PublishPlan:
 
     @property
     def repeatable(self) -> bool:
-        """Whether reading the words once more does no harm."""
+        """Whether the words may be read once more without harm."""
         return all(value.pollable and value.hardware.repeatable_reads for value in self.values)
 
     @property
     def rate_hz(self) -> float:
-        """The rate; 0 where an event triggers and not the clock."""
+        """The rate. 0 if an event triggers the publish, not the clock."""
         return base_hz(self.link) / self.divisor if self.divisor else 0.0
 
     def polled(self) -> PublishPlan:
-        """Return the same, polled by the PC."""
+        """Return the same plan, polled by the PC."""
         return replace(self, publish=replace(self.publish, mode=SOFTWARE), number=None)
 
 
 @dataclass(frozen=True)
 class PublishReport:
-    """What one publish has done so far; `lost` were overwritten before they were taken, not polled, or held
-    a number that their type does not have. `rate_hz` is 0 where an event triggers."""
+    """What one publish has done so far. `rate_hz` is 0 if an event triggers it.
+
+    `lost` ones were overwritten before they were taken, were not polled, or held a number that their type
+    does not have."""
 
     url: str
     hardware: bool
@@ -85,16 +88,16 @@ class PublishReport:
     lost: int
 
 
-# time_s, the values, what they are in engineering units, their raw numbers
+# time_s, the values, their numbers in engineering units, their raw numbers
 Taker = Callable[[float, Sequence["ReadValue[Any]"], Sequence[Any], Sequence[int]], None]
 # many publishes at once: (n,) times in s, the k values, (n, k) raw numbers
 ArraysTaker = Callable[["Times", Sequence["ReadValue[Any]"], "Words"], None]
-# without the second, a taker wants each publish by itself
+# without the second, the taker wants each publish by itself
 Takers = Sequence[tuple[Taker, ArraysTaker | None]]
 
 
 class Source(Protocol):
-    """What brings the words: a gateware subscription or a polling thread."""
+    """The source of the words: a gateware subscription or a polling thread."""
 
     @property
     def lost(self) -> int: ...
@@ -172,9 +175,9 @@ class Publication:
             take(time_s, values, numbers, raws)
 
     def deliver_arrays(self, times: Times, words: Words) -> bool:
-        """Take many publishes at once; False, and nothing done, where somebody wants each by itself.
+        """Take many publishes at once. Return False, and do nothing, if a listener wants each by itself.
 
-        Of a fast stream that is only recorded, or of which only the latest counts, arrays cost a small part.
+        If a fast stream is only recorded, or only its latest value counts, arrays are much cheaper.
         """
         values, takers = self.plan.values, self.takers
         if not self._simple or self._rare or any(arrays is None for _, arrays in takers):

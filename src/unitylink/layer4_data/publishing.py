@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which gateware group carries what: the plan, and its start and stop."""
+"""Which gateware group carries which values: the plan, its start and its stop."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
 
 def plan(items: Iterable[tuple[ReadValue[Any], Publish]], *, fallback: bool = False) -> list[PublishPlan]:
-    """Allocate publishes: what has the same link, mode, trigger, rate and group name shares one, a snapshot.
+    """Assign values to publishes. Values of the same link, mode, trigger, rate and group name share one.
 
-    A gateware group that is full is continued in the next; where there are more than the gateware has, raise
-    DeviceMismatch with the counts, or with `fallback` let the PC poll the rest. What an event triggers comes
-    first, for it needs the group of that event line.
+    The values of one publish are one snapshot. A full gateware group is continued in the next. If the
+    gateware has too few groups, raise DeviceMismatch with the counts, or with `fallback` let the PC poll the
+    rest. Publishes on events come first, because each needs the group of its event line.
     """
     shared: dict[tuple[Link, int, str, int, str, str], list[ReadValue[Any]]] = {}
     for value, publish in items:
@@ -61,7 +61,7 @@ def plan(items: Iterable[tuple[ReadValue[Any], Publish]], *, fallback: bool = Fa
 
 
 class _Allocation:
-    """The groups of one gateware as they are given away."""
+    """The groups of one gateware, as they are assigned."""
 
     def __init__(self, link: Link) -> None:
         configuration = link.configuration
@@ -120,20 +120,20 @@ class _Allocation:
 
 
 def _read(item: PublishPlan) -> tuple[int, ...]:
-    """Return the words of what is published on change, as they are before it does."""
+    """Read the words of values that are published on change, before their first publish."""
     atomic = 1 < len(item.addresses) <= item.link.configuration.read_many
     words = item.link.read_many(item.addresses, atomic=atomic, checked=item.checked)
     return tuple(words.tolist())
 
 
 DIVISOR_MAX = 0xFFFFFFFF  # of the base rate, as of the gateware's own publishes
-RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is held up
+RING, RING_MOST, RING_S = 4096, 1 << 17, 0.25  # publishes that may wait while the program is busy
 
 
 class Publisher:
     """Run the publishes of one tree of values.
 
-    With `gather_s` publishes may be delivered so much later, several at a time; each keeps its own time.
+    With `gather_s` publishes may be delivered that much later, several at a time. Each keeps its own time.
 
     >>> publisher.start()                                  # doctest: +SKIP
     >>> [(r.rate_hz, r.received) for r in publisher.reports()]   # doctest: +SKIP
@@ -153,12 +153,12 @@ class Publisher:
         return bool(self._running)
 
     def add(self, value: ReadValue[Any]) -> None:
-        """Plan a value as its spec says; it is published from the next start on."""
+        """Plan a value as its spec says. It is published from the next start on."""
         if value.publish is not None:
             self._items[value] = value.publish
 
     def require(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
-        """Make sure that a value is published, polled at `rate_hz` where the spec has no PUBLISH for it."""
+        """Make sure that a value is published. Without a PUBLISH in the spec it is polled at `rate_hz`."""
         self.demand(value, rate_hz)
         with self._lock:
             missing = not any(value in publication.plan.values for publication in self._running)
@@ -168,12 +168,12 @@ class Publisher:
             self.start(fallback=fallback)
 
     def planned(self, value: ReadValue[Any]) -> Publish:
-        """Return how a value that was asked for is published."""
+        """Return how a requested value is published."""
         with self._lock:
             return self._items[value]
 
     def newest(self, value: ReadValue[Any]) -> tuple[float, Any] | None:
-        """Return when a value that is published on change came last, and what it was; else None."""
+        """Return the time and value of the last publish on change. None without one."""
         with self._lock:
             for publication in self._running:
                 if value in publication.plan.values and publication.newest is not None:
@@ -182,7 +182,7 @@ class Publisher:
         return None
 
     def demand(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
-        """Plan a value as `require` does, without starting yet; ValueRangeError where it has no rate."""
+        """Plan a value as `require` does, without starting yet. ValueRangeError if it has no rate."""
         if value.publish is not None:
             if rate_hz is not None:
                 raise ValueRangeError(f"{value.path}: the spec gives its rate by PUBLISH; leave rate_hz out")
@@ -201,7 +201,7 @@ class Publisher:
             )
 
     def start(self, *, fallback: bool = False) -> None:
-        """Start all planned publishes; with `fallback` poll what the gateware has no room for."""
+        """Start all planned publishes. With `fallback` the PC polls what the gateware has no room for."""
         failed: list[Publication] = []
         try:
             with self._lock:
@@ -233,7 +233,7 @@ class Publisher:
                     ring=min(max(RING, round(item.rate_hz * RING_S)), RING_MOST),
                     group=item.number,
                 )
-            except DeviceMismatch:  # another user of the link holds the groups
+            except DeviceMismatch:  # another user of the link has the groups
                 if not self._fallback or not item.divisor:
                     raise
                 item = item.polled()
@@ -260,7 +260,7 @@ class Publisher:
         return publication
 
     def stop(self) -> None:
-        """Stop all publishes; no callback starts after this returns (one that calls stop finishes)."""
+        """Stop all publishes. No callback starts after this returns. A callback that calls stop finishes."""
         with self._lock:
             running, self._running = self._running, []
         for publication in running:
@@ -276,7 +276,7 @@ class Publisher:
             self.stop()
 
     def reports(self) -> list[PublishReport]:
-        """Say what each running publish has done so far."""
+        """Return what each running publish has done so far."""
         with self._lock:
             return [publication.report() for publication in self._running]
 

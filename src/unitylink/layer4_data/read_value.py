@@ -27,7 +27,7 @@ class ReadValue(Value[T]):
     def _prepare(self) -> None:
         super()._prepare()
         self._repeat = self.pollable and self.hardware.repeatable_reads
-        self._sign = self.codec.integer_sign  # the fast way: one word that needs no more than a sign
+        self._sign = self.codec.integer_sign  # the fast way: one word that needs at most a sign
         self._mask = self.codec.mask
         self._many = self.codec.words > 1
         self._reader = self.hardware.reader(self.relative_address, checked=self.checked, repeat=self._repeat)
@@ -35,7 +35,7 @@ class ReadValue(Value[T]):
             self.publisher.add(self)
 
     def read(self, timeout_s: float | None = None) -> T:
-        """Read the value; raise LinkError naming it where that fails.
+        """Read the value. If that fails, raise a LinkError that names it.
 
         A value of several words is read in one bus transaction, so that they belong together.
         """
@@ -85,25 +85,25 @@ class ReadValue(Value[T]):
     def on_publish(
         self, callback: Callable[[float, T], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(time_s, value)` at each publish, and start publishing; return what takes it back.
+        """Start publishing, and call `callback(time_s, value)` at each publish. Return what ends it.
 
         A value without PUBLISH in the spec needs `rate_hz`: the PC then polls it. `time_s` is monotonic host
-        time. The callback runs in the link's callback thread; what it raises is logged and does not stop the
-        others.
+        time. The callback runs in the link's callback thread. An exception in it is logged and does not stop
+        the others.
         """
         return self._with_publishes(self.listeners.on_publish(callback), rate_hz)
 
     def on_change(
         self, callback: Callable[[T], object], *, rate_hz: float | None = None
     ) -> Callable[[], None]:
-        """Call `callback(value)` when a publish brings another value than before; else as `on_publish`."""
+        """Call `callback(value)` when a publish brings a new value. Otherwise like `on_publish`."""
         return self._with_publishes(self.listeners.on_change(callback), rate_hz)
 
     def publishes(self, *, rate_hz: float | None = None) -> AsyncIterator[tuple[float, T]]:
         """Iterate over publishes: `async for time_s, value in robot.j1.cpos.publishes():`.
 
-        Starts publishing as `on_publish` does; ends when publishing is stopped or the link is closed. What is
-        published on change begins with its newest value.
+        Starts publishing as `on_publish` does. Ends when publishing is stopped or the link is closed. A value
+        that is published on change begins with its newest value.
         """
         return self.listeners.stream(
             lambda: self.publisher.require(self, rate_hz),
@@ -112,7 +112,7 @@ class ReadValue(Value[T]):
         )
 
     def _with_publishes(self, take_back: Callable[[], None], rate_hz: float | None) -> Callable[[], None]:
-        """Have the publishes come for a listener, who is there before the first."""
+        """Start the publishes for a listener. The listener is there before the first one."""
         try:
             self.publisher.require(self, rate_hz)
         except BaseException:
@@ -121,15 +121,15 @@ class ReadValue(Value[T]):
         return take_back
 
     def is_published(self) -> bool:
-        """Say whether publishes can come: publishing was started, and the link is open."""
+        """Return whether publishes can come: publishing was started, and the link is open."""
         return self.publisher.active and not self.hardware.link.closed
 
 
 class ReadClearValue(ReadValue[T]):
-    """A value that reading changes, such as a counter that is then zero: read only when asked for by name.
+    """A value that reading changes, such as a counter that is then zero. It is read only by its name.
 
-    No read is repeated by itself: a LinkTimeout may have taken the value with it. Snapshots of a node and
-    `watch` leave it out.
+    No read is repeated: a lost reply may have taken the value with it (LinkTimeout). Snapshots of a node and
+    `watch` omit it.
     """
 
     access = "READCLEAR"

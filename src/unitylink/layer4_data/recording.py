@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was published and written, kept for a plot or a file."""
+"""Published and written values, kept for a plot or a file."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 class Recording:
     """Keep every publish and every set-point of a tree while the `with` block runs.
 
-    A set-point is there with what it was at the beginning, if that is known, and with each write that was
-    done. What is both published and written is there as published.
+    A set-point has its value at the beginning, if that is known, and each write that was done. A value that
+    is both published and written is recorded from its publishes.
 
     >>> with robot.publishing(), robot.record() as recording:     # doctest: +SKIP
     ...     run()
@@ -38,7 +38,7 @@ class Recording:
     def __init__(self, publisher: Publisher, set_points: Iterable[WriteValue[Any]] = ()) -> None:
         self._publisher = publisher
         self._set_points = [value for value in set_points if getattr(value, "publish", None) is None]
-        # of the values of a publish: times, and the raw numbers of each time
+        # by the values of a publish: the times, and the raw numbers at each
         self._parts: dict[tuple[Value[Any], ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
 
     def _take(
@@ -66,15 +66,15 @@ class Recording:
             value.recorders = tuple(heard for heard in value.recorders if heard != self._written)
 
     def series(self, path: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
-        """Return (times in s, values) of one path, both of shape (n,); UnknownName where nothing came.
+        """Return (times in s, values) of one path, both of shape (n,). UnknownName if nothing came.
 
-        Values are float64, int64, uint64 or bool as the type asks; of enumerations and packed values the
+        Values are float64, int64, uint64 or bool, as the type needs. Enumerations and packed values are
         numbers.
         """
         for values, samples in self._parts.items():
             for column, value in enumerate(values):
                 if value.path == path:
-                    parts = list(samples)  # the publishing may still be going on
+                    parts = list(samples)  # publishing may still go on
                     return (
                         np.concatenate([np.asarray(times, np.float64) for times, _ in parts]),
                         value.codec.decode_array(
@@ -87,6 +87,4 @@ class Recording:
 def _column(rows: Rows, column: int) -> NDArray[np.uint64]:
     if isinstance(rows, np.ndarray):
         return rows[:, column].astype(np.uint64)
-    return np.array(
-        [row[column] for row in rows], np.uint64
-    )  # numbers of several words do not fit the others
+    return np.array([row[column] for row in rows], np.uint64)  # numbers of several words are too wide

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From publishes to sets: what was sampled together, with the newest of all that comes at other times."""
+"""From publishes to sets: values sampled together, with the newest of those that come at other times."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
     from .read_value import ReadValue
 
-_STEP_PART = 0.75  # of a period: a sample that is older belongs to the tick before
+_STEP_PART = 0.75  # of a period; an older sample belongs to the tick before
 
 
 class Sets:
     """Make one set of some READs for each beat: a tick of one of their rates, or an event.
 
-    What has the same rate comes with one beat, whatever gateware groups and links carry it: a set waits for
-    all of it. In between, the others are as they came last, and what has not come yet is not in the set.
+    Values of the same rate belong to one beat, whatever gateware groups and links carry them. A set waits for
+    all of them. The other values are the last that came. A value that has not come yet is not in the set.
     """
 
     def __init__(self, reads: Mapping[str, ReadValue[Any]], labels: Mapping[Link, str]) -> None:
@@ -35,10 +35,10 @@ class Sets:
         self._times_s: dict[str, float] = {}
         self._beats: dict[ReadValue[Any], Hashable] = {}
         self._sizes: dict[Hashable, int] = {}  # beat -> of how many values
-        self._fresh: dict[Hashable, dict[ReadValue[Any], float]] = {}  # beat -> what has come of it
+        self._fresh: dict[Hashable, dict[ReadValue[Any], float]] = {}  # beat -> its values that have come
 
     def expect(self, publishes: Mapping[ReadValue[Any], Publish]) -> None:
-        """Say how each READ is published."""
+        """Tell how each READ is published."""
         with self._lock:
             beat_of = {value: _beat(value, publish) for value, publish in publishes.items()}
             if beat_of == self._beats:
@@ -49,18 +49,18 @@ class Sets:
             self._fresh = {beat: {} for beat in self._sizes}
 
     def begin(self) -> None:
-        """Make sets from now on: what can be known at first is."""
+        """Make sets from now on. Values that are known already are in the first."""
         self._begun = True
 
     @property
     def unknown(self) -> list[ReadValue[Any]]:
-        """What a set may have to do without at first: nothing, where all comes with one beat of a rate."""
+        """The values that the first sets may lack. None if all come with one beat of a rate."""
         if len(self._sizes) <= 1 and all(isinstance(beat, float) for beat in self._sizes):
             return []
         return [value for value in self._reads.values() if value not in self._newest]
 
     def seed(self, time_s: float, value: ReadValue[Any], number: Any) -> None:
-        """Take what was read, for what was not published yet."""
+        """Take values that were read, in place of those not published yet."""
         with self._lock:
             if value not in self._newest:
                 self._keep(time_s, value, number)
@@ -68,7 +68,7 @@ class Sets:
     def take(
         self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]
     ) -> Snapshot | None:
-        """Take a publish that carries some of our values; return the set which it completes."""
+        """Take a publish that carries some of our values. Return the set that it completes."""
         with self._lock:
             beat: Hashable = None
             for value, number in zip(values, numbers, strict=True):
@@ -87,7 +87,7 @@ class Sets:
             return self._set()
 
     def current(self) -> Snapshot | None:
-        """Return the set as it is known now; None where nothing is."""
+        """Return the set as it is known now. None if nothing is known."""
         with self._lock:
             return self._set() if self._newest else None
 
@@ -105,9 +105,10 @@ class Sets:
         )
 
     def _drop_stale(self, beat: Hashable) -> bool:
-        """Forget samples of the tick before: they wait for their next. True when there were any.
+        """Forget samples of the tick before. True if there were any.
 
-        That is so when a publish of another gateware group was lost; then the groups are in step again.
+        There are such samples after a publish of another gateware group was lost. Now the groups are in step
+        again.
         """
         fresh = self._fresh[beat]
         if len(set(fresh.values())) == 1:
@@ -120,7 +121,7 @@ class Sets:
 
 
 def _beat(value: ReadValue[Any], publish: Publish) -> Hashable:
-    """Return the period in s, or which event it is."""
+    """Return the period in s, or the event."""
     link = value.hardware.link
     if publish.trigger == "rate":
         return round(publish.divisor / base_hz(link), 9)
@@ -128,7 +129,7 @@ def _beat(value: ReadValue[Any], publish: Publish) -> Hashable:
 
 
 def _patience_s(value: ReadValue[Any]) -> float:
-    """Return how old a sample may be beside the newest of its set, where the device tells its time."""
+    """Return how much older than the newest a sample of a set may be, if the device tells its time."""
     link = value.hardware.link
     if value.publish is None or not value.publish.divisor or link.protocol != "framed":
         return math.inf

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tree of values of a Spec, made at run time: what generated code makes, without a file."""
+"""The tree of values of a Spec, made at run time: the same as generated code makes, without a file."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def load_spec_objects(
 ) -> Node:
     """Build the objects of a spec's public constructor: `node.j1.cpos.read()`.
 
-    With several public constructors `root` chooses one; without it each that the gateware has becomes a part
-    of the returned node, and paths start with its name, as in `Spec.walk()`. `links` gives CTRL and COMM
-    parameters, and the links which the spec declares, by name where they are not `link`.
+    With several public constructors `root` chooses one. Without `root` each one that the gateware has becomes
+    a part of the returned node. Paths then start with its name, as in `Spec.walk()`. `links` gives the links
+    other than `link` by name: those of CTRL and COMM parameters, and those that the spec declares.
 
-    Raises DeviceMismatch where the gateware says that it was built from another spec: see `Link.check_spec`.
+    Raises DeviceMismatch if the gateware says that it was built from another spec, see `Link.check_spec`.
 
     >>> robot = load_spec_objects(unitylink.spec.load("scara.ul"), link)   # doctest: +SKIP
     >>> robot["j1.cpos"].read()                                            # doctest: +SKIP
@@ -87,7 +87,7 @@ def load_spec_objects(
 
 
 def _check_gateware(spec: Spec, root: Instance, tree: Tree) -> None:
-    """Raise DeviceMismatch where a link leads to gateware that has not what `root` reaches through it."""
+    """Raise DeviceMismatch if a link leads to gateware without what `root` reaches through it."""
     for ctrl, comm, declared in {(e.link.ctrl, e.link.comm, e.link.link) for e in root.walk()}:
         for link in {tree.link_of(ctrl, declared), tree.link_of(comm, declared)}:
             link.check_spec(spec.source, wire_hashes(spec, root.name, comm))
@@ -104,7 +104,7 @@ def _tables(instance: Instance, prefix: str, addresses: dict[str, int], names: d
 
 
 class _Builder:
-    """Fills the nodes of one public constructor."""
+    """It fills the nodes of one public constructor."""
 
     def __init__(self, spec: Spec, root: Instance) -> None:
         self.lines = event_lines(spec, root)

@@ -26,16 +26,17 @@ T = TypeVar("T")
 class Value(Generic[T]):
     """A value at a final bus address, reached through a hardware proxy.
 
-    `quantity` says what the value is to its user; without one it is an integer as wide as the bus, two's
-    complement if `signed`. A value wider than the bus takes `words` consecutive words, the low one first.
-    `latest` is the value last read, published or written, `raw` its number on the wire; None before.
+    `quantity` says what the value means to its user. Without one it is an integer as wide as the bus, in
+    two's complement if `signed`. A value wider than the bus takes `words` consecutive words, the low one
+    first. `latest` is the value last read, published or written, and `raw` its number on the wire. Both are
+    None before.
 
-    Raises BindingError where the board is not the one the spec is for, and DeviceMismatch where the value
-    has a SAFE value or is a PULSE and the link has fallen back to the classic protocol by itself.
+    Raises BindingError if the board does not belong to the spec. Raises DeviceMismatch for a PULSE or a value
+    with SAFE, if the link has fallen back to the classic protocol by itself.
     """
 
     access = ""
-    pollable = False  # may be read without anybody having asked for it
+    pollable = False  # may be read unasked
     writable = False  # keeps what is written
 
     def __init__(
@@ -80,10 +81,10 @@ class Value(Generic[T]):
         self.address = address
         self.addresses = tuple(range(address, address + self.codec.words))
         self.quantity = quantity
-        self.checked = True if checked else None  # None: as the link does
+        self.checked = True if checked else None  # None: the link's default
         self.display = display or path
         given = Publish(*publish) if isinstance(publish, tuple) else publish
-        # The rate follows from the base rate of the device, which need not be the spec's.
+        # The rate follows from the base rate of the device, which may differ from the spec's.
         self.publish = replace(given, rate_hz=None) if given is not None else None
         self.line = line  # the gateware's group whose event line triggers the publish
         self.publisher = publisher if publisher is not None else Publisher()
@@ -94,7 +95,7 @@ class Value(Generic[T]):
         self._prepare()
 
     def _prepare(self) -> None:
-        """Do what a kind of access needs at first; kinds that are two at once do both."""
+        """Prepare what a kind of access needs. A kind that is two at once does both."""
 
     @property
     def unit(self) -> str:
@@ -106,7 +107,7 @@ class Value(Generic[T]):
 
     @property
     def minimum(self) -> Any:
-        """The smallest value that can be written, in `unit`: the spec's limit, else the type's."""
+        """The smallest value that can be written, in `unit`: the spec's limit, or else the type's."""
         return self.codec.minimum
 
     @property
@@ -123,7 +124,7 @@ class Value(Generic[T]):
         return [address - self.hardware.base for address in self.addresses]
 
     def take(self, raw: int) -> T:
-        """Make a raw number that was read or published the latest value, and return it."""
+        """Make a raw number that was read or published the latest value. Return that value."""
         value: T = self.codec.decode(raw)
         self.raw, self.latest = raw, value
         return value

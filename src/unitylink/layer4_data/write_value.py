@@ -30,27 +30,27 @@ class WriteValue(Value[T]):
     access = "WRITE"
     writable = True
     recorders: tuple[Callable[[WriteValue[Any], int], None], ...] = ()
-    """Who hears of each write that was done, with its raw number."""
+    """The functions that are called after each write, with its raw number."""
 
     def _prepare(self) -> None:
         super()._prepare()
         self.hardware.declare_outputs(self.relative_addresses)
 
     def wrote(self, raw: int) -> None:
-        """Make a raw number that was written the latest value, and tell those who record."""
+        """Make a raw number that was written the latest value, and tell the recorders."""
         self.take(raw)
         for heard in self.recorders:
             heard(self, raw)
 
     def encode(self, value: T | SupportsIndex) -> int:
-        """Return the raw number for `value`; raise ValueRangeError naming the item, its range and unit."""
+        """Return the raw number for `value`. ValueRangeError names the item, its range and its unit."""
         return self.codec.encode(value)
 
     def write(self, value: T | SupportsIndex, timeout_s: float | None = None) -> None:
-        """Write the value (on TosNet: with a commit); raise ValueRangeError before anything is sent.
+        """Write the value (on TosNet: with a commit). ValueRangeError comes before anything is sent.
 
-        A value of several words goes out in one burst, the low word first: on plain memory the gateware must
-        take it over when the high word comes; behind a commit it is whole at once.
+        A value of several words goes out in one burst, the low word first. In plain memory the gateware must
+        take it over when the high word comes. Behind a commit it is whole at once.
         """
         raw = self.encode(value)
         try:
@@ -88,7 +88,7 @@ class ReadWriteValue(ReadValue[T], WriteValue[T]):
 
 
 class _Strobe(Value[T]):
-    """What a write does something with: it is never repeated by itself, but ends in OutcomeUnknown."""
+    """A value whose write has an effect. It is never repeated by itself, but ends in OutcomeUnknown."""
 
     def _prepare(self) -> None:
         super()._prepare()
@@ -108,7 +108,7 @@ class _Strobe(Value[T]):
 
 
 class PulseValue(_Strobe[T]):
-    """A strobe: what is written works for a moment and cannot be read back.
+    """A strobe: the written value works for a moment and cannot be read back.
 
     >>> robot.reset.pulse()                        # doctest: +SKIP
     """
@@ -116,7 +116,7 @@ class PulseValue(_Strobe[T]):
     access = "PULSE"
 
     def pulse(self, value: T | SupportsIndex = 1, *, timeout_s: float | None = None) -> None:
-        """Write `value` once; raise OutcomeUnknown where the answer was lost."""
+        """Write `value` once. Raise OutcomeUnknown if the reply was lost."""
         self._strobe(self.codec.encode(value), timeout_s)
 
 
@@ -130,7 +130,7 @@ class ClearValue(ReadValue[T], _Strobe[T]):
     access = "W1C"
 
     def clear(self, value: Any = None, *, timeout_s: float | None = None) -> None:
-        """Clear the flags that are set in `value`, by default those last read: what came since stays."""
+        """Clear the flags set in `value`, by default those last read. Flags that came since then stay."""
         if value is None and self.raw is None:
             raise ValueRangeError(
                 f"{self.path}: nothing was read yet, so it is not known what to clear; "

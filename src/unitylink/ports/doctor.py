@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The doctor: a link in, findings out, the worst first.
 
-What the operating system knows is asked before the port is opened, and the port is tried before the link: the
-first that fails is the cause of all that would follow.
+It first asks the operating system, then opens the port, then tries the link. The first step that fails is the
+cause of all later failures.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ BAUD_RATES_HZ = (
     500_000,
 )
 _ROUND_TRIPS = 50
-_SLACK_S = 0.005  # what an operating system may take on its own
+_SLACK_S = 0.005  # time that an operating system may take
 _SAMPLE_BYTES = 24
 
 
@@ -81,7 +81,7 @@ class _Place:
 
     @property
     def name(self) -> str:
-        """`/dev/ttyUSB0`, `tcp://10.0.0.2:5555`: what a user calls it."""
+        """The user's name for it: `/dev/ttyUSB0`, `tcp://10.0.0.2:5555`."""
         return self.path if self.scheme == "serial" else f"{self.scheme}:{self.path}"
 
     @property
@@ -96,7 +96,7 @@ class _Place:
 
     @property
     def checksums(self) -> bool:
-        """False: the URL says that the gateware has none, and is not to be sent a `$`."""
+        """False: the URL says that the gateware has no checksums. It must not get a `$`."""
         return self.options.get("polynomial") != "none"
 
     def with_option(self, name: str, value: object) -> str:
@@ -115,9 +115,9 @@ def examine(
     clock: Callable[[], float] = time.monotonic,
     say: Callable[[str], None] = lambda message: None,
 ) -> list[Finding]:
-    """Return what stands between a user and the board at `url`; empty when nothing does.
+    """Return what keeps a user from the board at `url`. Empty if nothing does.
 
-    `say` is told what is being tried. Raises UrlError for what is no link URL.
+    `say` is called with what is being tried. Raises UrlError if it is not a link URL.
     """
     return _Doctor(
         _Place.of(url), spec, machine or Machine(), open_driver, open_link, wait_s, clock, say
@@ -165,7 +165,7 @@ class _Doctor:
         return found
 
     def access(self, device: str) -> list[Finding]:
-        """Look who may open a device file that is there, and who has."""
+        """Find who may open an existing device file, and who has opened it."""
         found = []
         if not self.machine.may_open(device):
             found.append(finding("permission", device=device, group=self.machine.group_of(device)))
@@ -198,7 +198,7 @@ class _Doctor:
             return [finding("ftdi-permission", node=found.node, serial=serial, program=program(), link=link)]
         return []
 
-    # ---- whatever is at the other end
+    # ---- the other end
 
     def device(self) -> list[Finding]:
         place = self.place
@@ -227,7 +227,7 @@ class _Doctor:
         return found
 
     def node(self) -> list[Finding]:
-        """Ask a node on a pair, which knows frames only: what can be told is whether it answers."""
+        """Ask a node on an RS-485 pair. It knows frames only, so this tells only whether it answers."""
         self.say("asking for its configuration")
         try:
             self.open_link(self.place.url).close()
@@ -287,7 +287,7 @@ class _Doctor:
         return [finding("no-checksum", link_without_checksums=self.place.with_option("polynomial", "none"))]
 
     def other_baud_rate(self) -> int | None:
-        """Return the baud rate at which there is an answer; only serial ports have one."""
+        """Return the baud rate at which there is an answer. Only serial ports have one."""
         if self.place.scheme != "serial":
             return None
         for baud_hz in BAUD_RATES_HZ:
@@ -296,7 +296,7 @@ class _Doctor:
             self.say(f"trying {baud_hz} baud")
             try:
                 driver = self.open_driver(self.place.with_option("baud", baud_hz))
-            except LinkError:  # a rate this port cannot do
+            except LinkError:  # a rate that this port does not have
                 continue
             try:
                 if self.probe(driver).kind == "configuration":
@@ -305,7 +305,7 @@ class _Doctor:
                 driver.close()
         return None
 
-    # ---- how well it goes
+    # ---- how well the link works
 
     def round_trips(self, driver: OpenedDriver) -> list[Finding]:
         self.say(f"measuring {_ROUND_TRIPS} round trips")
@@ -329,13 +329,13 @@ class _Doctor:
         return found
 
     def expected_s(self, size: int) -> float:
-        """Return what wire and USB chip take for `size` bytes."""
+        """Return the time that wire and USB chip take for `size` bytes."""
         if self.place.scheme != "serial":
             return 0.0
         latency_ms = self.machine.serial_port(self.place.path).latency_timer_ms or 0
         return 10 * size / (self.place.baud_hz or 115_200) + latency_ms / 1e3
 
-    # ---- what the spec says of it
+    # ---- whether spec and gateware belong together
 
     def against_spec(self, spec: Spec) -> list[Finding]:
         self.say(f"comparing with {spec.source}")
@@ -379,7 +379,7 @@ class _Doctor:
 
 
 def _number(text: str) -> int:
-    """Return a number of a link URL, whose form the link has checked."""
+    """Return a number of a link URL. The link has checked its form."""
     return int(text, 16 if text[:2].lower() == "0x" else 10)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All reasons why a board may not answer: one table, which the doctor and the docs both use.
+"""All reasons why a board may not answer, in one table for the doctor and the documents.
 
 `page()` is docs/troubleshooting.md.
 """
@@ -15,9 +15,8 @@ from types import MappingProxyType
 class FindingKind:
     """One kind of trouble.
 
-    `cause`, `remedy` and `more` are format strings, filled with what the doctor found out. `remedy` is a
-    command, with a remark behind a #, or an option. `severity` is "error" if nothing works until it is
-    mended.
+    `cause`, `remedy` and `more` are format strings for what the doctor has found. `remedy` is a command, with
+    a remark after a #, or an option. `severity` is "error" if nothing works before it is mended.
     """
 
     severity: str
@@ -29,7 +28,7 @@ class FindingKind:
 
 @dataclass(frozen=True)
 class Finding:
-    """A trouble that was found, described for this link."""
+    """One finding, described for this link."""
 
     code: str
     severity: str
@@ -263,7 +262,7 @@ FINDINGS: Mapping[str, FindingKind] = MappingProxyType(
 )
 
 
-# Fills the braces of the table when a finding is explained without a port.
+# Examples for the braces of the table, to explain a finding without a port.
 _EXAMPLE: Mapping[str, object] = MappingProxyType(
     {
         "answer": "'?f2'",
@@ -317,7 +316,7 @@ def finding(code: str, **known: object) -> Finding:
     return Finding(code, kind.severity, kind.title, kind.cause.format(**known), kind.remedy.format(**known))
 
 
-# The same where the device is not a serial port.
+# The same for a device that is not a serial port.
 _EXAMPLES: Mapping[str, Mapping[str, object]] = MappingProxyType(
     {
         "no-spi": {"device": "/dev/spidev0.0", "ports": "none"},

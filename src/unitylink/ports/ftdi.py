@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""FTDI chips as USB devices, whether the kernel's serial driver has them or not, for `ftdi:` links."""
+"""FTDI chips as USB devices, for `ftdi:` links. The kernel's serial driver may have them or not."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from .machine import Machine, SerialPort, entries, hexadecimal, text
 
 VENDOR = 0x0403
-# Product of a chip as it leaves the factory -> its channels.
+# Product number of a chip, as it leaves the factory -> its channels.
 PRODUCTS = {0x6001: 1, 0x6010: 2, 0x6011: 4, 0x6014: 1, 0x6015: 1}
 _CHANNELS = "ABCD"
 
 
 @dataclass(frozen=True)
 class FtdiChannel:
-    """A channel of a chip. `port.device` is the kernel's serial port, "" where it has none; `node` the file
-    in /dev/bus/usb that whoever opens the chip needs the right to write to."""
+    """A channel of a chip. `port.device` is the kernel's serial port, or "". `node` is the file in
+    /dev/bus/usb, which a program must be allowed to write to open the chip."""
 
     port: SerialPort
     channel: str
@@ -54,7 +54,7 @@ def ftdi_channels(machine: Machine) -> list[FtdiChannel]:
 
 
 def chosen(channels: list[FtdiChannel], serial_number: str, channel: str) -> FtdiChannel | None:
-    """Return the channel that an `ftdi:` URL names; None where it is not there, or is not the only chip."""
+    """Return the channel that an `ftdi:` URL names. None if it is absent or not the only one."""
     serials = {one.port.serial_number for one in channels}
     wanted = serial_number or (next(iter(serials)) if len(serials) == 1 else "")
     return next((c for c in channels if (c.port.serial_number, c.channel) == (wanted, channel)), None)

@@ -26,9 +26,10 @@ class Holder:
 
 @dataclass(frozen=True)
 class SerialPort:
-    """A serial port. What is empty or None the operating system does not tell, as for ports that are not USB.
+    """A serial port. A field is empty or None if the operating system does not tell it, as for ports that are
+    not USB.
 
-    `latency_timer_ms` is how long an FTDI chip waits before it hands on what does not fill a USB packet.
+    `latency_timer_ms` is how long an FTDI chip waits before it sends a USB packet that is not full.
     """
 
     device: str
@@ -70,14 +71,14 @@ class Machine:
         self.gids = frozenset((*os.getgroups(), os.getgid()) if gids is None else gids)
 
     def path(self, name: str) -> Path:
-        """Return where the file `name` is below the root; without a slash in front it counts from the working
-        folder, as for whoever opens it."""
+        """Return where the file `name` is below the root. Without a slash in front it is relative to the
+        working folder."""
         return self.root / os.path.abspath(name).lstrip("/")
 
-    # ---- which ports there are
+    # ---- the ports of this machine
 
     def serial_ports(self) -> list[SerialPort]:
-        """Return the ports that have hardware behind them, by name; one that goes meanwhile is left out."""
+        """Return the ports with hardware behind them, by name. A port that goes meanwhile is omitted."""
         found = []
         for entry in entries(self.path("/sys/class/tty")):
             hardware = entry / "device"
@@ -86,11 +87,11 @@ class Machine:
         return sorted(found, key=lambda port: (len(port.device), port.device))
 
     def spi_ports(self) -> list[str]:
-        """Return the device files of the chip selects that the kernel's spidev has."""
+        """Return the device files of the kernel's spidev, one for each chip select."""
         return [f"/dev/{entry.name}" for entry in entries(self.path("/sys/class/spidev"))]
 
     def serial_port(self, device: str) -> SerialPort:
-        """Return what is known of one device file; links such as /dev/serial/by-id/... are followed."""
+        """Return what is known of one device file. Links such as /dev/serial/by-id/... are followed."""
         name = os.path.basename(os.path.realpath(self.path(device)))
         hardware = self.path(f"/sys/class/tty/{name}/device")
         return self._port(device, hardware.resolve()) if hardware.exists() else SerialPort(device)
@@ -120,13 +121,13 @@ class Machine:
             latency_timer_ms=int(latency) if latency.isdigit() else None,
         )
 
-    # ---- who may, and who does
+    # ---- who may open a port, and who has
 
     def exists(self, device: str) -> bool:
         return self.path(device).exists()
 
     def is_serial(self, device: str) -> bool:
-        """Tell whether a file that is there can be a serial port, which /dev/null is not."""
+        """Tell whether an existing file can be a serial port. /dev/null cannot."""
         real = Path(os.path.realpath(self.path(device)))
         known = self.path(f"/sys/class/tty/{real.name}").exists()
         return known or real.name.startswith("tty") or real.parent.name == "pts"
@@ -134,8 +135,8 @@ class Machine:
     def may_open(self, device: str) -> bool:
         """Tell whether the user may read and write the device file.
 
-        Of this user the system is asked, which knows what an access list grants, such as that of `uaccess`;
-        of another the mode of the file tells.
+        For this user the system is asked. It knows what an access list grants, such as that of `uaccess`. For
+        another user the mode of the file decides.
         """
         if self._is_this_user:
             return os.access(self.path(device), os.R_OK | os.W_OK)
@@ -149,7 +150,7 @@ class Machine:
         return status.st_mode >> shift & 0o6 == 0o6
 
     def group_of(self, device: str) -> str:
-        """Return the name of the group that has the device file, its number where it has no name."""
+        """Return the name of the group that owns the device file, or its number if it has no name."""
         import grp
 
         gid = self.path(device).stat().st_gid
@@ -159,7 +160,7 @@ class Machine:
             return str(gid)
 
     def holders(self, device: str) -> list[Holder]:
-        """Return the processes that have the device open, but for this one; others' are seen by root."""
+        """Return the other processes that have the device open. Those of other users only root can see."""
         target = os.path.realpath(self.path(device))
         found = []
         for process in entries(self.path("/proc")):
@@ -194,7 +195,7 @@ class Machine:
 
 
 def _is_real(entry: Path) -> bool:
-    """Leave out the ports a PC's serial driver offers without there being one (type 0)."""
+    """Omit the ports that a PC's serial driver offers without hardware (type 0)."""
     kind = text(entry / "type")
     return kind != "0"
 
@@ -202,7 +203,7 @@ def _is_real(entry: Path) -> bool:
 def entries(folder: Path) -> Iterator[Path]:
     try:
         yield from sorted(folder.iterdir())
-    except OSError:  # of another user, or gone since
+    except OSError:  # of another user, or already gone
         return
 
 

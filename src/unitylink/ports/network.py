@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Boards on the network: whoever answers a broadcast, and hosts that are named."""
+"""Boards on the network: those that answer a broadcast, and named hosts."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ PORT = 5555
 def broadcast(
     *, port: int = PORT, address: str = "255.255.255.255", wait_s: float = 0.5
 ) -> Iterator[tuple[str, bytes]]:
-    """Ask everybody on the local networks for a configuration; yield (udp:// URL, answer) of who has one.
+    """Ask the local networks for configurations. Yield (udp:// URL, answer) of each board.
 
-    Yields nothing where the machine has no network.
+    Yields nothing if the machine has no network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         asking.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

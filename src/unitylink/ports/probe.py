@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ask what is at the other end of a port, believing nothing.
+"""Ask what is at the other end of a port, and expect anything.
 
-The only request that is sent is RLC, which changes nothing, behind the fence that voids a half-received
-message.
+The only request is RLC, which changes nothing. Before it stands the fence, which makes the device drop a
+half-received message.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from unitylink.layer1_stream import (
     Reply,
 )
 
-WAIT_S = 0.5  # for an answer; a board that is there needs a few ms
-SILENT_MOST = 3  # questions in a row; who answers none of them has gone
+WAIT_S = 0.5  # for an answer; a board needs a few ms
+SILENT_MOST = 3  # questions in a row; after that many without an answer the device is gone
 
 
 class PortDriver(Protocol):
@@ -37,10 +37,11 @@ class PortDriver(Protocol):
 
 @dataclass(frozen=True)
 class Answer:
-    """What came back.
+    """The answer of the device.
 
-    `kind` is "configuration" (`fields` is the text of the CNF), "refused" (`detail` the E_xxx), "checksum",
-    "line-errors" (`detail` names them), "busy", "echo", "garbage" or "silence"; `elapsed_s` until then.
+    `kind` is "configuration" (`fields` is the text of the CNF), "refused" (`detail` is the E_xxx),
+    "checksum", "line-errors" (`detail` names them), "busy", "echo", "garbage" or "silence". `elapsed_s` is
+    the time until then.
     """
 
     kind: str
@@ -68,7 +69,7 @@ def probe(
     wait_s: float = WAIT_S,
     clock: Callable[[], float] = time.monotonic,
 ) -> Answer:
-    """Ask for the configuration and return what came. Publishes that a board sends meanwhile do not count."""
+    """Ask for the configuration and return the answer. Publishes of the board do not count."""
     sent = request(checked=checked, polynomial=polynomial)
     return ask(driver, sent, checked=checked, polynomial=polynomial, wait_s=wait_s, clock=clock)
 
@@ -82,10 +83,10 @@ def ask(
     wait_s: float,
     clock: Callable[[], float] = time.monotonic,
 ) -> Answer:
-    """Send `sent`, which asks for the configuration, and return what came."""
+    """Send `sent`, which asks for the configuration, and return the answer."""
     before = ClassicDecoder(data_bytes=0, polynomial=polynomial)
     until_s = clock() + wait_s  # a port that is flooded is never empty
-    # What was under way; a busy board says so and hangs up.
+    # The bytes under way; a busy board says so and hangs up.
     while clock() < until_s and (chunk := driver.receive(timeout_s=0.0)):
         if any(isinstance(event, Busy) for event in before.feed(chunk)):
             return Answer("busy", chunk)
@@ -107,7 +108,7 @@ def ask(
                 complaint = Answer("refused", received, event.error, elapsed_s=elapsed_s)
             elif isinstance(event, DatalinkError):
                 complaint = _complaint(event, received, elapsed_s)
-        if complaint is not None and not received.endswith(b"f3\n"):  # the fence may bring an f3 of its own
+        if complaint is not None and not received.endswith(b"f3\n"):  # the fence may cause an f3 of its own
             return complaint
     if complaint is not None:
         return complaint
@@ -132,10 +133,10 @@ def _complaint(event: DatalinkError, received: bytes, elapsed_s: float) -> Answe
 def find_polynomial(
     driver: PortDriver, *, wait_s: float = WAIT_S, clock: Callable[[], float] = time.monotonic
 ) -> int | None:
-    """Return the CRC polynomial the device takes, 0 for the byte XOR, None when none of the 256 works.
+    """Return the CRC polynomial of the device, 0 for the byte XOR, or None if none of the 256 works.
 
-    The 256 possible checksums of RLC are tried; the checksum of the answer tells which polynomial it was.
-    It ends early when the device answers no more, or only what cannot be understood.
+    The 256 possible checksums of RLC are tried. The checksum of the answer tells which polynomial it was. It
+    ends early if the device stops answering, or only answers what cannot be understood.
     """
     lost = 0
     for sum_ in range(256):

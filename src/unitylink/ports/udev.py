@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The udev rule that lets a user at the machine talk to a board, quickly and undisturbed.
+"""The udev rule that lets a local user talk to a board, quickly and undisturbed.
 
-Source of the keys: udev(7), ModemManager's documentation of ID_MM_DEVICE_IGNORE.
+The keys are from udev(7), and from ModemManager's documentation of ID_MM_DEVICE_IGNORE.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ RELOAD = "sudo udevadm control --reload && sudo udevadm trigger    # or plug the
 
 
 def rules(port: SerialPort) -> str:
-    """Return the lines for the kind of USB device that `port` is."""
+    """Return the lines for the kind of USB device behind `port`."""
     match = f'ATTRS{{idVendor}}=="{port.vendor_id:04x}", ATTRS{{idProduct}}=="{port.product_id:04x}"'
     return (
         f"# {port.identity}: for the user at the machine, not for ModemManager, no waiting in the chip\n"
@@ -32,15 +32,15 @@ def rules(port: SerialPort) -> str:
 
 
 def program() -> str:
-    """Return what to type behind sudo, which knows no virtual environment: this `unitylink`, whole path."""
+    """Return the whole path of this `unitylink`, to type behind sudo, which knows no virtual environment."""
     script = Path(sys.executable).with_name("unitylink")
     return shlex.join([str(script)] if script.exists() else [sys.executable, "-m", "unitylink"])
 
 
 def install(machine: Machine, port: SerialPort) -> str:
-    """Add the rules for `port` to RULES_FILE, once; return the file's name.
+    """Add the rules for `port` to RULES_FILE, once. Return the file's name.
 
-    Raises UnityLinkError for a port that is not USB, and where the file cannot be written.
+    Raises UnityLinkError for a port that is not USB, or if the file cannot be written.
     """
     if port.vendor_id is None or port.product_id is None:
         raise UnityLinkError(f"{port.device} is not a USB port: no udev rule can tell it from others")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings as CSV: a column `time_s` and one for each path; what a sample does not hold stays empty."""
+"""Recordings as CSV: a column `time_s` and one for each path. A value that a sample lacks is empty."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TIME_MOST_S = 1e11  # the year 5138
 
 
 class CsvWriter:
-    """Writes whole lines only: whatever ends the program, the file is a CSV file."""
+    """Writes whole lines only. So the file is a CSV file, whatever ends the program."""
 
     def __init__(self, path: str | Path, names: tuple[str, ...] = (), *, force: bool = False) -> None:
         self.path = path
@@ -57,7 +57,7 @@ class CsvWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Write what is waiting: then it is in the file, whatever becomes of the program."""
+        """Write the waiting lines to the file, so that they are safe from the end of the program."""
         data = self._waiting.getvalue().encode("utf-8")
         self._waiting.seek(0)
         self._waiting.truncate()
@@ -76,7 +76,7 @@ class CsvWriter:
         self._written = self.count
 
     def close(self) -> None:
-        """Write what is left and close the file."""
+        """Write the remaining lines and close the file."""
         if self._file >= 0:
             try:
                 self.flush()
@@ -133,7 +133,7 @@ def read_csv(path: str | Path) -> Iterator[Sample]:
 
 
 def _lines(stream: TextIO, path: str | Path) -> Iterator[str]:
-    """Yield whole lines: a number that lost its end would still be a number."""
+    """Yield whole lines only, because a number that lost its end is still a number."""
     for number, line in enumerate(stream, 1):
         if not line.endswith("\n"):
             raise RecordingTruncated(f"{path}: cut off in line {number}; the lines before it were read")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings as MCAP: a channel for each set of values that come together, messages in JSON with a schema.
+"""Recordings as MCAP: a channel for values that come together, with messages in JSON and a schema.
 
-Foxglove and PlotJuggler open it as it is: `j1.cpos` is the field `cpos` of the object `j1`. Source of the
-format: https://mcap.dev/spec; it is written and read with the format's own library.
+Foxglove and PlotJuggler open it as it is: `j1.cpos` is the field `cpos` of the object `j1`. The format is
+described at https://mcap.dev/spec. Its own library writes and reads it.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 _CHUNK_BYTES = 1 << 16
 ORIGIN = "unitylink"  # the metadata record with the spec
 NAMES = "names"  # a channel's metadata: the paths, in order
-_NAMED = 3  # in a topic; more would be no name
+_NAMED = 3  # in a topic; more would not be a name
 _NUMBERS = frozenset((int, float))
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _STEP = re.compile(r"[^.\[\]]+")
 
 
 def need_library() -> None:
-    """Raise ToolError where the format's library is not installed."""
+    """Raise ToolError if the format's library is not installed."""
     try:
         import mcap  # noqa: F401
     except ImportError:
@@ -46,7 +46,7 @@ def need_library() -> None:
 
 
 class _Counting:
-    """A file that knows how much of it is whole, and ends there when the disk is full."""
+    """A file that knows how much of it is whole. When the disk is full, it ends there."""
 
     def __init__(self, path: str | Path, *, force: bool) -> None:
         self.file = open(create_output(path, force=force), "wb", buffering=0)  # noqa: SIM115  # by close()
@@ -90,7 +90,7 @@ class McapWriter:
         self._file = _Counting(path, force=force)
         # by paths: the channel's id, and the message with a %s for each value
         self._channels: dict[tuple[str, ...], tuple[int, tuple[str, itemgetter[Any]]]] = {}
-        self._topics = {} if topics is None else topics  # what is added to them later counts
+        self._topics = {} if topics is None else topics  # they count what is added later
         self._units = origin.units
         self._taken: set[str] = set()  # topics
         self._whole = (0, 0)  # samples and bytes that are in the file for sure
@@ -130,7 +130,7 @@ class McapWriter:
                 self._whole = (self.count, self._file.size_bytes)
 
     def flush(self) -> None:
-        """End the chunk that is being made: what was added stays in the file if the program is killed."""
+        """End the current chunk, so that its samples stay in the file if the program is killed."""
         with _errors(self):
             if self._whole[0] != self.count:
                 self._writer.flush()  # type: ignore[no-untyped-call]
@@ -139,7 +139,7 @@ class McapWriter:
     def _register(self, names: tuple[str, ...], sample: Sample) -> int:
         topic = self._topics.get(names) or _topic(names)
         count = 1
-        while topic in self._taken:  # other values of one topic have another schema, and need another topic
+        while topic in self._taken:  # other values need another schema, and so another topic
             count += 1
             topic = f"{topic.removesuffix(f'_{count - 1}')}_{count}"
         self._taken.add(topic)
@@ -176,14 +176,15 @@ class McapWriter:
 
 @dataclass(frozen=True)
 class _Described:
-    """A value and its unit, on their way into a schema."""
+    """A value and its unit, for a schema."""
 
     value: Any
     unit: str
 
 
 class _errors:
-    """Turn what the disk says into an error that names the file, cut behind the last whole chunk."""
+    """Turn an error of the disk into one that names the file, and cut the file behind its last whole
+    chunk."""
 
     def __init__(self, writer: McapWriter) -> None:
         self.writer = writer
@@ -204,7 +205,7 @@ class _errors:
 
 
 def _topic(names: tuple[str, ...]) -> str:
-    """Return a topic that tells what is in it: `/j1` for j1.cpos and j1.spd, `/x_y` for x.a and y.a."""
+    """Return a topic for its contents: `/j1` for j1.cpos and j1.spd, `/x_y` for x.a and y.a."""
     first = list(dict.fromkeys(name.partition(".")[0] for name in names))
     if len(first) == 1:
         return "/" + "/".join(_STEP.findall(first[0]))
@@ -226,10 +227,10 @@ def _nested(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _template(names: tuple[str, ...]) -> tuple[str, itemgetter[Any]]:
-    """Return the JSON of a message with `%s` for each value, and what puts values into that order.
+    """Return the JSON of a message with `%s` for each value, and a function that orders the values.
 
-    Putting values in is then all that is left to do. Paths are made of names and numbers: no % of theirs is
-    in the way.
+    Then only the values have to be put in. Paths are made of names and numbers, so they have no % of their
+    own.
     """
     order: list[int] = []
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings in MCAP, read back: a file from anywhere, damaged or made to do harm, gives samples or an error.
+"""Reads recordings in MCAP. Any file, even a damaged or hostile one, gives samples or an error.
 
-The format's own library takes records apart; what it, or JSON, raises at damaged bytes is a damaged file.
-Chunks are decompressed here, since the library bounds neither one of them nor all of them together.
+The format's own library takes records apart. If it or JSON raises at damaged bytes, the file is damaged.
+Chunks are decompressed here, because the library limits neither one of them nor all together.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from .recording import Origin, RecordingTruncated, Sample, is_number
 if TYPE_CHECKING:
     from mcap.records import Chunk
 
-_RECORD_BYTES_MAX = 1 << 26  # of one record, and of a chunk when it is decompressed
+_RECORD_BYTES_MAX = 1 << 26  # of one record, and of one decompressed chunk
 _EXPANDED_BYTES = 1 << 22  # what any file may expand to,
-_EXPANSION = 100  # or this times its size: the index of a chunk keeps recordings far below
+_EXPANSION = 100  # or this times its size; the index of a chunk keeps real recordings far below
 _STEP = re.compile(r"[^.\[\]]+")
 
 
 class _DamagedError(ValueError):
-    """What a recording does not have."""
+    """Something that no whole recording has."""
 
 
 def read_mcap(path: str | Path) -> Iterator[Sample]:
-    """Yield the samples in the order they were added."""
+    """Yield the samples in the order in which they were added."""
     count = 0
     paths: dict[int, tuple[Any, list[str]]] = {}  # by channel
     for name, record in _records(path):
@@ -51,7 +51,7 @@ def read_mcap(path: str | Path) -> Iterator[Sample]:
 
 
 def read_origin(path: str | Path) -> Origin:
-    """Return the spec that stands at the beginning of the file."""
+    """Return the spec at the beginning of the file."""
     for name, record in _records(path):
         if name == "message":
             break
@@ -95,7 +95,8 @@ def _is_value(value: Any) -> bool:
 
 
 def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
-    """Yield ("message", (channel, message)) and ("metadata", record) from front to back, with no index."""
+    """Yield ("message", (channel, message)) and ("metadata", record) from front to back, without the
+    index."""
     need_library()
     from mcap.exceptions import InvalidMagic
     from mcap.records import Channel, Chunk, Footer, Message, Metadata
@@ -119,7 +120,9 @@ def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
                         inner = _of_chunk(record, left)
                 except OSError:
                     raise
-                except Exception as error:  # the library's own, and what its parsing of damaged bytes ends in
+                except (
+                    Exception
+                ) as error:  # the library's own error, and those of its parsing of damaged bytes
                     if isinstance(error, InvalidMagic) and not count:
                         raise UnityLinkError(f"{path}: not an MCAP file ({error})") from error
                     raise _cut_off(path, count) from error
@@ -140,7 +143,7 @@ def _records(path: str | Path) -> Iterator[tuple[str, Any]]:
 
 
 def _of_chunk(chunk: Chunk, left: int) -> list[Any]:
-    """Return the records of a chunk; it expands to what it says, and to no more than `left` bytes."""
+    """Return the records of a chunk. It must expand to its stated size, and to at most `left` bytes."""
     from mcap.records import Chunk as Plain
     from mcap.stream_reader import breakup_chunk
 

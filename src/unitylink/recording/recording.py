@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a recording is: samples in the order they came, and the spec they belong to."""
+"""A recording: samples in the order in which they came, and their spec."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NO_TOPICS: Mapping[tuple[str, ...], str] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Sample:
-    """Values that belong to one moment. `time_s` counts from 1970; `values` by path are numbers, truth
+    """Values that belong to one moment. `time_s` counts from 1970. `values`, by path, are numbers, truth
     values, names of enumeration members, or a mapping of fields."""
 
     time_s: float
@@ -30,7 +30,7 @@ class Sample:
 @dataclass(frozen=True)
 class Origin:
     """What a recording was made with: file name, text and hash of the spec, and the units of its values by
-    path; empty where the file does not tell."""
+    path. Each is empty if the file does not tell."""
 
     name: str = ""
     text: str = ""
@@ -39,12 +39,12 @@ class Origin:
 
 
 class RecordingTruncated(UnityLinkError):
-    """A recording that was cut off; all samples before that have been given."""
+    """A recording that was cut off. All samples before that place have been returned."""
 
 
 class Writer(Protocol):
-    """A recording being written. What was added is whole in the file however it ends; a full disk is an error
-    that names the file and how many samples it holds."""
+    """A recording being written. The file holds whole samples, however the program ends. A full disk is an
+    error that names the file and how many samples it holds."""
 
     @property
     def count(self) -> int:
@@ -58,7 +58,7 @@ class Writer(Protocol):
 
     def add(self, sample: Sample) -> None: ...
     def flush(self) -> None:
-        """Put what was added into the file, whole: a program that is killed loses what came since."""
+        """Put the added samples into the file. A program that is killed loses only later ones."""
         ...
 
     def close(self) -> None: ...
@@ -76,12 +76,12 @@ def create(
     topics: Mapping[tuple[str, ...], str] = _NO_TOPICS,
     force: bool = False,
 ) -> Writer:
-    """Make a recording; the ending of its name says in which format.
+    """Make a recording. The ending of its name chooses the format.
 
-    `names` are the columns a CSV file begins with; without them those of the first sample. `topics` names,
-    for MCAP, the topic of values that are sampled together; else it is made of their paths. Raises
-    UnityLinkError for another ending, a file that cannot be written or, without `force`, exists already, a
-    library that is not installed.
+    `names` are the first columns of a CSV file. Without them those of the first sample are taken. `topics`
+    names, for MCAP, the topic of values that are sampled together. Otherwise it is made of their paths.
+    Raises UnityLinkError for another ending, for a file that cannot be written or already exists (without
+    `force`), and for a library that is not installed.
     """
     if _ending(path) == ".csv":
         from .csv_file import CsvWriter
@@ -93,7 +93,7 @@ def create(
 
 
 def check_name(path: str | Path) -> None:
-    """Raise the UnityLinkError of `create` for an ending no recording has, or a library that is absent."""
+    """Raise the UnityLinkError of `create` for a wrong ending or an absent library."""
     if _ending(path) == ".mcap":
         from .mcap_file import need_library
 
@@ -101,10 +101,10 @@ def check_name(path: str | Path) -> None:
 
 
 def samples(path: str | Path) -> Iterator[Sample]:
-    """Yield the samples of a recording in the order they were added.
+    """Yield the samples of a recording in the order in which they were added.
 
-    Raises UnityLinkError, with the place, for what is no recording; RecordingTruncated at the end of one that
-    was cut off.
+    Raises UnityLinkError, with the place, if the file is not a recording. Raises RecordingTruncated at the
+    end of one that was cut off.
     """
     if _ending(path) == ".csv":
         from .csv_file import read_csv
@@ -116,7 +116,7 @@ def samples(path: str | Path) -> Iterator[Sample]:
 
 
 def origin(path: str | Path) -> Origin:
-    """Return the spec a recording was made with, as far as the file tells; CSV files do not."""
+    """Return the spec of a recording, as far as the file tells. CSV files do not tell it."""
     if _ending(path) == ".csv":
         return Origin()
     from .mcap_reader import read_origin
@@ -125,7 +125,7 @@ def origin(path: str | Path) -> Origin:
 
 
 def is_number(value: Any) -> bool:
-    """Is it a number, or truth value, that an item of a spec can have? It has 64 bits at most."""
+    """Return whether it is a number or truth value of at most 64 bits, as an item of a spec can have."""
     return isinstance(value, float) or (isinstance(value, int) and -(1 << 63) <= value < 1 << 64)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Virtual boards: the twin of the classic gateware with something that moves behind its registers."""
+"""Virtual boards: the twin of the gateware, with a plant that moves behind its registers."""
 
 from __future__ import annotations
 

@@ -29,9 +29,9 @@ _open: set[Board] = set()
 class BoardStatistics:
     """Counters since the board was made.
 
-    `overruns` counts bytes lost at a full receive FIFO, `bytes_dropped` those published while nobody
-    listened, `time_slipped_s` by how much the device clock lags the real one because the machine was too
-    busy.
+    `overruns` counts bytes lost at a full receive FIFO. `bytes_dropped` counts bytes published while no
+    client was there. `time_slipped_s` is how far the device clock is behind the real one because the machine
+    was too busy.
     """
 
     bytes_received: int
@@ -45,18 +45,21 @@ class BoardStatistics:
 
 
 class Board:
-    """A virtual board, alive from construction to `close()`; a context manager.
+    """A virtual board, alive from construction to `close()`. It is a context manager.
 
         with Board(spec, endpoint="tcp") as board, Link(board.url) as link:
             link.read(0x88)
 
-    `endpoint` is "fd" (a descriptor for a link in this process, which takes it over; `url` names a new one
-    once that link has closed), "pty" or "pty:PATH" (a serial port in software), "tcp[:PORT]" or "udp[:PORT]"
-    at the local address `bind`. One client at a time: another hears "?busy". A client that leaves frees the
-    board and what it set stays: publishing goes on into the void, as a real board's would. Over UDP one that
-    vanished without a goodbye is only missed when its system says that its port is closed. A client that
-    does not read fills the board's transmit FIFO, and the board waits for it. Without a plant, a board with
-    a spec gets `RampPlant`.
+    `endpoint` is one of these. "fd" is a descriptor for a link in this process, which takes it over. Once
+    that link has closed, `url` names a new one. "pty" or "pty:PATH" is a serial port in software.
+    "tcp[:PORT]" and "udp[:PORT]" are at the local address `bind`.
+
+    There is one client at a time. Another one gets "?busy". When a client leaves, the board is free, and all
+    settings stay: publishing goes on, as on a real board. A UDP client that vanished without a goodbye is
+    noticed only when its system says that its port is closed. If a client does not read, the board's transmit
+    FIFO fills and the board waits.
+
+    Without a plant, a board with a spec gets `RampPlant`.
 
     Raises ValueRangeError (configuration), LinkNotFound (the endpoint cannot be made), UnityLinkError (the
     plant).
@@ -93,7 +96,7 @@ class Board:
         return _native.Board(self.configuration, endpoint, bind)
 
     def _power_up(self, spec: Spec) -> None:
-        """Let plain words begin with the initial values of the spec, as registers in gateware do."""
+        """Start plain words with the initial values of the spec, as registers in gateware do."""
         for path, element in spec.walk():
             if element.initial is not None and element.link.kind == "memory":
                 codec = Codec(path, Quantity.of(element), self.configuration.data_bits)
@@ -125,7 +128,7 @@ class Board:
         def guarded(time_s: float) -> bool:
             try:
                 step(time_s)
-            except BaseException as error:  # sys.exit() in a step must not pass unseen either
+            except BaseException as error:  # sys.exit() in a step must not go unnoticed either
                 raised = UnityLinkError(f"{name}.step({time_s:.6f}): {type(error).__name__}: {error}")
                 raised.__cause__ = error
                 self._plant_error = raised
@@ -139,12 +142,12 @@ class Board:
 
     @property
     def url(self) -> str:
-        """What a Link connects to: "fd:7", "serial:/dev/pts/3", "tcp://127.0.0.1:40213" or "udp://…"."""
+        """The URL for a Link: "fd:7", "serial:/dev/pts/3", "tcp://127.0.0.1:40213" or "udp://…"."""
         return self._native.url()
 
     @property
     def error(self) -> UnityLinkError | None:
-        """What the plant raised, which has not been stepped since; or why the device itself stands still."""
+        """The exception that ended the plant, or why the device itself stands still. None otherwise."""
         if self._plant_error is None and (failure := self._native.failure()):
             return UnityLinkError(f"the gateware stands still: assertion at {failure} failed")
         return self._plant_error
@@ -163,7 +166,7 @@ class Board:
         return BoardStatistics(**self._native.statistics())
 
     def event(self, group: int | str, high: bool | None = None) -> None:
-        """Set the event input of a publish group, or pulse it once (`high` None); it counts if WIC enabled
+        """Set the event input of a publish group, or pulse it once (`high` None). It counts if WIC enabled
         it."""
         if isinstance(group, str):
             group = self._line(group)
@@ -175,7 +178,7 @@ class Board:
             self._native.set_event(group, high)
 
     def _line(self, event: str) -> int:
-        """Return the group that an event of the spec publishes."""
+        """Return the group that an event of the spec triggers."""
         devices = self.spec.devices if self.spec is not None else ()
         lines = {g.event: g.number for device in devices for g in device.groups if g.trigger == "event"}
         if event not in lines:
@@ -189,23 +192,24 @@ class Board:
         self._native.receive_error(bits & 7)
 
     def set_online(self, online: bool) -> None:
-        """Break the TosNet network, or mend it: while it is broken nothing is exchanged and commits stay
+        """Break the TosNet network, or mend it. While it is broken nothing is exchanged, and commits stay
         pending."""
         self._native.set_online(online)
 
     def damage_cycle(self) -> None:
-        """Let one TosNet cycle arrive damaged: its error counter counts, PCKERR stands for one cycle."""
+        """Let one TosNet cycle arrive damaged. The error counter counts it, and PCKERR is set for one
+        cycle."""
         self._native.damage_cycle()
 
     def hang_up(self) -> None:
-        """Break the line to the client, as a pulled cable does; the board goes on, and takes the next one.
+        """Break the line to the client, as a pulled cable does. The board goes on, and takes the next client.
 
-        A pseudo-terminal has no cable: there close the board, and make another at the same path.
+        A pseudo-terminal has no cable. There close the board, and make another at the same path.
         """
         self._native.hang_up()
 
     def close(self) -> None:
-        """End the board; a connected client sees its port go. Idempotent."""
+        """End the board. A connected client loses its port. Calling it twice does no harm."""
         self._closed = True
         _open.discard(self)
         self._native.stop()
@@ -221,6 +225,6 @@ class Board:
 
 @atexit.register
 def _close_all() -> None:
-    """A board's thread must not outlive the interpreter it calls plants in."""
+    """A board's thread must not outlive the interpreter in which it calls plants."""
     for board in list(_open):
         board.close()

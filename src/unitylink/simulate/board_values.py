@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The items of a spec by name and in their units, from the side of the FPGA."""
+"""The items of a spec from the side of the FPGA, by name and in their units."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .registers import Registers
 
 
 class BoardValues:
-    """What a plant reads and sets: `values["x.position"]` is in the unit of the spec, not a raw word.
+    """The values that a plant reads and sets: `values["x.position"]` is in the unit of the spec.
 
-    What is set beyond the limits of an item ends at its limit, as a sensor does. Raises UnityLinkError for a
-    name that the spec has not, ValueRangeError for what is no value of the item.
+    A value beyond the limits of an item becomes its limit, as with a sensor. Raises UnityLinkError for a name
+    that the spec does not have, ValueRangeError for a wrong value.
 
         values = BoardValues(spec, registers)           # in attach() of a plant
         values["x.position"] = 0.5 * values["x.target"]  # both in rad, as the spec says

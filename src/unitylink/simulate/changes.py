@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Groups that publish on change, on a virtual board: what the comparator in the gateware does."""
+"""Groups that publish on change, on a virtual board. It does what the gateware's comparator does."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .registers import Registers
 
 
 class ChangeWatch:
-    """Pulses the event line of a group when one of its words is not what it was at the look before.
+    """Pulses the event line of a group when one of its words has changed since the last look.
 
-    A board looks after every step of its plant, so changes within one step are one.
+    A board looks after every step of its plant, so changes within one step count as one.
     """
 
     def __init__(self, spec: Spec, registers: Registers, pulse: Callable[[int], None]) -> None:
@@ -41,5 +41,5 @@ class ChangeWatch:
     def _word(self, address: int) -> int | None:
         try:
             return self._registers[address]
-        except ValueRangeError:  # not to be seen from the board's side
+        except ValueRangeError:  # not visible from the board's side
             return None

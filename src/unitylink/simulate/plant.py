@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What moves behind the registers of a virtual board, and where a plant by name or from a file comes from."""
+"""Plants: what moves behind the registers of a virtual board, and how one is found by name or file."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from .registers import Registers
 
 
 class Plant(Protocol):
-    """Something that moves: stepped every `period_s` of device time by the board's thread.
+    """Something that moves. The board's thread steps it every `period_s` of device time.
 
-    An exception out of `step` ends the plant, not the board; it is logged and stands in `board.error`.
+    An exception in `step` ends the plant, not the board. It is logged and kept in `board.error`.
     """
 
     period_s: float
@@ -32,7 +32,7 @@ class Plant(Protocol):
         """Called once, before the first step."""
 
     def step(self, time_s: float) -> None:
-        """Move on to device time `time_s`: read set-points from the registers, write what the sensors see."""
+        """Move on to device time `time_s`: read set-points from the registers, write what sensors measure."""
 
 
 AnyPlant = Union[Plant, WordPlant]
@@ -46,10 +46,10 @@ DEFAULT_PLANT = "ramp"
 
 
 def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
-    """Return the plant called `name` (ramp, loopback, scara), or in the file `name`: Python or a recording.
+    """Return the plant called `name` (ramp, loopback, scara), or the one in the file `name`.
 
-    A file has a class `Plant` that can be made without arguments, or a function `make_plant(spec)`. Raises
-    UnityLinkError with the file's name and the reason.
+    The file is a recording, or Python with a class `Plant` that takes no arguments or a function
+    `make_plant(spec)`. Raises UnityLinkError with the file's name and the reason.
     """
     if name in PLANTS:
         return PLANTS[name]()
@@ -84,7 +84,7 @@ def load_plant(name: str, spec: Spec | None = None) -> AnyPlant:
 
 
 def check_plant(plant: object, what: str) -> None:
-    """Raise UnityLinkError unless `plant` has a period and can be attached and stepped."""
+    """Raise UnityLinkError if `plant` has no period, or cannot be attached or stepped."""
     period_s = getattr(plant, "period_s", None)
     if not isinstance(period_s, (int, float)) or not 1e-5 <= period_s <= 3600:
         raise UnityLinkError(

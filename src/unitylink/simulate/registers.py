@@ -8,10 +8,10 @@ from unitylink.errors import ValueRangeError
 
 
 class Registers:
-    """What the logic behind the link sees: `registers[address]` gets and sets raw unsigned words.
+    """The registers as the logic in the FPGA sees them: `registers[address]` is a raw unsigned word.
 
-    On plain memory both sides see the same word. On TosNet, nodes read IN words as last committed and set
-    their OUT words; behind a FIFO, setting its data register queues a word for the PC and getting it takes
+    In plain memory both sides see the same word. On TosNet, nodes read IN words as last committed, and set
+    their OUT words. Behind a FIFO, setting its data register queues a word for the PC, and getting it takes
     one of the PC's. Negative values are stored as two's complement. Calls may come from any thread. Raises
     ValueRangeError.
 
@@ -51,8 +51,7 @@ class Registers:
         return value - (1 << self._data_bits) if value >> (self._data_bits - 1) else value
 
     def event(self, group: int) -> None:
-        """Pulse the event input of a publish group: what is in it goes to the PC, if the PC has asked for
-        that."""
+        """Pulse the event input of a publish group. Its words go to the PC, if the PC has asked for that."""
         self._native.pulse_event(group)
 
     def async_receive(self) -> list[tuple[int, bytes]]:
