@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command `unitylink`: which commands there are, and how all of them end.
+"""The command `unitylink`: the table of commands, and how all of them end.
 
-A command is a module of `tools/` with a click command named `command`; it is imported when it is run, so that
-`unitylink --version` and a spec's `check` load neither the native core nor rich.
-Exit codes: 0 done, 1 an error, 2 wrong usage, 130 interrupted, 141 the reader of a pipe went away.
+A command is a module of `tools/` with a click command named `command`. It is imported when it is run. So
+`unitylink --version` and a spec's `check` load neither the native core nor rich. Exit codes: 0 done, 1 an
+error, 2 wrong usage, 130 interrupted, 141 the reader of a pipe went away.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from unitylink.schemes import forms
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
-    "check": ("check", "Check specs; every mistake with its place and remedy."),
+    "check": ("check", "Check specs, and show each mistake with its place and remedy."),
     "explain": ("explain", "Explain a code of `check` or of `doctor`."),
     "lsp": ("lsp", "Serve editors (the language server)."),
     "fmt": ("fmt", "Lay specs out in the canonical way."),
@@ -32,11 +32,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "build": ("build", "Build a bitstream from a spec for an FPGA board."),
     "flash": ("flash", "Write a bitstream to its board."),
     "diff": ("diff", "Compare two specs by meaning, and say what breaks."),
-    "budget": ("budget", "Show what the publishes of a spec cost on the line."),
+    "budget": ("budget", "Show the cost of a spec's publishes on the line."),
     "import": ("import_command", "Make a spec from SystemRDL."),
     "map": ("map", "Show the register map of a spec in the browser."),
     "simulate": ("simulate", "Serve a virtual board on TCP, UDP or a pty."),
-    "info": ("info", "Show what a device is and how the link does."),
+    "info": ("info", "Show a device's configuration and the link's statistics."),
     "list": ("list", "List the items of a spec: address, access, type, publish."),
     "read": ("read", "Read items by name, pattern or address."),
     "write": ("write", "Write items: NAME=VALUE."),
@@ -46,13 +46,13 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bridge": ("bridge", "Put a robot on the topics of ROS 1 or ROS 2."),
     "replay": ("replay", "Serve a recording as a device."),
     "discover": ("discover", "List the ports of this machine, and what answers on them."),
-    "doctor": ("doctor", "Find what stands between you and a board, and what mends it."),
-    "term": ("term", "Type classic commands; names and checksums are filled in."),
+    "doctor": ("doctor", "Find what keeps you from a board, and the remedy."),
+    "term": ("term", "Type classic commands. Names and checksums are filled in."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
     "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
-    "faults": ("faults", "Try the engine on a wire that does everything wrong."),
+    "faults": ("faults", "Try the engine on a bad wire."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),
-    "bench": ("bench_command", "Measure this machine against the figures asked for."),
+    "bench": ("bench_command", "Measure this machine against the required figures."),
     "experiments": ("experiments", "Repeat the paper's measurements on a model of its USB chip."),
 }
 

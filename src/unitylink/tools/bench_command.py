@@ -10,18 +10,18 @@ from .output import json_option, print_json
 
 @click.command()
 @click.option(
-    "--only", metavar="FIGURE", multiple=True, help="Measure this figure; may be given several times."
+    "--only", metavar="FIGURE", multiple=True, help="Measure this figure. May be given several times."
 )
-@click.option("--quick", is_flag=True, help="Take seconds instead of minutes; the numbers are rough.")
+@click.option("--quick", is_flag=True, help="Take seconds instead of minutes, for rough numbers.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if a figure is missed.")
-@click.option("--list", "listing", is_flag=True, help="Name the figures and end.")
+@click.option("--list", "listing", is_flag=True, help="List the figures and end.")
 @json_option("the report")
 def command(only: tuple[str, ...], quick: bool, strict: bool, listing: bool, as_json: bool) -> int:
-    """Measure this machine against the figures asked for; how far it is, is told on stderr.
+    """Measure this machine against the required figures. The progress is on stderr.
 
     The two sides of each ratio are measured in turns within one run. Some figures need the native programs
-    that `make bench` builds. A missed figure is no error unless --strict says so;
-    one that cannot be measured is.
+    that `make bench` builds. A missed figure is an error only with --strict. A figure that cannot be measured
+    is always one.
 
     \b
     Examples:

@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 @click.argument("spec_argument", metavar="[SPEC]", required=False)
 @spec_option
 @click.option("--root", metavar="NAME", help="Which public constructor, if the spec has several.")
-@click.option("--namespace", metavar="NAME", help="Below which the topics are; by default the robot's name.")
+@click.option("--namespace", metavar="NAME", help="Namespace of the topics. By default the robot's name.")
 @click.option(
     "--command-timeout",
     type=click.FloatRange(0),
     default=0.0,
     metavar="S",
-    help="Write the safe values after S seconds without a command; 0 is never.",
+    help="Write the safe values after S seconds without a command. 0 is never.",
 )
 @click.option("--disarmed", is_flag=True, help="Take no commands before the service arm is called.")
 def command(
@@ -45,10 +45,10 @@ def command(
     """Put a robot on ROS topics until Ctrl-C, with nothing generated.
 
     All messages are standard ones, which every tool of ROS knows: a std_msgs scalar for each value that is
-    published or written, sensor_msgs/JointState for joints. A package with messages of its own:
-    `unitylink generate SPEC --only ros1` or `ros2`.
+    published or written, and sensor_msgs/JointState for joints. `unitylink generate SPEC --only ros1` or
+    `ros2` makes a package with messages of its own.
 
-    `ros2` needs no ROS on this machine: it talks DDS, and ROS 2 sees it. `ros1` needs rospy and a master.
+    `ros2` needs no ROS on this machine: it speaks DDS, and ROS 2 sees it. `ros1` needs rospy and a master.
 
     \b
     Examples:

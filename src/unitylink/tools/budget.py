@@ -23,7 +23,7 @@ from .output import json_option, print_fields, print_json, print_table
     "--protocol",
     type=click.Choice(("framed", "classic")),
     default="framed",
-    help="What the link speaks: framed (the default), classic.",
+    help="Protocol of the link: framed (the default), classic.",
 )
 @click.option(
     "--clock-hz",
@@ -39,7 +39,7 @@ from .output import json_option, print_fields, print_json, print_table
     "--read-many",
     type=click.IntRange(1, 255),
     metavar="N",
-    help="Most words of a request that may be in the way (255).",
+    help="Most words of a request that may delay a publish (255).",
 )
 @json_option("the budget")
 def command(
@@ -52,9 +52,9 @@ def command(
     read_many: int | None,
     as_json: bool,
 ) -> int:
-    """Show what the publishes of SPEC cost: bytes, load, the highest rates, how late each can come.
+    """Show the cost of the publishes of SPEC: bytes, load, the highest rates, how late each can come.
 
-    Ends with 1 where the line (--baud, or the BAUD of the link) cannot carry them.
+    The exit code is 1 if the line (--baud, or the BAUD of the link) cannot carry them.
 
     \b
     Examples:

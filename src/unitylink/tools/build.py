@@ -17,15 +17,15 @@ from .root import root_option
 @click.command()
 @click.argument("spec_file", metavar="SPEC", required=False)
 @click.option(
-    "--board", "board_name", metavar="NAME", help="Which board; a folder with a board.toml of your own too."
+    "--board", "board_name", metavar="NAME", help="Which board. A folder with your own board.toml works too."
 )
 @root_option("Build one board")
-@click.option("--list", "listing", is_flag=True, help="Say which boards there are.")
+@click.option("--list", "listing", is_flag=True, help="List the boards.")
 @click.option(
     "--logic",
     multiple=True,
     metavar="FILE.vhd",
-    help="Your own VHDL around the link; several: the top's first.",
+    help="Your own VHDL around the link. If several, the top's first.",
 )
 @click.option("--top", metavar="ENTITY", help="The entity of --logic that is built.")
 @click.option(
@@ -41,14 +41,14 @@ from .root import root_option
 @click.option(
     "--protocol",
     type=click.Choice(("both", "framed", "classic")),
-    help="What the link speaks, if not what the board's manifest says.",
+    help="Protocol of the link, if not that of the board's manifest.",
 )
 @click.option(
     "--set",
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="A setting of the gateware, if not what the spec asks for: groups=2.",
+    help="A setting of the gateware, if not that of the spec: groups=2.",
 )
 @click.option("--part", metavar="PART", help="The chip, for --board vendor:vivado and vendor:quartus.")
 @click.option(
@@ -75,8 +75,8 @@ def command(
 ) -> None:
     """Build a bitstream from SPEC with GHDL, yosys and nextpnr, and a report of area, clock and link.
 
-    NAME_board.vhd beside the spec is the logic around the link; without one (and without --logic) words and
-    components whose names tell a pin (led, buttons, servo, encoder ...) go to pins, others by --pin.
+    NAME_board.vhd beside the spec is the logic around the link. Without it, and without --logic, words and
+    components go to pins by their names (led, buttons, servo, encoder ...), or by --pin.
 
     \b
     Examples:

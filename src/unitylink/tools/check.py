@@ -26,7 +26,7 @@ def command(specs: tuple[str, ...], as_json: bool, as_sarif: bool, fix: bool, di
     """Check specs and report every mistake with its place and what to do about it.
 
     SPEC is a file, or - for standard input. The exit code is 0 without errors (warnings are allowed), 1 with
-    errors. A fix is made only where it leaves fewer mistakes; the report is about what is left.
+    errors. A fix is made only if it leaves fewer mistakes. The report is about the remaining ones.
 
     \b
     Examples:

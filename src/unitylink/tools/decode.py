@@ -35,16 +35,24 @@ def _print_dissector(ctx: click.Context, parameter: click.Parameter, wanted: boo
 @spec_option
 @click.option("--only", metavar="KIND[,KIND]", help=f"Only these: {', '.join(_KINDS)}.")
 @click.option("--not", "without", metavar="KIND[,KIND]", help="All but these.")
-@click.option("--match", metavar="REGEX", help="Only what has this in its bytes or its meaning.")
-@click.option("--raw", is_flag=True, help="The transfers as they were, not put together to messages.")
+@click.option("--match", metavar="REGEX", help="Only messages with this in their bytes or meaning.")
+@click.option("--raw", is_flag=True, help="Print the transfers as they were, not as messages.")
 @click.option(
-    "--pcapng", metavar="FILE", help="Write the messages to a capture, one a packet: for Wireshark."
+    "--pcapng", metavar="FILE", help="Write the messages to a capture for Wireshark, one in each packet."
 )
 @force_option
 @click.option(
-    "--address-bytes", type=click.IntRange(1, 4), metavar="N", help="Where the capture has no configuration."
+    "--address-bytes",
+    type=click.IntRange(1, 4),
+    metavar="N",
+    help="Bytes of an address, if the capture has no configuration.",
 )
-@click.option("--data-bytes", type=click.IntRange(1, 4), metavar="N", help="Likewise.")
+@click.option(
+    "--data-bytes",
+    type=click.IntRange(1, 4),
+    metavar="N",
+    help="Bytes of a data word, if the capture has no configuration.",
+)
 @click.option(
     "--dissector",
     is_flag=True,
@@ -70,8 +78,8 @@ def command(
 ) -> None:
     """Print what went over a link: time, direction, bytes and meaning.
 
-    FILE was written by `?trace=FILE` on a link's URL. Times are seconds since its first byte. With --spec
-    words have their names. Wireshark opens the same file, with the dissector that --dissector prints.
+    `?trace=FILE` on a link's URL has written FILE. Times are seconds since its first byte. With --spec words
+    have their names. Wireshark opens the same file, with the dissector that --dissector prints.
 
     \b
     Examples:

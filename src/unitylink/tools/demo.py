@@ -14,13 +14,13 @@ from .failure import Failure
 
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.argument("name", default="scara")
-@click.option("--list", "listing", is_flag=True, help="Say which examples there are, and where.")
+@click.option("--list", "listing", is_flag=True, help="List the examples, and where they are.")
 @click.option("--picture", metavar="PNG", type=click.Path(dir_okay=False), help="Save the joint paths there.")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def command(name: str, *, listing: bool, picture: str | None, arguments: tuple[str, ...]) -> None:
     """Run an example on a virtual board: the paper's SCARA robot unless NAME is another.
 
-    ARGUMENTS go to the example; `unitylink demo NAME --help-example` shows what it takes.
+    ARGUMENTS go to the example. `unitylink demo NAME --help-example` shows them.
 
     \b
     Examples:

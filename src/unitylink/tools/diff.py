@@ -14,10 +14,10 @@ from .output import json_option, print_json, print_table
 @click.option("--strict", is_flag=True, help="Exit with 1 for any difference, not only for a breaking one.")
 @json_option("the differences")
 def command(old: str, new: str, strict: bool, as_json: bool) -> int:
-    """Compare two specs by meaning: added, removed, renamed, moved, changed; and what of it breaks.
+    """Compare two specs by meaning: what was added, removed, renamed, moved or changed, and what breaks.
 
-    The exit code is 0 where programs made from OLD and gateware made from NEW understand each other, else 1.
-    Layout, comments and the order of what has an address make no difference.
+    The exit code is 0 if programs made from OLD and gateware made from NEW understand each other, else 1.
+    Layout, comments and the order of items with an address make no difference.
 
     \b
     Examples:

@@ -25,7 +25,7 @@ _SAID = {
 
 
 @click.command()
-@click.option("--ask", is_flag=True, help="Ask on every free port, and on the network, who is there.")
+@click.option("--ask", is_flag=True, help="Ask on every free port and on the network.")
 @click.option(
     "--baud",
     "baud_hz",
@@ -33,7 +33,7 @@ _SAID = {
     default=_BAUD_HZ,
     show_default=True,
     metavar="N",
-    help="At this rate.",
+    help="Baud rate of the question.",
 )
 @click.option(
     "--port",
@@ -44,16 +44,16 @@ _SAID = {
     help="UDP port to ask.",
 )
 @click.option(
-    "--broadcast", default="255.255.255.255", show_default=True, metavar="ADDRESS", help="Where to ask."
+    "--broadcast", default="255.255.255.255", show_default=True, metavar="ADDRESS", help="Broadcast address."
 )
 @json_option("the ports")
 def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool) -> None:
-    """List serial ports: what they are, who holds them, and with --ask what answers there.
+    """List serial ports: what they are, which program holds them, and with --ask what answers there.
 
-    Without --ask no port is opened and no byte is sent: what is on a port is not known yet, a motor
-    controller may act on what it gets, and some boards reset when a port is opened. --ask sends one harmless
-    request (RLC) to each free serial port, at --baud, and as a broadcast over UDP. TCP cannot ask everybody:
-    `unitylink doctor tcp://HOST:PORT` asks one.
+    Without --ask no port is opened and no byte is sent. A motor controller on an unknown port may act on what
+    it gets, and some boards reset when their port is opened. --ask sends one harmless request (RLC) to each
+    free serial port, at --baud, and as a broadcast over UDP. TCP has no broadcast: `unitylink doctor
+    tcp://HOST:PORT` asks one host.
 
     \b
     Examples:

@@ -29,11 +29,12 @@ _MARKS = {"error": ("✗", "\x1b[1;31m"), "warning": ("!", "\x1b[1;33m"), "note"
 )
 @json_option("the findings")
 def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -> None:
-    """Find what stands between you and the board at LINK; each finding comes with the command that mends it.
+    """Find what keeps you from the board at LINK. Each finding comes with the command that mends it.
 
-    Looks at the port (permission, other programs, ModemManager, latency timer), at what answers (silence,
-    noise, another baud rate or checksum), and with --spec whether the board has what the spec says. Exit code
-    1 where something keeps the link from working. `unitylink explain CODE` tells more of a finding.
+    It looks at the port (permission, other programs, ModemManager, latency timer) and at the answer (silence,
+    noise, another baud rate or checksum). With --spec it checks whether the board has what the spec says. The
+    exit code is 1 if something keeps the link from working. `unitylink explain CODE` says more about a
+    finding.
 
     \b
     Examples:

@@ -17,9 +17,9 @@ from .failure import Failure
     default="experiments",
     show_default=True,
     type=click.Path(file_okay=False, path_type=Path),
-    help="Where the report goes.",
+    help="Folder of the report.",
 )
-@click.option("--quick", is_flag=True, help="Repeat less often; about ten minutes.")
+@click.option("--quick", is_flag=True, help="Repeat less often. Takes about ten minutes.")
 @click.option(
     "--soak",
     metavar="SECONDS",
@@ -27,14 +27,14 @@ from .failure import Failure
     help="How long memory is watched while publishes come.  [default: 60, with --quick 3]",
 )
 @click.option(
-    "--only", metavar="PART", multiple=True, help="Only this part of the report; may be given several times."
+    "--only", metavar="PART", multiple=True, help="Only this part of the report. May be given several times."
 )
 def command(out: Path, quick: bool, soak: float | None, only: tuple[str, ...]) -> int:
     """Repeat the measurements of the paper's section VI on a model of its USB chip.
 
-    Writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own, so
-    a busy machine changes nothing but the cost of this host's software, which is measured. Our gateware's
-    clocks are those of its VHDL, compiled the first time, which takes GHDL and Verilator.
+    It writes report.md, report.html, the figures and results.json into DIR. The model has a clock of its own.
+    So a busy machine changes only the cost of this host's software, which is measured. The clocks of our
+    gateware are those of its VHDL. Compiling it the first time needs GHDL and Verilator.
 
     \b
     Parts: gateware, table-one, links, publishing, peers, scaling, ros, simplicity.

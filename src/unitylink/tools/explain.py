@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 @click.argument("codes", metavar="[CODE]...", nargs=-1)
 @json_option("the explanations")
 def command(codes: tuple[str, ...], as_json: bool) -> None:
-    """Explain codes: of a diagnostic why it is a mistake, with an example, wrong and mended; of a finding of
-    the doctor what is behind it.
+    """Explain the codes of `check` and `doctor`.
 
-    Without a CODE all of them are listed.
+    For a diagnostic it says why this is a mistake, with an example, wrong and mended. For a finding of the
+    doctor it gives the cause. Without a CODE all codes are listed.
 
     \b
     Examples:

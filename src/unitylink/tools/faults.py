@@ -96,9 +96,14 @@ def _beside_litex(as_json: bool) -> int:
 
 @click.command()
 @click.option(
-    "--seed", default=1, show_default=True, help="Where the histories begin; the same gives the same."
+    "--seed",
+    default=1,
+    show_default=True,
+    help="Seed of the histories. The same seed gives the same histories.",
 )
-@click.option("--messages", default=100_000, show_default=True, type=click.IntRange(1), help="In all.")
+@click.option(
+    "--messages", default=100_000, show_default=True, type=click.IntRange(1), help="Messages in all."
+)
 @click.option(
     "--profile", "chosen", default="all", show_default=True, callback=_profiles, help="Which faults."
 )
@@ -110,10 +115,16 @@ def _beside_litex(as_json: bool) -> int:
     "--window", default="32", show_default=True, type=click.Choice(("1", "8", "32", "64", "128")),
     help="Requests in flight.",
 )  # fmt: skip
-@click.option("--jobs", default=1, show_default=True, type=click.IntRange(1, 64), help="Histories at a time.")
+@click.option(
+    "--jobs",
+    default=1,
+    show_default=True,
+    type=click.IntRange(1, 64),
+    help="Histories that run at the same time.",
+)
 @click.option(
     "--beside", type=click.Choice(("litex",)),
-    help="Instead let the released package of another and ours meet the same faults; a minute and a half.",
+    help="Try the released package of another system and ours on the same faults instead (90 s).",
 )  # fmt: skip
 @json_option("the counts")
 def command(
@@ -121,10 +132,10 @@ def command(
 ) -> int:
     """Try the engine on a wire that does everything wrong.
 
-    Each value is written once, and the device's own record says what it has executed: nothing may be executed
-    twice, told as done and not be, or come in another order; no answer may be that to another question; each
-    operation must end in its time; and after the faults all must go well again. A history that fails is told
-    with the command that repeats it.
+    Each value is written once, and the device's own record says what it has executed. Nothing may be executed
+    twice, be reported as done and not be, or come in another order. No request may get the reply to another
+    one. Each operation must end in its time. After the faults all must work again. A history that fails is
+    printed with the command that repeats it.
 
     \b
     Profiles: quiet flips bursts bytes loss messages late datagrams pauses resets relapses restarts dead

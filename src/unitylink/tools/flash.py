@@ -12,9 +12,11 @@ import click
 @click.command()
 @click.argument("folder", metavar="FOLDER", type=click.Path(path_type=Path))
 @click.option(
-    "--volatile", is_flag=True, help="Load the chip only: gone with the power, quick, wears nothing out."
+    "--volatile",
+    is_flag=True,
+    help="Load the chip only. It is quick, wears nothing out, and is lost without power.",
 )
-@click.option("--program", metavar="NAME", help="iceprog or openFPGALoader, where the board takes both.")
+@click.option("--program", metavar="NAME", help="iceprog or openFPGALoader, if the board takes both.")
 @click.option("--dry-run", is_flag=True, help="Print the command instead of running it.")
 def command(folder: Path, *, volatile: bool, program: str | None, dry_run: bool) -> None:
     """Write the bitstream in FOLDER, which `unitylink build` made, to its board.

@@ -21,7 +21,7 @@ from .replace import replace_file
 )
 @click.option("--stdout", is_flag=True, help="Print the result and leave the files alone.")
 def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
-    """Lay specs out in the canonical way; comments stay, the meaning does not change.
+    """Lay specs out in the canonical way. Comments stay, and the meaning does not change.
 
     SPEC is a file, or - to read standard input and print the result.
 

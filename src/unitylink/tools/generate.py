@@ -23,12 +23,12 @@ from .root import part_of, root_option
 @click.option(
     "--physical",
     metavar="LAYER",
-    help="What the VHDL's top level stands on: uart (the default), ft245_async, ft245_sync, spi, rs485.",
+    help="Physical layer of the VHDL: uart (the default), ft245_async, ft245_sync, spi, rs485.",
 )
 @click.option(
     "--send-immediate",
     metavar="MODE",
-    help="Behind which messages an FT245 sends at once: never, publishes, replies, both (the default).",
+    help="After which messages an FT245 sends at once: never, publishes, replies, both (the default).",
 )
 @click.option(
     "--protocol", metavar="NAME", help="What the VHDL's core speaks: both (the default), framed, classic."
@@ -48,15 +48,14 @@ def command(
     root: str | None,
     check: bool,
 ) -> None:
-    """Make from a spec what both ends need: typed Python classes, and a gateware design in VHDL.
+    """Make typed Python classes and a gateware design in VHDL from a spec.
 
-    The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder
-    vhdl/, is a complete design: the link, a register for each item, and records that give your logic the
-    items by name. A spec with several links has a board behind each of them, and a design for each board.
+    The Python has an attribute for each item, with its address, type and unit. The VHDL, in the folder vhdl/,
+    is a complete design: the link, a register for each item, and records that give your logic the items by
+    name. A spec with several links gets a design for the board behind each.
 
-    The same spec always gives the same files. Files that are up to date are left alone, and a file that is
-    not a generated one is never overwritten. A generated module whose spec has changed refuses to be
-    imported.
+    The same spec always gives the same files. Files that are up to date stay as they are. A file that was not
+    generated is never overwritten. A generated module whose spec has changed cannot be imported.
 
     \b
     Examples:

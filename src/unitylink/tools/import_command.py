@@ -14,13 +14,16 @@ from .failure import Failure
 
 @click.command(name="import")
 @click.argument("file", metavar="FILE.rdl")
-@click.option("--out", metavar="FILE.ul", help="Write here; printed if not given. Never overwrites a file.")
-@click.option("--top", metavar="NAME", help="The address map; the last one of the file if not given.")
-@click.option("--include", metavar="FOLDER", multiple=True, help="Where `include files are looked for.")
+@click.option(
+    "--out", metavar="FILE.ul", help="Write here. Without it the spec is printed. Never overwrites a file."
+)
+@click.option("--top", metavar="NAME", help="The address map. By default the last one of the file.")
+@click.option("--include", metavar="FOLDER", multiple=True, help="Folder for `include files.")
 def command(file: str, out: str | None, top: str | None, include: tuple[str, ...]) -> None:
     """Make a spec from SystemRDL: registers, fields, enumerations, arrays, register files, documentation.
 
-    What UL-spec says otherwise or not at all is told on stderr. It needs the package systemrdl-compiler.
+    Differences, and what UL-spec cannot express, are reported on stderr. It needs the package
+    systemrdl-compiler.
 
     \b
     Examples:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from unitylink.spec.model import Spec
 
 _WIDTH = max(len(scheme.form) for scheme in SCHEMES.values())
-_HELP = """Show the configuration of a device, what its network does, and the statistics of the link.
+_HELP = """Show the configuration of a device, the state of its network, and the statistics of the link.
 
 \b
 LINK is one of

@@ -52,7 +52,7 @@ spec_option = click.option(
     "--spec",
     "spec_file",
     metavar="FILE",
-    help="The spec that gives the names; a sim: or rtl: link brings its own.",
+    help="The spec that gives the names. A sim: or rtl: link brings its own.",
 )
 
 

@@ -26,8 +26,8 @@ _BY = {1: "hardware", 2: "software"}
 def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> None:
     """List the items of a spec: name, address, access, type, how it publishes.
 
-    With a LINK the device is asked too: publish rates are then its own, and items it cannot reach are marked.
-    NAME is a name, an instance, a group or a pattern.
+    With a LINK the device is asked too. Publish rates are then its own, and items that it cannot reach are
+    marked. NAME is a name, an instance, a group or a pattern.
 
     \b
     Examples:

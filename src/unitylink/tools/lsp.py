@@ -12,9 +12,9 @@ from unitylink.optional import absent
 def command() -> None:
     """Serve editors: diagnostics while typing, hover with addresses, definition, rename, completion.
 
-    It speaks the Language Server Protocol on standard input and output and is started by the editor, not by
-    hand; the extension for Visual Studio Code and settings for other editors are in the source tree
-    (docs/editors.md). It needs the package pygls.
+    It speaks the Language Server Protocol on standard input and output. The editor starts it. The extension
+    for Visual Studio Code and settings for other editors are in the source tree (docs/editors.md). It needs
+    the package pygls.
 
     \b
     Example, a line of an editor's configuration:

@@ -10,13 +10,13 @@ import click
 
 @click.command()
 @click.argument("spec_file", metavar="SPEC")
-@click.option("--out", metavar="FOLDER", default=".", help="Where to write the page; here if not given.")
+@click.option("--out", metavar="FOLDER", default=".", help="Where to write the page (here).")
 @click.option("--no-open", is_flag=True, help="Write the page and do not open it.")
 def command(spec_file: str, out: str, no_open: bool) -> None:
     """Write the register map of a spec as one HTML page, and open it in the browser.
 
-    The page needs no network: a tree, a search, and for every register boxes that encode and decode values.
-    It is the html artefact of `unitylink generate`.
+    The page has a tree, a search, and boxes that encode and decode the value of every register. It needs no
+    network. It is the html artefact of `unitylink generate`.
 
     \b
     Examples:

@@ -50,7 +50,7 @@ _COLOURS = ("cyan+", "orange+", "green+", "magenta+", "red+", "blue+", "white", 
 @click.option(
     "--out",
     metavar="FILE",
-    help=f"A picture ({', '.join(_PICTURES)}); without it a terminal shows the plot live.",
+    help=f"A picture ({', '.join(_PICTURES)}). Without it a terminal shows the plot live.",
 )
 @force_option
 @rate_option
@@ -67,8 +67,8 @@ def command(
 ) -> None:
     """Draw items over time: from a LINK as they come, or from a recording.
 
-    Values with the same unit share a panel; members of enumerations are drawn by name. An MCAP recording
-    knows its units, for those of a CSV file add --spec.
+    Values with the same unit share a panel. Members of enumerations are drawn by name. An MCAP recording
+    knows its units. For a CSV file add --spec.
 
     \b
     Examples:

@@ -26,10 +26,9 @@ def command(
 ) -> None:
     """Read items and print their values.
 
-    NAME is a name of the spec, an instance or group (all its items), a pattern, or a word address like 0x88.
-    Values are in the units of the
-    spec. What fits one message of the device is one consistent snapshot. What reading changes (READCLEAR) is
-    only read by its full name.
+    NAME is a name of the spec, an instance or a group (all its items), a pattern, or a word address like
+    0x88. Values are in the units of the spec. Items that fit one message of the device are one consistent
+    snapshot. An item that reading changes (READCLEAR) is read only by its full name.
 
     \b
     Examples:

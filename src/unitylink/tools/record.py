@@ -40,14 +40,12 @@ _FLUSH_S = 0.5  # between two looks at what waits to be written: a program that 
 @link_argument
 @click.argument("names", metavar="[NAME...]", nargs=-1)
 @spec_option
-@click.option(
-    "--out", metavar="FILE", help="FILE.mcap or FILE.csv; the spec's name and the time, if not given."
-)
+@click.option("--out", metavar="FILE", help="FILE.mcap or FILE.csv. By default the spec's name and the time.")
 @force_option
 @rate_option
 @count_option
 @duration_option
-@json_option("how it went, at the end")
+@json_option("the result at the end")
 def command(
     link: str,
     *,
@@ -62,10 +60,10 @@ def command(
 ) -> None:
     """Record items until Ctrl-C: MCAP for Foxglove and PlotJuggler, CSV for pandas and spreadsheets.
 
-    Items with PUBLISH come at their own rate; the others are read at --rate. NAME is as for `read`; without
-    any, all READ items of the spec are recorded, and the WRITE items too: what they are set to. A sample is
-    written with the time it came; samples that were lost are counted, and end the command with 1. The file is
-    whole whatever ends the recording, but kill -9 costs the last two seconds. A file that exists is kept.
+    Items with PUBLISH come at their own rate. The others are read at --rate. NAME is as for `read`. Without a
+    NAME all READ items of the spec are recorded, and the set-points of the WRITE items. A sample has the time
+    at which it came. Lost samples are counted, and then the exit code is 1. The file is whole, whatever ends
+    the recording, but kill -9 loses the last two seconds. An existing file is kept.
 
     \b
     Examples:

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("recording", metavar="FILE")
-@click.option("--spec", "spec_file", metavar="FILE", help="The spec; an MCAP recording brings its own.")
+@click.option("--spec", "spec_file", metavar="FILE", help="The spec. An MCAP recording brings its own.")
 @serving_options
 @click.option(
     "--speed", type=click.FloatRange(0, min_open=True), default=1.0, metavar="X", help="Play X times as fast."
 )
-@click.option("--loop", is_flag=True, help="Begin anew at the end; else the last values stay.")
+@click.option("--loop", is_flag=True, help="Begin again at the end. Otherwise the last values stay.")
 @json_option("the address")
 def command(
     recording: str,
@@ -41,10 +41,10 @@ def command(
     loop: bool,
     as_json: bool,
 ) -> None:
-    """Serve a recording as a device until Ctrl-C: it answers and publishes what the robot did then.
+    """Serve a recording as a device until Ctrl-C. It answers and publishes what the robot did then.
 
-    Whatever works on a robot works on its recording: watch, plot, your own program. What is written to it is
-    taken and has no effect. `sim:SPEC.ul?plant=FILE.mcap` is the same inside one program.
+    All that works on a robot works on its recording: watch, plot, your own program. Writes are taken and have
+    no effect. `sim:SPEC.ul?plant=FILE.mcap` is the same inside one program.
 
     \b
     Examples:

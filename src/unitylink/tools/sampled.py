@@ -24,7 +24,7 @@ rate_option = click.option(
     default=10.0,
     show_default=True,
     metavar="HZ",
-    help="How often to read what the spec does not publish.",
+    help="How often to read items without PUBLISH.",
 )
 count_option = click.option("--count", type=click.IntRange(1), metavar="N", help="End after N samples.")
 duration_option = click.option(

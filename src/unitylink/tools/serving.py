@@ -22,17 +22,17 @@ _TICK_S = 0.2  # between two looks at whether the board still runs
 _LAG_S = 0.05  # less is not worth a word
 _OPTIONS = (
     click.option(
-        "--tcp", metavar="[HOST:]PORT", help="Serve on TCP; port 0 takes a free one (the default is --tcp 0)."
+        "--tcp", metavar="[HOST:]PORT", help="Serve on TCP. Port 0 takes a free one (the default is --tcp 0)."
     ),
     click.option("--udp", metavar="[HOST:]PORT", help="Serve on UDP."),
     click.option(
         "--pty", metavar="PATH", help="Serve on a pseudo-terminal, a serial port in software, at PATH."
     ),
     click.option(
-        "--bind", metavar="ADDRESS", help="The address to listen on; other machines reach it with --anyone."
+        "--bind", metavar="ADDRESS", help="The address to listen on. Other machines reach it with --anyone."
     ),
     click.option(
-        "--anyone", is_flag=True, help="With --bind: whoever reaches the address may command the board."
+        "--anyone", is_flag=True, help="With --bind: everybody who reaches the address may command the board."
     ),
 )
 

@@ -62,15 +62,15 @@ def command(
 ) -> None:
     """Serve a virtual board of a spec until Ctrl-C: a model of the gateware, and a plant that moves.
 
-    The model speaks both protocols. It gives the same replies as the VHDL, byte for byte; when, it is true to
-    for the classic protocol only.
+    The model speaks both protocols. It gives the same replies as the VHDL, byte for byte. Their times are
+    exact for the classic protocol only.
 
-    What the board is built with, docs/settings.md explains.
+    docs/settings.md explains the settings of the board.
 
-    With --rtl it is the VHDL that `unitylink generate --only vhdl` makes, compiled by GHDL and Verilator:
-    half a minute the first time, then from a cache.
+    With --rtl the board is the VHDL that `unitylink generate --only vhdl` makes. GHDL and Verilator compile
+    it. That takes half a minute the first time, and then comes from a cache.
 
-    Anybody on this machine can connect, one at a time; other machines only with --bind and --anyone.
+    Anybody on this machine can connect, one at a time. Other machines need --bind and --anyone.
 
     \b
     Examples:

@@ -53,9 +53,10 @@ _ANSWER_S = 1.0  # how long a script waits for the answer to a line
 @link_argument
 @spec_option
 def command(link: str, spec_file: str | None) -> None:
-    """Type classic commands to a device and see what it answers and publishes, each with its meaning.
+    """Type classic commands to a device. See its replies and publishes, each with its meaning.
 
-    Checksums are added, names stand for addresses. Lines may come from a pipe too: each waits for its answer.
+    Checksums are added, and names stand for addresses. Lines may come from a pipe too. Each waits for its
+    reply.
 
     \b
     Examples:

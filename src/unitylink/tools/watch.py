@@ -31,10 +31,8 @@ _HOLD_S = 0.2  # for which lines are held back, so that they come in the order o
 @rate_option
 @count_option
 @duration_option
-@click.option(
-    "--changes", is_flag=True, help="Print only samples in which a value differs from the one before."
-)
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line for each sample.")
+@click.option("--changes", is_flag=True, help="Print only samples in which a value has changed.")
+@click.option("--json", "as_json", is_flag=True, help="Print each sample as one line of JSON.")
 def command(
     link: str,
     *,
@@ -46,10 +44,10 @@ def command(
     changes: bool,
     as_json: bool,
 ) -> None:
-    """Watch items: a live table on a terminal, else one line for each sample. Ctrl-C ends it.
+    """Watch items, in a live table on a terminal, else with one line for each sample. Ctrl-C ends it.
 
-    Items with PUBLISH in the spec are sent by the gateware at their own rate; the others are read at --rate.
-    NAME is as for `read`; without any, all READ items of the spec are watched. Times are seconds since the
+    The gateware sends items with PUBLISH in the spec at their own rate. The others are read at --rate. NAME
+    is as for `read`. Without a NAME all READ items of the spec are watched. Times are seconds since the
     start.
 
     \b

@@ -23,13 +23,15 @@ if TYPE_CHECKING:
 @spec_option
 @json_option("what was written")
 def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_json: bool) -> None:
-    """Write items; several in one go take effect together where the hardware can do that.
+    """Write items. Several in one go take effect together if the hardware can do that.
 
     NAME is a WRITE item of the spec, a group or pattern of them (all get VALUE), or a word address such as
-    0x8C, which is written after the named ones, as a raw unsigned word and without a commit. VALUE is
-    in the unit of the spec, or has another one that measures the same: 30, -0.5, 0x1E, 30deg; the name of an
-    enumeration's member; true or false; {ready=1, mode=run} for packed values. A PULSE is written once, a W1C
-    clears the flags given. Every value is checked against its item's range before anything is sent.
+    0x8C. An address is written after the named items, as a raw unsigned word and without a commit.
+
+    VALUE is in the unit of the spec, or has another unit that measures the same: 30, -0.5, 0x1E, 30deg. It
+    can also be the name of an enumeration's member, true or false, or {ready=1, mode=run} for packed values.
+    A PULSE is written once, a W1C clears the given flags. Every value is checked against its item's range
+    before anything is sent.
 
     \b
     Examples:
