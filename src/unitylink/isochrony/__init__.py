@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How regularly the gateware publishes: the clocks from a base strobe to the first bus strobe of a publish.
 
-The constants are those of protocol.toml, [latency] and [framed_latency]; tests/gateware/test_isochrony.py and
-test_framed_isochrony.py hold the RTL to them.
+The constants are [latency] and [framed_latency] of protocol.toml. tests/gateware/test_isochrony.py and
+test_framed_isochrony.py compare the VHDL with them.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ def isochrony(
 ) -> Isochrony:
     """Return the idle time and the bound of a publish of `gateware`, in clocks.
 
-    `protocol` is what the link speaks ("classic" or "framed"; None: framed where the gateware does).
-    `read_many` is the most words of a request of the host (None: the most there can be); `before` has the
-    words of publishes that may be due at once and go before; `checked` counts the classic checksums;
-    `bus_waits` is by how many clocks a slave acknowledges later than one after the strobe. An access that
-    times out takes twice the bus timeout more. Classic text that is sent in a framed session is not counted.
-    Raises ValueRangeError for the datalinks that execute a request while it comes in: nothing bounds that.
+    `protocol` is that of the link ("classic" or "framed"; None: framed if the gateware has it). `read_many`
+    is the most words of a request of the host (None: the most that is possible). `before` has the words of
+    publishes that may be due at the same time and go before. `checked` counts the classic checksums.
+    `bus_waits` is how many clocks a slave acknowledges later than one clock after the strobe. An access that
+    times out takes twice the bus timeout more. Classic text in a framed session is not counted. Raises
+    ValueRangeError for datalinks that execute a request while it arrives, because that has no bound.
 
     >>> from unitylink.simulate import BoardConfiguration
     >>> board = BoardConfiguration(groups=2, group_size=16, read_many=32)

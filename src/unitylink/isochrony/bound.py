@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a bound is made of: the gateware, a message in the way, and the result."""
+"""The parts of a bound: the gateware, a message in the way, and the result."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class Gateware(Protocol):
-    """What has to be known of the gateware; a BoardConfiguration tells it."""
+    """What must be known of the gateware. A BoardConfiguration has it."""
 
     @property
     def protocol(self) -> str: ...
@@ -38,7 +38,7 @@ class Gateware(Protocol):
 
 @dataclass(frozen=True)
 class Occupation:
-    """What a message costs: clocks of the application, and bytes on the line; `name` is its command."""
+    """The cost of a message: clocks of the application, and bytes on the line. `name` is its command."""
 
     name: str
     clocks: int
@@ -49,7 +49,7 @@ class Occupation:
 class Isochrony:
     """Clocks from base strobe to first bus strobe: `idle_clocks` when idle, at most `late_clocks` more.
 
-    `longest` is the message that can be in the way for the longest time.
+    `longest` is the message that can delay a publish for the longest time.
     """
 
     idle_clocks: int

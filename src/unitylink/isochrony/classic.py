@@ -17,7 +17,8 @@ _CONFIGURATION_CHARACTERS = 34  # of CNF, with a base frequency of four bytes
 def isochrony(
     gateware: Gateware, *, read_many: int | None, before: Sequence[int], checked: bool, bus_waits: int
 ) -> Isochrony:
-    """Return idle time and bound; `read_many` is the longest one the host sends (None: there is)."""
+    """Return idle time and bound. `read_many` is the longest one that the host sends (None: the longest
+    possible)."""
     c = gateware
     if c.datalink != "full":
         raise ValueRangeError(
@@ -75,7 +76,7 @@ def isochrony(
 
 
 def _in_the_way(request: Occupation, publishes: list[Occupation], publish_mode: int) -> list[Occupation]:
-    """Return the messages that can go before a publish, with requests coming in without end."""
+    """Return the messages that can go before a publish, if requests come in without end."""
     turns = protocol.LATENCY_TURNS_MOST
     if publish_mode == 1:  # requests first: each publish waits for a row of them
         row = [request] * turns
@@ -89,10 +90,10 @@ def _in_the_way(request: Occupation, publishes: list[Occupation], publish_mode: 
 
 
 def _clocks(messages: list[Occupation], byte_clocks: int) -> int:
-    """Return how long messages one after the other keep the next one from the bus.
+    """Return how long messages in a row keep the next one from the bus.
 
-    Either the application is the slower one, or the line. Then what was said before lies in the FIFO between
-    them, and a publish has a few words to put behind it before it asks for the bus.
+    Either the application is slower, or the line. If the line is, earlier bytes wait in the FIFO between
+    them. A publish puts a few words behind them before it asks for the bus.
     """
     words = protocol.LATENCY_PUBLISH_WORDS_BEFORE
     per_character = max(1, byte_clocks)

@@ -37,7 +37,7 @@ class _Request(Occupation):
 
 
 def isochrony(gateware: Gateware, *, words: int | None, before: Sequence[int], bus_waits: int) -> Isochrony:
-    """Return idle time and bound; `words` is the most a list of the host has (None: all it can have)."""
+    """Return idle time and bound. `words` is the most that a list of the host has (None: all that fit)."""
     a, d = -(-gateware.address_bits // 8), -(-gateware.data_bits // 8)
     requests, post = _requests(gateware, a, d, words, bus_waits)
     per_byte = max(1, gateware.byte_clocks)
@@ -65,7 +65,7 @@ def isochrony(gateware: Gateware, *, words: int | None, before: Sequence[int], b
 def _requests(
     c: Gateware, a: int, d: int, words: int | None, bus_waits: int
 ) -> tuple[list[_Request], Occupation]:
-    """Return the requests that are the longest of their kind, and the longest post."""
+    """Return the longest request of each kind, and the longest post."""
     told = (p.FRAMED_LATENCY_PAYLOAD_MAX - _REPLY_HEAD) // d  # words of the longest reply
     told = told if words is None else min(words, told)
     read = p.FRAMED_LATENCY_LIST_READ + 3 * a + d + bus_waits

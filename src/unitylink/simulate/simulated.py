@@ -14,20 +14,20 @@ from unitylink.spec.model import Spec
 from .board import Board
 from .plant import DEFAULT_PLANT, AnyPlant, load_plant
 
-_TIMEOUT_S = "1"  # a board in this process is silent only while the machine is too busy to run it
+_TIMEOUT_S = "1"  # a board in this process is silent only if the machine is too busy to run it
 _OPTIONS = {setting.option: setting for setting in SETTINGS.values() if setting.option}
 _ASKED_FOR = ("spi", "rs485")  # physical layers that never speak by themselves
 
 
 def simulated_board(url: str) -> tuple[Board, str]:
-    """Make the board of `sim:SPEC.ul?plant=NAME&…` and return it with the URL a link to it has.
+    """Make the board of `sim:SPEC.ul?plant=NAME&…` and return it with the URL for a link to it.
 
     `rtl:` instead of `sim:` compiles the VHDL of the spec (simulate.rtl).
 
-    Options of the board: `root=NAME` (the public constructor or link whose board it is, of several),
-    `plant=ramp|loopback|scara|FILE.py` and every setting that a URL may change (docs/settings.md); all others
-    are the link's (`timeout=` is 1 here). With `reconnect=1` it is reached over TCP on this computer:
-    `link.board.hang_up()` breaks that line, for tests. Close the board after the link.
+    Options of the board are `root=NAME` (chooses the public constructor or link, if there are several),
+    `plant=ramp|loopback|scara|FILE.py`, and every setting that a URL may change (docs/settings.md). All
+    others are the link's (`timeout=` is 1 here). With `reconnect=1` the board is reached over TCP on this
+    computer, and `link.board.hang_up()` breaks that line, for tests. Close the board after the link.
 
     Raises UrlError, SpecError, ToolError, ValueRangeError, UnityLinkError.
     """
@@ -56,11 +56,11 @@ def simulated_board(url: str) -> tuple[Board, str]:
             f"{url!r}: {physical} speaks only when a master asks for it, which an rtl: link is not; say "
             f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
         )
-    if physical == "rs485":  # no classic text goes over a pair
+    if physical == "rs485":  # an RS-485 pair carries no classic text
         options.setdefault("protocol", "framed")
     options.setdefault("timeout", _TIMEOUT_S)
     plant = load_plant(options.pop("plant", DEFAULT_PLANT), spec)
-    # what can be opened again has a name; a descriptor has none
+    # a line that is opened again needs a name, and a descriptor has none
     endpoint = "tcp" if options.get("reconnect", "0") != "0" else "fd"
     board = _KINDS[kind](spec, plant, settings, endpoint)
     try:
@@ -72,7 +72,8 @@ def simulated_board(url: str) -> tuple[Board, str]:
 
 
 def _settings_in(url: str, options: dict[str, str]) -> dict[str, int | str]:
-    """Take the settings of the board out of `options`; what a device tells by itself the link is told too."""
+    """Take the settings of the board out of `options`. The link also gets those that a device tells by
+    itself."""
     settings: dict[str, int | str] = {}
     for option in set(options) & set(_OPTIONS):
         setting = _OPTIONS[option]
@@ -93,7 +94,7 @@ def _gateware(spec: Spec, plant: AnyPlant, settings: dict[str, int | str], endpo
     from .rtl import (
         RtlBoard,
         rtl_configuration,
-    )  # the generator and the compilers: only for those who want them
+    )  # here: it loads the generator and the compilers
 
     configuration = rtl_configuration(spec, **settings)
     return RtlBoard(spec, configuration=configuration, plant=plant, endpoint=endpoint)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the publishes of a spec cost on the line: bytes, load, the highest rate, and how late each can come.
+"""The cost of a spec's publishes on the line: bytes, load, the highest rate, and how late each can come.
 
 All figures follow from the constants of the protocol and the compiler's table of subscription groups
-(`Spec.devices`); the tests compare them with what the twin really sends.
+(`Spec.devices`). The tests compare them with what the twin sends.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def message_bytes(letters: int, data_bytes: int, checked: bool = False) -> int:
 
 
 def publish_bytes(words: int, data_bits: int, checked: bool = False, protocol: str = "classic") -> int:
-    """Return the bytes of a publish of `words` words; frames always have their check.
+    """Return the bytes of a publish of `words` words. Frames always have their check.
 
     >>> publish_bytes(8, 32), publish_bytes(8, 32, protocol="framed")
     (74, 45)
@@ -40,11 +40,11 @@ def publish_bytes(words: int, data_bits: int, checked: bool = False, protocol: s
 
 @dataclass(frozen=True)
 class GroupBudget:
-    """One subscription group. `rate_hz` is None where an event triggers: how often, nobody knows here.
+    """One subscription group. `rate_hz` is None if an event triggers it: the rate is unknown here.
 
-    `sampled_s` bounds the time from the tick (or event) to the moment the first word is read in the gateware,
-    `latency_s` that to the last byte on the line; None without a baud rate, or where the next publish may be
-    due before.
+    `sampled_s` limits the time from the tick (or event) to the reading of the first word in the gateware.
+    `latency_s` limits the time to the last byte on the line. It is None without a baud rate, or if the next
+    publish may be due earlier.
     """
 
     number: int
@@ -63,10 +63,10 @@ class GroupBudget:
 
 @dataclass(frozen=True)
 class BaudBudget:
-    """One baud rate: the share of the line the publishes take, and the highest common rate that would fit.
+    """One baud rate: the share of the line that the publishes take, and the highest rate that fits.
 
-    `highest_hz` is a base rate / divisor at which every group with a rate could publish; None where not even
-    the slowest fits.
+    `highest_hz` is a base rate / divisor at which every group with a rate could publish. None if not even the
+    slowest fits.
     """
 
     baud_hz: int
@@ -76,7 +76,7 @@ class BaudBudget:
 
 @dataclass(frozen=True)
 class DeviceBudget:
-    """One device of a spec. `tick_bytes` are sent at a base tick at which all groups with a rate are due."""
+    """One device of a spec. `tick_bytes` are sent at a base tick if all groups with a rate are due."""
 
     root: str
     link: str
@@ -100,12 +100,12 @@ class DeviceBudget:
 
     @property
     def load(self) -> float | None:
-        """The share of the line at the link's baud rate; None without one."""
+        """The share of the line at the link's baud rate. None without one."""
         return self.bytes_per_s * BITS_PER_BYTE / self.baud_hz if self.baud_hz else None
 
     @property
     def fits_2012(self) -> bool:
-        """Whether the 2012 gateware has room for the groups without dividing one."""
+        """Whether the groups fit into the 2012 gateware without dividing one."""
         return len(self.groups) <= constants.GROUPS_2012 and all(
             group.words < constants.GROUP_SIZE_2012 for group in self.groups
         )
@@ -123,9 +123,9 @@ def budget(
 ) -> DeviceBudget:
     """Return the budget of a device, at the declared baud rate or another one.
 
-    `protocol` is what the link speaks ("framed" or "classic") and `clock_hz` the clock of the design. Of the
-    classic one `checked` counts publishes with a checksum. Requests of `read_many` words may be in the way
-    when a publish is due. Without `timed`, how late publishes are is left out, which takes most of the time.
+    `protocol` is that of the link ("framed" or "classic"), `clock_hz` the clock of the design. For the
+    classic one `checked` counts publishes with a checksum. Requests of `read_many` words may delay a publish
+    that is due. Without `timed` the latencies are omitted, whose computation takes most of the time.
     """
     link = device.link
     baud_hz = baud_hz if baud_hz is not None else link.baud_hz

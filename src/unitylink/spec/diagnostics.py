@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Diagnostics: what is wrong in a spec, where, and what to do about it; and how that is shown."""
+"""Diagnostics: what is wrong in a spec, where, what to do about it, and how that is shown."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _RED, _YELLOW, _BLUE, _BOLD, _OFF = "\x1b[1;31m", "\x1b[1;33m", "\x1b[1;34m", "\
 
 @dataclass(frozen=True)
 class Label:
-    """Another place a diagnostic speaks about, such as "first declared here"."""
+    """Another place of a diagnostic, such as "first declared here"."""
 
     span: Span
     text: str
@@ -34,7 +34,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Fix:
-    """What a machine may do about a mistake: put `replacement` where `span` is (nothing: an insertion)."""
+    """A fix that a machine may make: put `replacement` in place of `span`. An empty span inserts."""
 
     span: Span
     replacement: str
@@ -42,9 +42,9 @@ class Fix:
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One mistake ("error") or doubt ("warning") in a spec; `code` is stable, `hint` says what to do.
+    """One mistake ("error") or doubt ("warning") in a spec. `code` never changes, `hint` says what to do.
 
-    `labels` are further places; `fixes`, made together, mend it without changing what was meant.
+    `labels` are further places. `fixes`, made together, mend it without changing the meaning.
     """
 
     severity: str
@@ -85,7 +85,7 @@ Edit = tuple[int, int, str]  # put the text where the characters from the first 
 
 
 class Advice(NamedTuple):
-    """What to do about a mistake, said to a person, and done by a machine where that is sure."""
+    """What to do about a mistake: a text for a person, and fixes for a machine if they are certain."""
 
     text: str
     fixes: tuple[Edit, ...] = ()
@@ -95,7 +95,7 @@ class Advice(NamedTuple):
 
 
 class Reporter:
-    """Collects the diagnostics of one compilation; says each thing once for each place."""
+    """Collects the diagnostics of one compilation, each of them once for each place."""
 
     def __init__(self, source: Source) -> None:
         self.sources = Sources(source)
@@ -114,10 +114,10 @@ class Reporter:
         *,
         labels: Iterable[tuple[int, int, str]] = (),
     ) -> None:
-        """Add a diagnostic about the characters `start` to `end`; of one code there is one at a place.
+        """Add a diagnostic about the characters `start` to `end`. Each code is reported once at a place.
 
-        `labels` are (start, end, text) of further places it speaks about. What is found in the component
-        library is told of the place where the component is used: nobody may mend the library.
+        `labels` are (start, end, text) of further places. A mistake inside the component library is reported
+        at the place that uses the component, because users cannot mend the library.
         """
         start, end = self.place(start, end)
         severity = CODES[code].severity
@@ -140,12 +140,13 @@ class Reporter:
         )
 
     def place(self, start: int, end: int) -> tuple[int, int]:
-        """Return where to speak of these characters: where the component is used, if they are in its file."""
+        """Return the place to report for these characters. If they are in a component's file, it is where
+        that is used."""
         return self.placed_at if self.placed_at and self.sources.in_library(start) else (start, end)
 
     @contextmanager
     def using(self, start: int, end: int) -> Iterator[None]:
-        """Say that what follows expands a component which is used at these characters."""
+        """Note that a component is expanded next, and that these characters use it."""
         before, self.placed_at = self.placed_at, self.placed_at or (start, end)
         try:
             yield
@@ -154,13 +155,14 @@ class Reporter:
 
     @property
     def full(self) -> bool:
-        """Are there so many that no more are kept? Then there is no use in looking for more."""
+        """Whether no more diagnostics are kept. Then there is no need to look for more."""
         return len(self._found) >= KEPT
 
     def did_you_mean(
         self, name: str, candidates: Iterable[str], otherwise: str = "", at: tuple[int, int] | None = None
     ) -> Advice:
-        """Advise the candidate nearest to `name`, or `otherwise` if none is near; `at` is where to put it."""
+        """Advise the candidate most similar to `name`, or `otherwise` without one. `at` is where to put
+        it."""
         self._suggestions -= 1
         found = nearest(name, candidates) if self._suggestions >= 0 else None
         if found is None:
@@ -179,7 +181,7 @@ class Reporter:
 
 
 def render(diagnostics: Sequence[Diagnostic], *, color: bool = False) -> str:
-    """Return the report a person reads: each diagnostic with its line and a caret, then a summary line.
+    """Return the report for a person: each diagnostic with its line and a caret, then a summary line.
 
     At most 100 are shown, then the number of the others. Without diagnostics the report is empty.
     """

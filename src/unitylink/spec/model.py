@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The resolved specification: what every generator, tool and layer reads, frozen.
+"""The resolved specification, which every generator, tool and layer reads. It is frozen.
 
-A `Spec` is a tree. Each public constructor is one root `Instance`; an instance holds, in source order,
+A `Spec` is a tree. Each public constructor is one root `Instance`. An instance holds, in source order,
 `Instance`s (expansions), `Element`s (words at an address) and `Group`s (aliases of elements). Two instances
-of one constructor with the same shape share `constructor`, so a generator can make one class per constructor.
-All addresses are final: word addresses on the bus with the link binding's BASE already added.
+of one constructor with the same shape share `constructor`. So a generator can make one class for each
+constructor. All addresses are final: word addresses on the bus with the link binding's BASE already added.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ WRITES = ("WRITE", "READWRITE", "W1C", "PULSE")
 
 @dataclass(frozen=True)
 class Span:
-    """Where something stands in a source file; line and column count from 1, offsets from 0 in characters."""
+    """A place in a source file. Line and column count from 1, offsets from 0, in characters."""
 
     file: str
     line: int
@@ -37,9 +37,10 @@ class Span:
 class Publish:
     """How an element publishes: `mode` 1 = hardware (the gateware sends), 2 = software (the PC polls).
 
-    `trigger` "rate": `divisor` divides the gateware's base publish frequency (base 1000 Hz, 10 -> 100 Hz) and
-    `rate_hz` is what comes out; "event": each rising edge of the event line `event`; "change": the value is
-    not what it was. Those two have divisor 0. `group` names a snapshot group; "" shares one with its like.
+    With `trigger` "rate", `divisor` divides the gateware's base publish frequency (base 1000 Hz, 10 -> 100
+    Hz), and `rate_hz` is the result. With "event" each rising edge of the event line `event` triggers, with
+    "change" each change of the value. Both have divisor 0. `group` names a snapshot group. With "" it is
+    shared by all of the same trigger and rate.
     """
 
     mode: int
@@ -52,11 +53,11 @@ class Publish:
 
 @dataclass(frozen=True)
 class LinkBinding:
-    """The hardware proxy an instance and all below it are reached through.
+    """The hardware proxy of an instance and of all below it.
 
     `kind` is "memory" (plain memory, the default at base 0), "tosnet", "double_buffer" or "fifo". `ctrl` and
     `comm` name the run-time parameters of the public constructor that bound it; None means the default.
-    `size` is the words of a double buffer or the depth of a FIFO; `link` the name of the declared `Link`.
+    `size` is the words of a double buffer or the depth of a FIFO. `link` is the name of the declared `Link`.
     """
 
     kind: str
@@ -68,13 +69,13 @@ class LinkBinding:
 
     @property
     def words(self) -> int:
-        """The words from `base` on that are the hardware's own; 0 for plain memory."""
+        """How many words from `base` on belong to the hardware itself. 0 for plain memory."""
         if self.kind == "double_buffer":
             return self.size + 1  # the last is the commit
         return {"tosnet": 1 << TOSNET_ADDRESS_BITS, "fifo": 3}.get(self.kind, 0)
 
     def event_at(self, path: str) -> str:
-        """Return the event that the hardware at `path` has by itself; "" for none."""
+        """Return the event that the hardware at `path` has by itself, or ""."""
         return f"{path}.arrival".lstrip(".") if self.kind == "fifo" else ""
 
 
@@ -82,7 +83,7 @@ class LinkBinding:
 class Element:
     """One value at an address: the PC reads it, writes it, or both.
 
-    Its engineering value is raw * `scale` + `offset` in `unit`; `minimum`, `maximum`, `initial` and `safe`
+    Its engineering value is raw * `scale` + `offset` in `unit`. `minimum`, `maximum`, `initial` and `safe`
     are engineering values. A value of several `words` has its low word at `address`.
     """
 
@@ -91,7 +92,7 @@ class Element:
     address: int
     access: str  # READ, WRITE, READWRITE, W1C (write 1 to clear), PULSE (write-only strobe), READCLEAR
     type: ValueType
-    display: str  # ID as evaluated ("joint 1:cpos"); the path where the spec gives none
+    display: str  # ID as evaluated ("joint 1:cpos"), or the path without an ID
     checked: bool  # CRC
     publish: Publish | None
     link: LinkBinding
@@ -103,9 +104,9 @@ class Element:
     offset: Number = 0
     minimum: Number | None = None
     maximum: Number | None = None
-    overflow: str = "error"  # or "saturate": what a write beyond the limits does
+    overflow: str = "error"  # or "saturate": the effect of a write beyond the limits
     initial: Number | None = None
-    safe: Number | None = None  # what it is to be when the link is lost
+    safe: Number | None = None  # its value after the link is lost
     annotations: tuple[Annotation, ...] = ()
     array: str = ""  # the array's name, where it is one of an array
     index: int | None = None
@@ -125,7 +126,7 @@ class Element:
 
     @property
     def pollable(self) -> bool:
-        """May it be read without anybody having asked for it? Not where reading changes something."""
+        """Whether it may be read unasked. It may not if reading changes something."""
         return self.readable and self.access != "READCLEAR"
 
     @property
@@ -148,10 +149,10 @@ class Group:
 
 @dataclass(frozen=True)
 class Component:
-    """The entity of the gateware library which an instance stands for: it lies at `base` and takes `words`.
+    """The entity of the gateware library for an instance. It is at `base` and takes `words`.
 
-    `generics` are what the spec says of the entity's generics; `pins` and `events` are the ports, outside the
-    bus, that its surroundings connect: (port, "in" | "out", bits; 0 for a single signal).
+    `generics` are the values that the spec gives. `pins` and `events` are its ports outside the bus: (port,
+    "in" | "out", bits; 0 for a single signal).
     """
 
     entity: str
@@ -201,7 +202,7 @@ class Instance:
                 yield from member.walk()
 
     def only(self, wanted: Callable[[Element], bool]) -> Instance | None:
-        """Return the instance with the elements that are `wanted`, without what has none; None if none is."""
+        """Return the instance with only the `wanted` elements and their parents, or None without any."""
         members: list[Member] = []
         for member in self.members:
             part: Member | None
@@ -229,8 +230,8 @@ SEND_IMMEDIATE = SETTINGS["send_immediate"].choices  # as in physical_pkg, of an
 class Link:
     """A link as declared: `link NAME (DATA=32, ADDRESS=8, BASE_RATE=1000 Hz, BAUD=3000000, PHYSICAL=uart);`.
 
-    `physical` is one of PHYSICAL_LAYERS; `send_immediate` belongs to the FT245 ones, `node` to rs485.
-    `stated` are the properties which the spec gives; the others are defaults, None where there is no default.
+    `physical` is one of PHYSICAL_LAYERS. `send_immediate` is for the FT245 ones, `node` for rs485. `stated`
+    are the properties that the spec gives. The others are defaults, or None.
     """
 
     name: str
@@ -247,8 +248,9 @@ class Link:
 
 @dataclass(frozen=True)
 class SubscriptionGroup:
-    """Values which the gateware publishes together, as one snapshot; `number` is that of the gateware's group
-    and of its event line."""
+    """Values that the gateware publishes together, as one snapshot.
+
+    `number` is that of the gateware's group and of its event line."""
 
     number: int
     name: str  # as the spec calls it, or "100 Hz", "on limit", "on change"
@@ -266,7 +268,7 @@ class SubscriptionGroup:
 
 @dataclass(frozen=True)
 class Device:
-    """One address space with its own gateware: what one public constructor reaches through one COMM."""
+    """One address space with its own gateware, which one public constructor reaches through one COMM."""
 
     root: str
     comm: str | None
@@ -278,9 +280,9 @@ class Device:
 class Spec:
     """A compiled UL-spec.
 
-    `hash` is 16 hex digits over what reaches the wire and the interface (names, addresses, access, types,
-    scaling, CRC, publish, links, groups), not over comments, layout or display names; `source` is the file's
-    name without folders.
+    `hash` is 16 hex digits over the interface and what reaches the wire (names, addresses, access, types,
+    scaling, CRC, publish, links, groups). It does not depend on comments, layout or display names. `source`
+    is the file's name without folders.
     """
 
     name: str
@@ -294,7 +296,7 @@ class Spec:
     devices: tuple[Device, ...] = ()
 
     def root(self, name: str | None = None) -> Instance:
-        """Return the public constructor `name`, or the only one; raise KeyError naming the choices."""
+        """Return the public constructor `name`, or the only one. KeyError names the choices."""
         for root in self.roots:
             if root.name == name or (name is None and len(self.roots) == 1):
                 return root
@@ -303,16 +305,16 @@ class Spec:
 
     @property
     def boards(self) -> tuple[Spec, ...]:
-        """What each board is of the spec: behind each link is one, with gateware of its own.
+        """The part of the spec for each board. Behind each link is one board, with gateware of its own.
 
-        Of a spec whose devices all have one link that is the spec itself. A part has the name of its public
-        constructor, or of its link where that is more or less than one constructor.
+        If all devices have one link, that is the spec itself. A part has the name of its public constructor.
+        If it is more or less than one constructor, it has the name of its link.
         """
         links = dict.fromkeys(device.link.name for device in self.devices)
         return tuple(self._behind(link) for link in links) if len(links) > 1 else (self,)
 
     def only(self, name: str) -> Spec:
-        """Return what one public constructor is of the spec, or what is behind the link of that name.
+        """Return the part of the spec for one public constructor, or behind the link of that name.
 
         Raises KeyError naming the choices.
         """
@@ -330,7 +332,7 @@ class Spec:
         raise KeyError(f"no {what} {name!r}; there are: {choices}")
 
     def _behind(self, link: str) -> Spec:
-        """Return what is behind a link, which may be a part of a public constructor."""
+        """Return the part behind a link. It may be a part of a public constructor."""
         devices = tuple(device for device in self.devices if device.link.name == link)
         comms = {(device.root, device.comm) for device in devices}
 
@@ -344,7 +346,7 @@ class Spec:
         return replace(self, name=name, roots=roots, devices=devices)
 
     def walk(self) -> Iterator[tuple[str, Element]]:
-        """Yield (qualified path, element); with several roots the path starts with the root's name."""
+        """Yield (qualified path, element). With several roots the path starts with the root's name."""
         several = len(self.roots) > 1
         for root in self.roots:
             for element in root.walk():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The types of values, as they lie in words: what a generator and the codec of values need to know."""
+"""The types of values, and how they are stored in words, for generators and the codec."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class EnumValue:
 
 @dataclass(frozen=True)
 class EnumType:
-    """`enum NAME : u2 { idle = 0; run = 1 }`; an `open` one lets other numbers pass as numbers."""
+    """`enum NAME : u2 { idle = 0; run = 1 }`. An `open` one accepts other numbers, as numbers."""
 
     name: str
     width: int
@@ -37,7 +37,7 @@ class EnumType:
 
 @dataclass(frozen=True)
 class ValueType:
-    """How a value lies in its bits.
+    """How a value is stored in its bits.
 
     `kind` is "bool", "uint", "int", "float" (IEEE 754, 32 or 64 bits), "fixed", "ufixed" (`fraction` of the
     `width` bits are behind the point), "enum" (see `enum`) or "bits" (packed `fields`, called `name`).
@@ -81,7 +81,7 @@ class ValueType:
 
 @dataclass(frozen=True)
 class Field:
-    """Bits `high` to `low` of a packed value; its engineering value is raw * `scale` + `offset` in `unit`."""
+    """Bits `high` to `low` of a packed value. Its engineering value is raw * `scale` + `offset` in `unit`."""
 
     name: str
     type: ValueType

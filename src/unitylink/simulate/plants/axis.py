@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One joint behind a position servo: what plants of robots are made of."""
+"""One joint behind a position servo. Plants of robots are made of it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Axis:
         self._profile_speed = 0.0
 
     def step(self, set_point: float, speed_limit: float, inertia: float, dt_s: float) -> None:
-        """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`; `inertia` is relative to
+        """Move on by `dt_s` towards `set_point`, no faster than `speed_limit`. `inertia` is relative to
         nominal."""
         self._step_profile(set_point, speed_limit, dt_s)
         joint = self.joint
@@ -56,7 +56,7 @@ class Axis:
         error = target - self._profile_position
         fastest = min(speed_limit, joint.speed_limit)
         step_up = joint.acceleration_limit * dt_s
-        # The fastest speed from which the target can still be braked for, in whole steps.
+        # The fastest speed from which the joint can still stop at the target, in whole steps.
         braking = math.sqrt(step_up * step_up / 4 + 2 * joint.acceleration_limit * abs(error)) - step_up / 2
         wanted = math.copysign(min(fastest, braking), error)
         if (

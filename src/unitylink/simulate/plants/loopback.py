@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plant that gives back what it is given."""
+"""The plant that returns what the PC writes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from .words import Echo, WordPlant
 
 
 class LoopbackPlant(WordPlant):
-    """The first READ of every instance echoes its first WRITE, the second the second; READs left over
-    ramp."""
+    """The first READ of every instance echoes its first WRITE, the second the second. Other READs count."""
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:
         for root in spec.roots if spec else ():

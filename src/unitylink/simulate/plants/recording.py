@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A plant that plays a recording: yesterday's robot, to be looked at today."""
+"""A plant that plays a recording."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from ..registers import Registers
 
 
 class RecordingPlant:
-    """Sets every recorded READ to what it was, at its time since the first sample; holds the last one, or
-    begins anew with `loop`. `speed` 2.0 plays twice as fast. What the PC writes goes nowhere: the past does
-    not change.
+    """Sets every recorded READ to its value, at its time since the first sample.
 
-    A recording that was cut off is played as far as it goes; `notice` then says so.
+    At the end the last values stay, or with `loop` it begins again. `speed` 2.0 plays twice as fast. Writes
+    of the PC have no effect.
+
+    A recording that was cut off is played as far as it goes. `notice` then says so.
     """
 
     period_s: float = 0.001
@@ -33,7 +34,7 @@ class RecordingPlant:
         self.ended = False
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
-        """Raise UnityLinkError where the recording holds nothing of the spec."""
+        """Raise UnityLinkError if the recording has no value of the spec."""
         self._registers = registers
         bits = registers.data_bits
         elements = dict(spec.walk()) if spec else {}
@@ -43,7 +44,7 @@ class RecordingPlant:
             if element.access in ("READ", "READCLEAR")
         }
         self._start()
-        paths: dict[str, None] = {}  # the first samples may be of what the PC wrote alone
+        paths: dict[str, None] = {}  # the first samples may have only set-points
         for sample in self._whole(samples(self.path)):
             if sample.values.keys() & self._targets.keys():
                 break
@@ -70,7 +71,7 @@ class RecordingPlant:
             self.notice = str(error)
 
     def step(self, time_s: float) -> None:
-        """Set what was there `time_s` after the beginning."""
+        """Set the values of `time_s` after the beginning."""
         if not hasattr(self, "_origin_s"):
             self._origin_s = time_s
         now_s = (time_s - self._origin_s) * self.speed
@@ -86,7 +87,7 @@ class RecordingPlant:
     def _set(self, sample: Sample) -> None:
         for path, value in sample.values.items():
             target = self._targets.get(path)
-            if target is None or value is None:  # a word of the PC's, or what was no number
+            if target is None or value is None:  # a word of the PC's, or not a number
                 continue
             element, codec = target
             for address, word in zip(element.addresses, codec.split(codec.encode(value)), strict=True):

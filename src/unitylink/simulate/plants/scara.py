@@ -36,7 +36,7 @@ JOINTS = (
 
 
 def tool_position_mm(shoulder_deg: float, elbow_deg: float) -> tuple[float, float]:
-    """Return where the tool is, (x, y) in mm, x along the stretched arm at 0 degrees.
+    """Return the place of the tool, (x, y) in mm, with x along the stretched arm at 0 degrees.
 
     >>> tool_position_mm(0, 0)
     (450.0, 0.0)
@@ -59,10 +59,9 @@ class _Words:
 
 
 class ScaraPlant:
-    """Four joints behind the first four instances of the spec that have cpos, spd, pos_sp and spd_sp; starts
-    at zero.
+    """Four joints, behind the first four instances of the spec with cpos, spd, pos_sp and spd_sp.
 
-    Deterministic: it depends on the registers and the number of steps only.
+    They start at zero. The plant is deterministic: it depends only on the registers and the number of steps.
     """
 
     period_s = 0.001
@@ -73,7 +72,7 @@ class ScaraPlant:
         self._registers: Registers | None = None
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
-        """Find the joints' registers; raise UnityLinkError when the spec does not have four joints."""
+        """Find the joints' registers. Raise UnityLinkError if the spec does not have four joints."""
         self._words = [words for root in spec.roots for words in _joints(root)] if spec else []
         if len(self._words) < len(JOINTS):
             raise UnityLinkError(
@@ -86,7 +85,7 @@ class ScaraPlant:
         registers = self._registers
         if registers is None:
             raise UnityLinkError("plant scara: step() before attach()")
-        # The arm is heavier to turn the further the forearm is stretched out.
+        # The further the forearm is stretched out, the heavier is the arm to turn.
         stretched = 0.75 + 0.25 * math.cos(math.radians(self.axes[1].position))
         for index, (axis, words) in enumerate(zip(self.axes, self._words, strict=False)):
             axis.step(

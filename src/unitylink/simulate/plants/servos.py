@@ -17,7 +17,7 @@ from .axis import Axis, Joint
 
 @dataclass(frozen=True)
 class ServoNames:
-    """How the elements of one servo are called, side by side in an instance; the speeds may be missing."""
+    """The names of the elements of one servo, side by side in an instance. The speeds may be missing."""
 
     position: str
     set_point: str
@@ -35,10 +35,11 @@ class _Servo:
 
 
 class ServoPlant:
-    """Every servo of the spec follows its set-point as `joint` says; starts at zero.
+    """Every servo of the spec follows its set-point as `joint` says. It starts at zero.
 
-    Registers are taken in engineering units; those of a spec that gives no scale count in steps of `step`
-    (0.001: a count is 1 mrad or 1 mm). Deterministic: it depends on the registers and the number of steps.
+    Registers are in engineering units. Without a scale in the spec they count in steps of `step` (0.001: a
+    count is 1 mrad or 1 mm). The plant is deterministic: it depends only on the registers and the number of
+    steps.
     """
 
     period_s = 0.002
@@ -51,7 +52,7 @@ class ServoPlant:
         self._registers: Registers | None = None
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
-        """Find the servos; raise UnityLinkError when the spec has none."""
+        """Find the servos. Raise UnityLinkError if the spec has none."""
         self._registers = registers
         self.servos = []
         for root in spec.roots if spec else ():
@@ -74,7 +75,7 @@ class ServoPlant:
                 yield _Servo(Axis(self.joint), position, set_point, *speeds)
 
     def _register(self, element: Element, data_bits: int) -> tuple[int, Codec]:
-        quantity = replace(Quantity.of(element), overflow="saturate")  # a sensor ends at its limit
+        quantity = replace(Quantity.of(element), overflow="saturate")  # a sensor stops at its limit
         if not quantity.scaled and quantity.type.kind != "float":
             quantity = replace(quantity, scale=self.step_size)
         return element.address, Codec(element.path, quantity, data_bits)

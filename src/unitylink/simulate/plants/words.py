@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plants made of words that count and words that echo; the board steps them itself, without Python."""
+"""Plants of words that count and words that echo. The board steps them itself, without Python."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Echo(NamedTuple):
 
 
 class WordPlant:
-    """Ramps and echoes; a subclass decides which in `fill`."""
+    """Ramps and echoes. A subclass chooses them in `fill`."""
 
     period_s: float = 0.001
 
@@ -43,7 +43,7 @@ class WordPlant:
         self.fill(spec, registers)
 
     def fill(self, spec: Spec | None, registers: Registers) -> None:
-        """Choose ramps and echoes; a subclass does."""
+        """Choose ramps and echoes, in a subclass."""
 
     def step(self, time_s: float) -> None:
         """Move on to `time_s` in Python, for a board that looks at every step."""
@@ -60,8 +60,8 @@ class WordPlant:
     def ramp(self, element: Element, data_bits: int) -> None:
         """Let a READ count at a pace of its own, through negative values too if it is signed.
 
-        A truth value blinks, an enumeration without gaps goes through its members; other kinds stay as they
-        are, for a count would be no value of theirs.
+        A truth value blinks, and an enumeration without gaps goes through its members. Other kinds stay as
+        they are, because a count would not be one of their values.
         """
         kind = element.type
         width = data_bits if kind.bus else kind.width

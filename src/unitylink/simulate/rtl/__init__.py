@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware itself as a board: its VHDL, compiled, behind the endpoints and plants of the twin."""
+"""Compiled VHDL as a board, with the endpoints and plants of the twin."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A virtual board that is the gateware itself, compiled from its VHDL."""
+"""A virtual board whose device is the gateware itself, compiled from its VHDL."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..plant import AnyPlant
 from .build import Progress, build_model
 from .design import RtlDesign, design_of
 
-CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and a robot does not need more
+CLOCK_HZ_DEFAULT = 1_000_000  # a machine of today runs this in real time, and it is enough for a robot
 
 
 def rtl_configuration(spec: Spec, **overrides: Any) -> BoardConfiguration:
-    """Return the gateware that is generated, but with a clock that can be simulated in real time."""
+    """Return the gateware that would be generated, but with a clock that can be simulated in real time."""
     return BoardConfiguration.for_spec(
         spec, **{"clock_hz": CLOCK_HZ_DEFAULT, "protocol": "both", **overrides}
     )
@@ -31,19 +31,19 @@ class RtlBoard(Board):
         with RtlBoard(spec, plant=ScaraPlant()) as board, Link(board.url) as link:
             link.read(0x88)
 
-    The first time it is built, which takes about half a minute; then it comes from the cache
-    ($XDG_CACHE_HOME/unitylink). Device time is clocks over `configuration.clock_hz`, by default 1 MHz, and is
-    what plants are stepped by. It follows real time; where the machine is too slow for that
-    `statistics.time_slipped_s` says how far it stayed behind. The byte streams stand behind the twin's
-    physical layer: `fifo`, `baud_hz` and `fifo_latency` do the same there.
+    The first build takes about half a minute. Later it comes from the cache ($XDG_CACHE_HOME/unitylink).
+    Device time is clocks over `configuration.clock_hz`, by default 1 MHz. Plants are stepped by it. It
+    follows real time. If the machine is too slow for that, `statistics.time_slipped_s` says how far it is
+    behind. The byte streams are behind the twin's physical layer, so `fifo`, `baud_hz` and `fifo_latency`
+    have the same effect there.
 
     Words have one writer, as on an FPGA: a plant sets what the PC reads, and the PC sets the others.
 
-    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md); what moves behind
-    its words is in it, or in a `plant`, but no plant is taken by default.
+    `design` is VHDL of your own instead of the generated one (docs/gateware/own-core.md). It contains what
+    moves behind its words, or a `plant` does. By default it has no plant.
 
     Raises ToolError (GHDL, Verilator or the C++ compiler is missing or refuses the design), BindingError (the
-    configuration has what the generated design has not), and what Board does.
+    configuration has what the generated design lacks), and what Board raises.
     """
 
     def __init__(

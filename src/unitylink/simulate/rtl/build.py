@@ -51,9 +51,9 @@ _LINES_SHOWN = 20
 
 
 def build_model(design: RtlDesign, progress: Progress | None = None) -> RtlModel:
-    """Return `design` compiled; the first time it takes about half a minute, then it comes from the cache.
+    """Return `design`, compiled. The first time takes about half a minute, then it comes from the cache.
 
-    `progress` is told what is being done, and "" when nothing is any more; by default it is a line on stderr,
+    `progress` is called with what is being done, and with "" at the end. By default it is a line on stderr,
     if that is a terminal. Raises ToolError.
     """
     tools = _Tools()
@@ -75,7 +75,7 @@ def _interface() -> Path:
 
 
 class _Tools:
-    """The programs it takes, all of which are looked for before anything starts."""
+    """The programs that it needs. All are looked for before anything starts."""
 
     def __init__(self) -> None:
         self.compiler = os.environ.get("CXX") or next(
@@ -129,9 +129,9 @@ def compile_netlist(
     say: Progress | None = None,
     fast: bool = True,
 ) -> None:
-    """Make the shared library of the netlist `verilog` of `top`; raise ToolError.
+    """Make the shared library of the netlist `verilog` of `top`. Raises ToolError.
 
-    What is not `fast` is compiled in a third of the time, and runs ten times slower.
+    Without `fast` it is compiled in a third of the time, and runs ten times slower.
     """
     tools = tools if tools is not None else _Tools()
     say = say if say is not None else _silent
@@ -180,7 +180,7 @@ def _compile(
     for path in sorted((folder / "made").glob("*.cpp"), key=lambda path: -path.stat().st_size):
         often = small if path.stat().st_size < _SMALL_BYTES else large
         (rarely if re.search("Slow|Syms|ConstPool", path.name) else often).append(path)
-    # What runs only once need not be fast, and most of a small file's time goes into the headers.
+    # Code that runs only once need not be fast, and most of a small file's time goes into the headers.
     jobs = [(path, level) for path in large]
     for name, paths, chosen in (("clock", small, level), ("others", rarely, "-O0")):
         joined = folder / f"{name}.cpp"
@@ -204,7 +204,7 @@ def _compile(
 
 
 def _runtime(tools: _Tools, include: Path) -> Path:
-    """Return what every model needs of Verilator itself, compiled: once, and not with each model."""
+    """Return the compiled part of Verilator that all models share."""
     sources = [include / name for name in ("verilated.cpp", "verilated_threads.cpp")]
     parts = [tools.versions(), repr((_COMPILE, include))]
 
@@ -238,7 +238,8 @@ def _silent(_text: str) -> None:
 
 
 def _on_terminal() -> Progress:
-    """Return what shows one changing line on stderr, or nothing where that is no terminal."""
+    """Return a function that shows one changing line on stderr. It shows nothing if that is not a
+    terminal."""
     if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
         return _silent
     return lambda text: print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compiled gateware, kept by what it was made of."""
+"""A cache of compiled gateware, by a hash of its sources."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from unitylink.errors import ToolError
 from unitylink.resources import cache_folder
 
-KEPT = 64  # models, the least used of which go; one has 1 to 5 MB
+KEPT = 64  # models, of 1 to 5 MB each; the least used ones are removed
 
 
 def cached(
@@ -24,11 +24,11 @@ def cached(
     kind: str = "rtl",
     suffix: str = ".so",
 ) -> Path:
-    """Return the file kept under `key`; if there is none, or it is damaged, `build(path)` makes it.
+    """Return the file for `key`. If there is none, or it is damaged, `build(path)` makes it.
 
-    Each `kind` of file has a folder of its own. Whoever else wants to build waits meanwhile, and then finds
-    it. A file's name has its own checksum, so one that was cut short or changed is seen before it is loaded.
-    Raises ToolError when the folder cannot be written.
+    Each `kind` of file has a folder of its own. Other programs that want to build it wait meanwhile, and then
+    find it. A file's name has its checksum, so a cut or changed one is noticed before it is loaded. Raises
+    ToolError if the folder cannot be written.
     """
     folder = cache_folder(kind)
     try:
@@ -57,7 +57,7 @@ def cached(
 def _find(folder: Path, key: str, suffix: str) -> Path | None:
     for path in folder.glob(f"{key}-*{suffix}"):
         if path.stem == f"{key}-{_checksum(path)}":
-            with suppress(OSError):  # somebody else's, or just trimmed
+            with suppress(OSError):  # of another user, or just removed
                 os.utime(path)
             return path
         path.unlink(missing_ok=True)
@@ -67,7 +67,7 @@ def _find(folder: Path, key: str, suffix: str) -> Path | None:
 def _checksum(path: Path) -> str:
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-    except FileNotFoundError:  # trimmed by another program a moment ago
+    except FileNotFoundError:  # another program has just removed it
         return ""
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is compiled: a design with byte streams, and where the words of its user's side stand."""
+"""The design that is compiled: its byte streams, and the places of the words for the user's logic."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from unitylink.generate.vhdl import design_name, generate_vhdl, plan, word_map
 from unitylink.spec.model import Spec
 
 _HERE = Path(__file__).parent
-LATENCY_MS = 16  # what an FTDI chip waits for more bytes, as it comes
+LATENCY_MS = 16  # how long a new FTDI chip waits for more bytes
 # Physical layers that are simulated -> what is at the other end of their wires. Its streams are the board's;
 # the SPI master's are a byte in for each byte out, and those of rs485 what a UART of ours hears on the pair.
 BEHIND = {"ft245_async": "ft245_chip.vhd", "spi": "spi_master.vhd", "rs485": None}
@@ -37,10 +37,10 @@ class RtlDesign:
 
 
 def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
-    """Return the design that `unitylink generate --only vhdl` makes of `spec`; raise BindingError.
+    """Return the design that `unitylink generate --only vhdl` makes of `spec`. Raises BindingError.
 
-    With a physical layer of `BEHIND` it stands behind that and what is at the other end of its wires; the
-    others are left out, and the byte streams are the design's own.
+    A physical layer of `BEHIND` is put in front of it, with the far end of its wires. Other layers are
+    omitted, and the byte streams are the design's own.
     """
     words = word_map(spec, configuration)
     top = f"{design_name(spec)}_design"
@@ -73,7 +73,7 @@ def _behind(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str
 
 @dataclass(frozen=True)
 class RtlModel:
-    """A design, compiled: the shared library and where its words stand."""
+    """A compiled design: the shared library and the places of its words."""
 
     library: str
     read_addresses: tuple[int, ...]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same netlist with less to do in a clock.
+"""Make a netlist cheaper to simulate, without changing what it does.
 
-GHDL takes records and vectors apart and joins them anew, bit by bit. On an FPGA that is wires; compiled, each
-step is instructions in every clock.
+GHDL takes records and vectors apart and joins them again, bit by bit. On an FPGA these are only wires. In
+compiled code each step costs instructions in every clock.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Bits = tuple[str, ...]  # wires of one bit, and constants; the lowest first
 
 
 def lean(netlist: str) -> str:
-    """Return what does the same as `netlist` in every clock, with fewer operations."""
+    """Return a netlist that does the same as `netlist` in every clock, with fewer operations."""
     end = "endmodule"
     return end.join(_Module(text).lean() for text in netlist.split(end))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The Verilog that Verilator gets: a netlist, prepared, in a module whose inputs are registers."""
+"""The Verilog for Verilator: a prepared netlist in a module whose inputs are registers."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _STREAMS = {
 
 
 def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
-    """Return the ports of the module `top`; raise ToolError if it is not there or has no byte streams."""
+    """Return the ports of the module `top`. ToolError if it is absent or has no byte streams."""
     ports = ports_of(netlist, top)
     found = {port.name: port.bits for port in ports}
     if missing := [f"{name} ({bits} bits)" for name, bits in _STREAMS.items() if found.get(name) != bits]:
@@ -49,8 +49,8 @@ def stream_ports_of(netlist: str, top: str) -> tuple[Port, ...]:
 def model_of(netlist: str, top: str) -> str:
     """Return `netlist` with a module `model` around `top`.
 
-    The inputs of `model` end in `_next` and are taken over by a register: then no logic hangs on an input,
-    and Verilator works a clock out once instead of three times. If `either_edge_will_do` each edge of the
+    The inputs of `model` end in `_next`, and a register takes them over. Then no logic depends on an input,
+    and Verilator computes a clock once instead of three times. If `either_edge_will_do`, each edge of the
     clock is one of the design's clocks. An assertion of the VHDL calls unitylink_failed().
     """
     design = with_plain_choices(with_named_assertions(lean(netlist)))
@@ -82,12 +82,12 @@ def model_of(netlist: str, top: str) -> str:
 
 
 def either_edge_will_do(netlist: str) -> bool:
-    """Tell whether all that is done with a clock in `netlist` is to wait for the rising edge of `clock`."""
+    """Tell whether `netlist` uses clocks only to wait for the rising edge of `clock`."""
     return not _CLOCK.search(_ONLY_CLOCKS.sub("", netlist))
 
 
 def with_named_assertions(netlist: str) -> str:
-    """Let an assertion that fails say where it stands in the VHDL, instead of ending the program."""
+    """Let a failing assertion report its place in the VHDL, instead of ending the program."""
 
     def call(found: re.Match[str]) -> str:
         file = found["file"].rpartition("/")[2]
@@ -104,8 +104,8 @@ def with_named_assertions(netlist: str) -> str:
 def with_plain_choices(netlist: str) -> str:
     """Turn cases over joined bits, one of which is set, into one question after the other.
 
-    GHDL makes them of every case and selected assignment of the VHDL, whose choices exclude each other.
-    Verilator would join the bits and compare them with every arm, at every clock, which is half of its work.
+    GHDL makes such cases of every case and selected assignment of the VHDL. Their choices exclude each other.
+    Verilator would join the bits and compare them with every arm at every clock. That is half of its work.
     """
     end = "endmodule"
     return end.join(_with_plain_choices(module) for module in netlist.split(end))
