@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What gateware a spec asks for: its settings and what stands around it, on a virtual board and in VHDL."""
+"""The gateware that a spec asks for: its settings and the slaves on its bus, virtual and in VHDL."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from unitylink.wire_hash import wire_hash
 
 @dataclass(frozen=True)
 class TosnetNode:
-    """A node of the network beside the PC's own; bit r of `registers` says that register r is enabled."""
+    """A node of the network beside the PC's own. Bit r of `registers` says that register r is enabled."""
 
     id: int
     registers: int = 0xFF
@@ -36,7 +36,7 @@ class TosnetNode:
 class TosnetConfiguration:
     """A TosNet bus slave at word address `base` and the network behind it.
 
-    `master_id` is the PC's own node; `cycle_s` the network cycle; after `max_skipped_writes` cycles without a
+    `master_id` is the PC's own node, `cycle_s` the network cycle. After `max_skipped_writes` cycles without a
     commit the network halts (0: never).
     """
 
@@ -57,9 +57,9 @@ class TosnetConfiguration:
 class FifoConfiguration:
     """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's.
 
-    Its event line drives the event input of `event_group`, one of `edge_events`: a group with the one
-    address `base` then publishes each word once, as soon as it can. The event rises again when nothing has
-    been taken for `remind_clocks`.
+    Its event line drives the event input of `event_group`, one of `edge_events`. A group with the one address
+    `base` then publishes each word once, as soon as it can. The event rises again if nothing has been taken
+    for `remind_clocks`.
     """
 
     base: int
@@ -78,10 +78,10 @@ class DoubleBufferConfiguration:
 
 @dataclass(frozen=True)
 class BoardConfiguration(Settings):
-    """Every setting of a device (docs/settings.md), what its spec's tables say, and the slaves on its bus.
+    """Every setting of a device (docs/settings.md), the tables of its spec, and the slaves on its bus.
 
     Widths are in bits, addresses in words. `safe_words` is what the dead-man writes: (address, word) in
-    order; `flag_words` are the addresses where a write clears bits (W1C), `strobe_words` those where a PULSE
+    order. At the addresses in `flag_words` a write clears bits (W1C). At those in `strobe_words` a PULSE
     shares its word with a READ, which stays. Raises ValueRangeError for what no device can have.
 
     >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
@@ -102,9 +102,9 @@ class BoardConfiguration(Settings):
             if wrong := _wrong(setting, getattr(self, setting.name)):
                 raise ValueRangeError(f"board configuration: {wrong}")
         if self.protocol == "both" and (self.datalink != "full" or self.published_2012):
-            # where data may be any byte, a 00 is no border; frames are younger than 2012
+            # if data may be any byte, a 00 is not a border; gateware of 2012 has no frames
             object.__setattr__(self, "protocol", "classic")
-        if self.physical == "rs485":  # its tokens are no classic text
+        if self.physical == "rs485":  # its tokens are not classic text
             if self.protocol == "classic":
                 raise ValueRangeError(
                     "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
@@ -127,18 +127,18 @@ class BoardConfiguration(Settings):
 
     @property
     def byte_clocks(self) -> int:
-        """Clock cycles of one byte on the line: start, eight data and stop bit; 0 without a line."""
+        """Clock cycles of one byte on the line: start, eight data and stop bit. 0 without a line."""
         return self.clock_hz * 10 // self.baud_hz if self.baud_hz else 0
 
     @classmethod
     def for_spec(cls, spec: Spec, **overrides: Any) -> BoardConfiguration:
-        """Return a board that has what `spec` asks for; `overrides` are fields of this class.
+        """Return the board that `spec` asks for. `overrides` are fields of this class.
 
-        With a TOSNET binding: its 11-bit map at BASE and one node for every node the spec talks to. Else
-        plain memory, as wide as the highest address needs. What the spec says of its link counts; publish
-        groups are as many and as large as it needs, and 16 of 32 words at least; an exchange group holds the
-        cycle of its largest device as far as a frame can define it, and 30 words at least. Raises
-        ValueRangeError.
+        With a TOSNET binding it has the 11-bit map at BASE and one node for every node that the spec uses.
+        Otherwise it has plain memory, as wide as the highest address needs. The link properties of the spec
+        apply. It has as many publish groups as the spec needs, as large as needed, and at least 16 of 32
+        words. An exchange group holds the cycle of the largest device, as far as a frame can define it, and
+        at least 30 words. Raises ValueRangeError.
         """
         unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
         if unknown:
@@ -196,7 +196,7 @@ class BoardConfiguration(Settings):
 
     @property
     def publish_words(self) -> int:
-        """Words that one publish can carry, by whatever protocol the link chooses."""
+        """Words that one publish can carry in either protocol."""
         if self.protocol == "classic":
             return self.group_size
         defined = (self.request_max - 9) // self.address_bytes  # behind the head of DEFINE_GROUP
@@ -209,7 +209,7 @@ class BoardConfiguration(Settings):
         return (self.request_max - 5) // (self.address_bytes + 1)
 
     def beyond_frames(self) -> str:
-        """Say what the framed side of gateware cannot hold, and the remedy; "" where it holds all."""
+        """Return what the framed side of gateware cannot hold, and the remedy, or ""."""
         if self.protocol == "classic":
             return ""
         if self.exchanges and self.exchange_size > self.exchange_words_most:
@@ -221,7 +221,7 @@ class BoardConfiguration(Settings):
 
 
 def _wrong(setting: Setting, value: Any) -> str:
-    """Say what is wrong with the value of a setting, and what it can be; "" where nothing is."""
+    """Return what is wrong with the value of a setting, and what it can be, or ""."""
     name = setting.name
     if setting.type == "switch" and not isinstance(value, bool):
         return f"{name} is {value!r}; choose True or False"
@@ -235,14 +235,14 @@ def _wrong(setting: Setting, value: Any) -> str:
 
 
 def _link_of(spec: Spec) -> dict[str, Any]:
-    """Return what the spec's link says of the gateware."""
+    """Return the gateware settings of the spec's link."""
     check_one_board(spec)
     told = {_told(device.link) for device in spec.devices}
     return {key: value for key, value in told.pop() if value is not None} if told else {}
 
 
 def check_one_board(spec: Spec) -> None:
-    """Raise ValueRangeError where the spec has several boards: one has to be chosen with `Spec.only`."""
+    """Raise ValueRangeError if the spec has several boards. Choose one with `Spec.only`."""
     names = [board.name for board in spec.boards]
     if len(names) > 1:
         raise ValueRangeError(
@@ -257,7 +257,7 @@ def _told(link: Link) -> tuple[tuple[str, Any], ...]:
 
 
 def told_physical(spec: Spec) -> str | None:
-    """Return the physical layer that the links of the spec name, None where they name none or several."""
+    """Return the physical layer of the spec's links, None if they name none or several."""
     told = {device.link.physical for device in spec.devices}
     return told.pop() if len(told) == 1 else None
 
@@ -276,7 +276,7 @@ def _publishing_of(spec: Spec) -> dict[str, Any]:
 
 
 def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
-    """Return the FIFOs of a spec; the event of one drives the group that is published on its `arrival`."""
+    """Return the FIFOs of a spec. The event of one drives the group that is published on its `arrival`."""
     arrivals = {
         (device.root, group.event): group.number
         for device in spec.devices
@@ -301,7 +301,7 @@ def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
 
 
 def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
-    """Return how many publish groups the spec takes: more than its own where one is beyond a publish."""
+    """Return how many publish groups the spec takes. One that is too large for a publish takes several."""
     most = board.publish_words
     needed = [
         sum(len(split(group.elements, lambda element: element.words, most)) for group in device.groups)
@@ -311,7 +311,8 @@ def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
 
 
 def _exchange_size_of(spec: Spec, board: BoardConfiguration) -> int:
-    """Return the words of an exchange group: the largest cycle of the spec, as far as a frame defines it."""
+    """Return the words of an exchange group: the largest cycle of the spec, as far as a frame can define
+    it."""
     cycle = max((_cycle_words(root) for root in spec.roots), default=0)
     return min(max(board.exchange_size, cycle), board.exchange_words_most)
 
@@ -322,7 +323,7 @@ def _cycle_words(root: Instance) -> int:
 
 
 def _tosnet_of(spec: Spec) -> TosnetConfiguration:
-    """Find the network a spec needs: which nodes there are, and which of them is the PC's."""
+    """Find the network that a spec needs: its nodes, and which of them is the PC's."""
     bound = [element for _, element in spec.walk() if element.link.kind == "tosnet"]
     bases = sorted({element.link.base for element in bound})
     if len(bases) > 1:

@@ -7,7 +7,7 @@
         driver.send(b"#RLC\\n")
         print(driver.receive(timeout_s=1.0))
 
-Nothing is checked, repeated or understood here: that is what the layers above are for.
+Nothing is checked, repeated or understood here. The layers above do that.
 """
 
 from __future__ import annotations
@@ -23,33 +23,34 @@ if TYPE_CHECKING:
 
 
 class Driver:
-    """One open port. Made from a link URL of which only the place and `baud` matter here.
+    """One open port, made from a link URL. Only the place and `baud` of it matter here.
 
-    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout, LinkClosed, and LinkError where a permission lacks.
+    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout, LinkClosed, and LinkError if a permission is
+    missing.
     """
 
     def __init__(self, url: str, *, timeout_s: float = 1.0) -> None:
-        """Open `url`; `timeout_s` bounds the connection of TCP."""
+        """Open `url`. `timeout_s` limits the connection of TCP."""
         self.url = url
         self._native = _native.open_driver(url, timeout_s)
 
     def send(self, data: bytes, *, timeout_s: float = 1.0) -> None:
-        """Send all of `data`; LinkTimeout says how much went when the other side does not take it."""
+        """Send all of `data`. If the other side does not take it, LinkTimeout says how much was sent."""
         count = self._native.send(data, timeout_s)
         if count < len(data):
             text = f"{self.url} took {count} of {len(data)} bytes in {timeout_s} s"
             raise LinkTimeout(text, elapsed_s=timeout_s)
 
     def receive(self, *, timeout_s: float = 1.0) -> bytes:
-        """Return what has come, after `timeout_s` at the latest; b"" for nothing; LinkClosed at the end."""
+        """Return what has come, after `timeout_s` at the latest. b"" for nothing, LinkClosed at the end."""
         return self._native.receive(timeout_s)
 
     def close(self) -> None:
-        """Close the port. Idempotent."""
+        """Close the port. Calling it twice does no harm."""
         self._native.close()
 
     def fileno(self) -> int:
-        """Return the descriptor, for select and asyncio; -1 once closed."""
+        """Return the descriptor, for select and asyncio. -1 once closed."""
         return self._native.descriptor
 
     def __enter__(self) -> Self:

@@ -6,8 +6,8 @@ b'$R:12*58\\n'
 >>> ClassicDecoder(data_bytes=4).feed(b"$S_R:40de1212*2d\\n?f4\\n")
 [Reply(head='$', letters='S_R', data=b'@\\xde\\x12\\x12', fields=''), DatalinkError(code=244)]
 
-Hex digits of either case are taken from a device; anything else that is not exactly the protocol gives
-no value.
+Hex digits of a device may be upper or lower case. Anything else that is not exactly the protocol gives no
+value.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from unitylink.protocol import CRC8_POLYNOMIAL
 
 @dataclass(frozen=True)
 class Reply:
-    """A whole answer with a right checksum, if any. `fields` is the text of a CNF, which has no `data`."""
+    """A whole reply with a right checksum, if any. `fields` is the text of a CNF, which has no `data`."""
 
     head: str
     letters: str
@@ -32,7 +32,7 @@ class Reply:
 
 @dataclass(frozen=True)
 class Publish:
-    """A publish; `count` is what its label says, `words` what it really held."""
+    """A publish. `count` is the number in its label, `words` are those that it really held."""
 
     checked: bool
     group: int
@@ -42,7 +42,7 @@ class Publish:
 
 @dataclass(frozen=True)
 class ApplicationError:
-    """The device refused a request (`error` is its E_xxx), perhaps after a part of the answer."""
+    """The device refused a request (`error` is its E_xxx), perhaps after a part of the reply."""
 
     head: str
     letters: str
@@ -52,7 +52,7 @@ class ApplicationError:
 
 @dataclass(frozen=True)
 class DatalinkError:
-    """The device could not read what it was sent; `code` is 0xF0 and up."""
+    """The device could not read a message. `code` is 0xF0 and up."""
 
     code: int
 
@@ -81,7 +81,7 @@ Event = Union[Reply, Publish, ApplicationError, DatalinkError, BadMessage, Busy,
 
 
 class ClassicEncoder:
-    """Requests to text. `polynomial` is that of the CRC-8; None is the byte XOR some gateware has instead."""
+    """Requests to text. `polynomial` is that of the CRC-8. None is the byte XOR of some gateware."""
 
     def __init__(self, *, checked: bool = False, polynomial: int | None = CRC8_POLYNOMIAL) -> None:
         self.checked = checked
@@ -103,7 +103,7 @@ class ClassicDecoder:
         self._native = _native.NativeDecoder(data_bytes, _byte(polynomial))
 
     def feed(self, data: bytes) -> list[Event]:
-        """Return what `data`, behind all that came before, completes."""
+        """Return the events that `data` completes, together with the bytes before."""
         return [_event(*event) for event in self._native.feed(data)]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Packages whose names are imported when they are first used: a command loads what it needs and no more."""
+"""Packages whose names are imported when they are first used, so that a command loads only what it needs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib import import_module
 
 
 def load_name(package: str, homes: Mapping[str, str], name: str) -> object:
-    """Import `name` of a package from its module in `homes` and keep it; "" is a module of that name.
+    """Import `name` of a package from its module in `homes` and keep it. "" is a module of that name.
 
     A package calls it from its `__getattr__`. Raises AttributeError for a name that is not in `homes`.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is said where a package is absent that only some commands need."""
+"""The error for the absence of a package that only some commands need."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CHECKOUT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 
 
 def absent(package: str, what: str) -> ToolError:
-    """Return the error that says `what` needs `package`, and which command installs it into this very Python.
+    """Return the error that `what` needs `package`, with the command that installs it into this Python.
 
     >>> print(absent("mcap", "an MCAP file"))  # doctest: +ELLIPSIS
     an MCAP file needs the package mcap: ... -m pip install 'mcap...'...
@@ -25,19 +25,19 @@ def absent(package: str, what: str) -> ToolError:
 
 
 def installation(package: str) -> str:
-    """Return the command that installs a package where this very Python finds it."""
+    """Return the command that installs a package for this Python."""
     return f"{shlex.quote(sys.executable)} -m pip install '{requirement(package)}'"
 
 
 def requirement(package: str) -> str:
-    """Return the package with the versions that our extras ask for; its name alone where none does.
+    """Return the package with the versions that our extras ask for, or its name alone.
 
     >>> requirement("some_other_package")
     'some_other_package'
     """
     try:
         wanted = metadata.requires("unitylink") or []
-    except metadata.PackageNotFoundError:  # the source alone, without an installation
+    except metadata.PackageNotFoundError:  # only the source, without an installation
         wanted = []
     for line in wanted:
         named = line.partition(";")[0].strip()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files that a program makes for a user: none is written over another one unless that was asked for.
+"""Files that a program makes for a user. An existing file is overwritten only on request.
 
 The native core has the same rule for `trace=` (`native/src/layer0_driver/capture.cpp`).
 """
@@ -14,14 +14,14 @@ from unitylink.errors import UnityLinkError
 
 
 def check_output(path: str | Path, *, force: bool = False) -> None:
-    """Raise the UnityLinkError of `create_output` for what lies there already; make nothing.
+    """Raise the UnityLinkError of `create_output` if something is there already. Make nothing.
 
-    For commands that measure first and write then.
+    This is for commands that first measure and then write.
     """
     try:
         there = os.lstat(path)
     except (OSError, ValueError):
-        return  # whether one can be made there is told by making it
+        return  # only making the file shows whether that is possible
     if stat.S_ISLNK(there.st_mode):
         try:
             aim = os.stat(path)
@@ -38,10 +38,10 @@ def check_output(path: str | Path, *, force: bool = False) -> None:
 
 
 def create_output(path: str | Path, *, force: bool = False) -> int:
-    """Make a file and return its descriptor, for writing; a pipe or device that is there is opened.
+    """Make a file and return its descriptor, for writing. An existing pipe or device is opened.
 
-    A file that exists is replaced only with `force`, and no symbolic link leads to another one: else
-    UnityLinkError, as for a place where none can be made.
+    An existing file is replaced only with `force`, and a symbolic link is not followed. Otherwise it is a
+    UnityLinkError, and so is a place where no file can be made.
 
     >>> import tempfile
     >>> path = tempfile.mkdtemp() + "/arm.csv"
@@ -55,7 +55,7 @@ def create_output(path: str | Path, *, force: bool = False) -> int:
         try:
             if _a_stream(os.stat(path)):
                 return os.open(path, os.O_WRONLY | os.O_CLOEXEC)
-            os.unlink(path)  # a regular file, with force: who else has it open or linked keeps the old one
+            os.unlink(path)  # a regular file, with force; its other links keep the old one
         except FileNotFoundError:
             pass
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
@@ -64,7 +64,7 @@ def create_output(path: str | Path, *, force: bool = False) -> int:
 
 
 def write_output(path: str | Path, data: bytes, *, force: bool = False) -> None:
-    """Write a file in one piece, by the rules of `create_output`; one that fails leaves none behind."""
+    """Write a file in one piece, by the rules of `create_output`. A failure leaves no file behind."""
     descriptor = create_output(path, force=force)
     try:
         with open(descriptor, "wb") as stream:
@@ -76,5 +76,5 @@ def write_output(path: str | Path, data: bytes, *, force: bool = False) -> None:
 
 
 def _a_stream(there: os.stat_result) -> bool:
-    """Is it what bytes go into and are gone: a pipe, a terminal, /dev/null?"""
+    """Return whether it keeps nothing: a pipe, a terminal, /dev/null."""
     return stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode) or stat.S_ISSOCK(there.st_mode)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a program of this project ends: errors, signals and closed pipes, and none of them as a traceback."""
+"""How a program of this project ends: at errors, signals and closed pipes, without a traceback."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ PIPE_CLOSED = 141
 
 
 def run_program(main: Callable[[], int], *, name: str) -> NoReturn:
-    """Run `main` and exit with what it returns.
+    """Run `main` and exit with the code that it returns.
 
-    An error of ours, or of a file, is one line on stderr that begins with `name`, and exit code 1; Ctrl-C is
-    130, and a reader of stdout that went away (`run.py | head`) 141.
+    An error of ours, or of a file, is one line on stderr that begins with `name`, and exit code 1. Ctrl-C
+    gives 130. If the reader of stdout went away (`run.py | head`), it is 141.
 
         if __name__ == "__main__":
             run_program(main, name="scara")
@@ -42,7 +42,7 @@ def run_program(main: Callable[[], int], *, name: str) -> NoReturn:
 
 
 def silence_stdout() -> None:
-    """Keep the interpreter's own flush at exit from failing on the same pipe again."""
+    """Keep the interpreter's flush at exit from failing on the same pipe again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -53,14 +53,15 @@ def _complain(name: str, message: str) -> int:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM, and SIGINT in the background too, do what Ctrl-C does: end with the link closed."""
+    """Let SIGTERM, and SIGINT in the background too, act like Ctrl-C: the program ends with its link
+    closed."""
     with _heard_by(signal.default_int_handler):
         yield
 
 
 @contextmanager
 def stopped_by_signals() -> Iterator[threading.Event]:
-    """Give an event that SIGINT and SIGTERM set, and do nothing else."""
+    """Give an event that SIGINT and SIGTERM set. They do nothing else."""
     stop = threading.Event()
     with _heard_by(lambda *_: stop.set()):
         yield stop
@@ -68,7 +69,7 @@ def stopped_by_signals() -> Iterator[threading.Event]:
 
 @contextmanager
 def _heard_by(handler: Callable[..., Any]) -> Iterator[None]:
-    """Handlers are of the process: whoever called, a program or a test, has its own back at the end."""
+    """Handlers belong to the process. At the end the caller, a program or a test, has its own again."""
     before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield

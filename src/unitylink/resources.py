@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the files are that come along: the gateware's VHDL and the examples, in a checkout or in a wheel."""
+"""Where the gateware's VHDL and the examples are, in a checkout or in a wheel."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def cache_folder(name: str) -> Path:
-    """Return where what can be made again is kept: $XDG_CACHE_HOME/unitylink/`name`, else below ~/.cache."""
+    """Return the folder of a cache: $XDG_CACHE_HOME/unitylink/`name`, or else below ~/.cache."""
     base = os.environ.get("XDG_CACHE_HOME") or ""
     return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "unitylink" / name
 
@@ -20,7 +20,7 @@ def cache_folder(name: str) -> Path:
 def resource_folder(name: str) -> Path:
     """Return the folder called `name` ("gateware", "examples", "tools/wireshark").
 
-    Raises ToolError for one that this installation came without.
+    Raises ToolError if this installation does not have it.
 
     >>> (resource_folder("examples") / "scara" / "scara.ul").is_file()
     True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the gateware writes by itself when its dead-man trips: the safe values of a spec as words."""
+"""The words that the gateware writes when its dead-man trips: the SAFE values of a spec."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from unitylink.values import Codec, Quantity
 def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
     """Return (address, word) in the order in which they are written, low words first.
 
-    Behind the words of a TosNet or double-buffered memory comes its commit. Such a memory swaps and does not
-    copy: what has no safe value there is, after the commit, what it was two commits before.
+    The commit of a TosNet or double-buffered memory follows its words. Such a memory swaps and does not copy.
+    So after the commit a word without a safe value is what it was two commits before.
 
     >>> from unitylink.spec import parse_spec
     >>> spec = parse_spec("pub robot(root) { power: u32 WRITE SAFE 7 @ 0x10; }")  # doctest: +SKIP
@@ -25,7 +25,7 @@ def safe_words(spec: Spec, data_bits: int) -> tuple[tuple[int, int], ...]:
         if element.safe is None or not element.writable:
             continue
         codec = Codec(path, Quantity.of(element), data_bits)
-        # on a bus narrower than the spec's a value takes what its words hold, as its initial value does
+        # on a bus narrower than the spec's a value is cut to its words, as its initial value is
         words += zip(element.addresses, codec.split(codec.encode(element.safe)), strict=False)
         committed[element.link] = None
     return (*words, *((address, 0) for link in committed if (address := _commit(link)) is not None))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The hash by which a program and gateware find out whether they were made from the same interface."""
+"""The hash that tells whether a program and its gateware were made from the same interface."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ _FORMAT = "unity-link wire 2"  # changes whenever the lines below change their f
 
 
 def wire_hash(spec: Spec) -> int:
-    """Return 64 bits over all of `spec` that could move the wrong joint where two specs differ in it.
+    """Return a 64-bit hash over every part of `spec` whose difference could move the wrong joint.
 
-    That is, of every value: its name with those of the parts around it, addresses, access, type with fields
+    For every value these are its name with those of the parts around it, addresses, access, type with fields
     and members, unit, scale, limits, initial and safe values, the hardware behind it, and the event line that
-    publishes it. What cannot do harm does not count: comments, annotations, display names, names of types and
-    constructors, the order in the file, publish rates (the program asks for its own). Nor does the width of
-    the bus, which the device tells. Never 0, which a device says that knows no spec.
+    publishes it. Harmless parts do not count: comments, annotations, display names, names of types and
+    constructors, the order in the file, and publish rates (the program asks for its own). The width of the
+    bus does not count either, because the device tells it. The hash is never 0, which means that a device
+    knows no spec.
 
     >>> spec = unitylink.spec.load("scara.ul")  # doctest: +SKIP
     >>> f"{wire_hash(spec):016x}"  # doctest: +SKIP
@@ -37,10 +38,11 @@ def wire_hash(spec: Spec) -> int:
 
 
 def wire_hashes(spec: Spec, root: str, *comms: str | None) -> tuple[int, ...]:
-    """Return the hashes of gateware that has what the public constructor `root` reaches through `comms`.
+    """Return the hashes of gateware with all that the public constructor `root` reaches through `comms`.
 
-    Without `comms` that is all of it. Gateware may be built from all of the spec, from the constructor alone,
-    or from what is behind a link: two arms are two boards, each behind a link of its own.
+    Without `comms` that is the whole constructor. Gateware may be built from the whole spec, from the
+    constructor alone, or from the part behind a link. For example, two arms are two boards, each behind a
+    link of its own.
     """
     wanted = {(d.root, d.comm) for d in spec.devices if d.root == root and (not comms or d.comm in comms)}
     there = (part for part in _parts(spec) if wanted <= {(d.root, d.comm) for d in part.devices})
@@ -48,9 +50,9 @@ def wire_hashes(spec: Spec, root: str, *comms: str | None) -> tuple[int, ...]:
 
 
 def part_behind(link: Asked, spec: Spec) -> Spec:
-    """Return the part of `spec` which the gateware behind `link` was built from; all, where it cannot tell.
+    """Return the part of `spec` that the gateware behind `link` was built from. All if it cannot tell.
 
-    Raises DeviceMismatch where it was built from another spec.
+    Raises DeviceMismatch if it was built from another spec.
     """
     parts = {wire_hash(part): part for part in reversed(_parts(spec))}
     link.check_spec(spec.source, tuple(reversed(parts)))
@@ -58,14 +60,14 @@ def part_behind(link: Asked, spec: Spec) -> Spec:
 
 
 class Told(Protocol):
-    """What a device says of itself."""
+    """The description of a device."""
 
     @property
     def spec_hash(self) -> int: ...
 
 
 class Asked(Protocol):
-    """A link, which can ask its gateware what it was built from."""
+    """A link, as far as this module needs it."""
 
     @property
     def description(self) -> Told | None: ...
@@ -73,7 +75,7 @@ class Asked(Protocol):
 
 
 def _parts(spec: Spec) -> list[Spec]:
-    """Return what gateware may be built from: the whole spec first."""
+    """Return the specs that gateware may be built from, the whole one first."""
     roots = [spec.only(root.name) for root in spec.roots] if len(spec.roots) > 1 else []
     boards = spec.boards if len(spec.boards) > 1 else ()
     return [spec, *boards, *roots]
@@ -89,7 +91,7 @@ def _element(name: str, element: Element) -> str:
 
 
 def _type(kind: ValueType) -> str:
-    """Return all of a type but what it is called."""
+    """Return all of a type except its name."""
     if kind.bus:
         return "signed" if kind.signed else "unsigned"
     if kind.enum is not None:
@@ -104,7 +106,7 @@ def _type(kind: ValueType) -> str:
 
 
 def _facts(unit: str, *numbers: float | bool | None) -> str:
-    """Return numbers so that 1 and 1.0 are the same, and a whole one of 64 bits keeps all its digits."""
+    """Return numbers in a form in which 1 and 1.0 are equal, and whole numbers of 64 bits keep all digits."""
     return " ".join([repr(unit), *_texts(numbers)])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What makes a design smaller: the settings that can be lowered, and what each takes."""
+"""The settings that can be lowered to make a design smaller, and what each of them costs."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def remedies(configuration: BoardConfiguration) -> Iterator[str]:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, Setting]:
-    """Return settings that are written NAME=VALUE; raise BoardError for one that there is not.
+    """Return settings that are written NAME=VALUE. Raise BoardError for one that there is not.
 
     >>> settings_of(["groups=2", "configuration_command=false"])
     {'groups': 2, 'configuration_command': False}

@@ -37,7 +37,7 @@ def flash_command(folder: Path, *, volatile: bool = False, program: str | None =
 
 
 def run_flash(command: Sequence[str]) -> None:
-    """Run the command, its output going to the terminal; raise ToolError if it fails."""
+    """Run the command, its output going to the terminal. Raise ToolError if it fails."""
     done = subprocess.run(list(command), check=False)
     if done.returncode != 0:
         raise ToolError(

@@ -121,7 +121,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
 def budgets_of(
     spec: Spec, configuration: BoardConfiguration, clock_hz: int, baud_hz: int
 ) -> list[DeviceBudget]:
-    """Return the limits of the link of the design that is built; raise BoardError where it is too slow.
+    """Return the limits of the link of the design that is built. Raise BoardError where it is too slow.
 
     They are those of the protocol that a link chooses: frames, where the design speaks both.
     """
@@ -141,7 +141,7 @@ def budgets_of(
 
 
 def rates(spec: Spec, order: Order) -> tuple[int, int]:
-    """Return the clock of the design and the baud rate of the link; raise BoardError if they cannot be."""
+    """Return the clock of the design and the baud rate of the link. Raise BoardError if they cannot be."""
     board = order.board
     clock_hz = order.clock_hz or board.design_hz
     if board.physical != "uart":
@@ -174,7 +174,7 @@ def _place(
     clock_hz: int,
     tell: Tell,
 ) -> _Placed:
-    """Place and route with one seed after another until the clock is met; raise BoardError when none does."""
+    """Place and route with one seed after another until the clock is met. Raise BoardError when none does."""
     option, ending = family.routed
     best = link_best = 0
     for seed in range(1, order.seeds + 1):

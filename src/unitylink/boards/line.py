@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The baud rate of a design: what the spec tells, and whether the clock is fast enough for it."""
+"""The baud rate of a design, and whether the clock is fast enough for it."""
 
 from __future__ import annotations
 

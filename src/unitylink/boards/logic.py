@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is built: the user's own around the generated design, or one made here to put words on pins."""
+"""The logic that is built: the user's around the generated design, or one made here to put words on pins."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Wanted:
     """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes.
 
     `root` is the public constructor or the link whose board it is, where the spec has several. `protocol` is
-    what the link speaks: "both", "framed" or "classic"; None: what the board's manifest says. `settings` are
+    what the link speaks: "both", "framed" or "classic". None: what the board's manifest says. `settings` are
     fields of the board configuration in which it differs from what the spec asks for.
     """
 
@@ -158,7 +158,7 @@ def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> 
 
 
 def pin_logic(design: Plan, components: dict[str, str], wished: set[str], path: Path) -> Logic:
-    """Write into `path` an entity that puts the words on pins whose name tells one or is `wished`; return it.
+    """Write into `path` an entity that puts the words on pins whose name tells one or is `wished`. Return it.
 
     `tripped` is a port of it if that is wished.
 

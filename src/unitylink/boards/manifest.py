@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A board as its manifest tells it: chip, clock, link, pins, what the pins are good for."""
+"""A board, from its manifest: chip, clock, link, pins, and the roles of the pins."""
 
 from __future__ import annotations
 

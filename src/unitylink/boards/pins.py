@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which pin of the board a port of the design gets: what the user says, else what the port's name tells."""
+"""The pin of the board for each port of the design: as the user says, or else by the port's name."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What came of a build: area, clock, pins, the limits of the link. As JSON, and as text for people."""
+"""The result of a build: area, clock, pins, the limits of the link. As JSON, and as text for people."""
 
 from __future__ import annotations
 

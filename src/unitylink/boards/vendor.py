@@ -52,7 +52,7 @@ class Project:
 
 
 def write_project(order: VendorOrder) -> list[Path]:
-    """Write the generated VHDL, the project script and the constraints; return the last two.
+    """Write the generated VHDL, the project script and the constraints. Return the last two.
 
     Raises BoardError for an unknown vendor or port.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Captures: what went over a wire, read back as packets and as messages with their meaning.
+"""Captures of a wire, read back as packets and as messages with their meaning.
 
 from unitylink.capture import messages, read_packets
 

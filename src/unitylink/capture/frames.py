@@ -28,7 +28,7 @@ _ANSWERED_MOST = 256  # requests that a reply may still name: twice the largest 
 
 
 class Words(Protocol):
-    """What is known of the words of a device."""
+    """The known names and widths of a device's words."""
 
     names: Mapping[int, str]
     show: Callable[[int, int], str]
@@ -37,19 +37,19 @@ class Words(Protocol):
 
 
 class FrameReader:
-    """What the frames of a link mean, one after the other; it remembers session, requests and groups."""
+    """Reads the frames of a link in order. It remembers session, requests and groups."""
 
     def __init__(self, words: Words) -> None:
         self.words = words
         self.epoch: int | None = None
         self.always_long = False
-        self.requests: dict[int, tuple[str, tuple[tuple[str, int], ...]]] = {}  # by id: what was asked
+        self.requests: dict[int, tuple[str, tuple[tuple[str, int], ...]]] = {}  # requests by id
         self.groups: dict[int, tuple[int, ...]] = {}
         self.exchanges: dict[int, tuple[list[tuple[int, int]], list[tuple[int, int]]]] = {}
         self._offered: tuple[int, bool] | None = None
 
     def read(self, between: bytes) -> tuple[str, str, str]:
-        """Return kind, label and meaning of what stood between two borders; see CaptureMessage."""
+        """Return kind, label and meaning of the bytes between two borders. See CaptureMessage."""
         kind, payload, wrong = self._open(between)
         if wrong:
             return "damaged", between.hex(), wrong
@@ -63,7 +63,7 @@ class FrameReader:
     def _open(self, between: bytes) -> tuple[int, bytes, str]:
         outside = between[0] in _OUTSIDE
         epoch = p.FRAME_OPEN_EPOCH if outside else self.epoch
-        if self._offered is not None and not outside:  # OPEN was asked for, its answer is not in the capture
+        if self._offered is not None and not outside:  # OPEN was sent, but its reply is not in the capture
             epoch = self._offered[0] if epoch is None else epoch
         long = len(between) > p.FRAME_SHORT_MAX + p.FRAME_CRC16_BYTES or (self.always_long and not outside)
         size = len(between) - (p.FRAME_CRC32_BYTES if long else p.FRAME_CRC16_BYTES)
@@ -75,7 +75,7 @@ class FrameReader:
         payload = _cobs_decoded(body[1:])
         return (0, b"", "not a frame") if payload is None else (body[0], payload, "")
 
-    # ---- what the PC says
+    # ---- messages of the PC
 
     def _request(self, kind: int, fields: _Fields) -> tuple[str, str, str]:
         flags = "" if kind in _UNFLAGGED else self._flags(kind)
@@ -184,7 +184,7 @@ class FrameReader:
             (self._name(address), address) for address, _ in inputs
         )
 
-    # ---- what the device says
+    # ---- messages of the device
 
     def _answer(self, kind: int, fields: _Fields) -> tuple[str, str, str]:
         if kind == p.DEVICE_KIND_HELLO:
@@ -282,7 +282,7 @@ class FrameReader:
 
 
 class _CutError(Exception):
-    """A payload that has not the form of its kind."""
+    """A payload without the form of its kind."""
 
 
 class _Fields:
@@ -357,7 +357,7 @@ def _cobs_decoded(encoded: bytes) -> bytes | None:
 
 
 def _shortened(parts: list[str]) -> str:
-    """Join, and leave out the middle of very many."""
+    """Join, and omit the middle of very many."""
     if len(parts) > 40:
         parts = [*parts[:20], f"… {len(parts) - 21} more …", parts[-1]]
     return ", ".join(parts)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Packets to messages, each with its meaning: lines of the classic protocol, and frames.
 
-Of lines, the host's side is read as text, the device's by the decoder of layer 1. What a reply answers is
-told by the order of requests, what a publish holds by the last WSA of its group: the protocol says neither.
+Lines of the host are read as text, those of the device by the decoder of layer 1. The order of requests tells
+which one a reply answers. The last WSA of a group tells the contents of its publishes. The protocol itself
+says neither.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from .pcapng import RECEIVED, SENT, Packet
 
 _REQUEST = re.compile(rb"(!?)([#$])([A-Za-z]*)(?::([0-9A-Fa-f]*))?(?:\*([0-9A-Fa-f]{2}))?$")
 _IGNORED = bytes.maketrans(b"", b""), b"\t ,.\r"
-# Directly behind a border or a line feed the next byte decides (docs/protocol.md, section 1).
+# After a border or a line feed the next byte decides (docs/protocol.md, section 1).
 _PIECE = re.compile(rb"\x00*(?:[\x80-\xff][^\x00]*\x00|[^\x00\x80-\xff][^\n\x00]*[\n\x00]|\n)", re.DOTALL)
 _OUT_OF_ORDER_MOST = 16
 _KINDS_FIRST = 0x80  # of frames
@@ -40,9 +41,9 @@ Show = Callable[[int, int], str]  # address, raw word -> text
 
 @dataclass(frozen=True)
 class CaptureMessage:
-    """One message: `time_s` is that of its last byte, `text` the bytes as they were, `meaning` what they say.
+    """One message. `time_s` is the time of its last byte, `text` its bytes, `meaning` their meaning.
 
-    `kind` is "request", "reply", "publish", "error" (said by the device) or "damaged" (believed by nobody).
+    `kind` is "request", "reply", "publish", "error" (sent by the device) or "damaged" (to be ignored).
     """
 
     time_s: float
@@ -54,7 +55,7 @@ class CaptureMessage:
 
     @property
     def text(self) -> str:
-        """The bytes, printable: `$R:12*58`; of a frame its kind and id: `READ 7`, `OK 7`."""
+        """The bytes, printable: `$R:12*58`. For a frame its kind and id: `READ 7`, `OK 7`."""
         if self.label:
             return self.label
         return self.data.rstrip(b"\r\n").decode("ascii", "backslashreplace").replace("\x1b", "\\x1b")
@@ -70,8 +71,8 @@ class _Request:
 def messages(packets: Iterable[Packet], reader: MessageReader | None = None) -> Iterator[CaptureMessage]:
     """Yield the messages in `packets`, as `reader` understands them.
 
-    The widths are those the device tells in its CNF; without one in the capture the reader has to be given
-    them, else addresses stay unread.
+    The device tells the widths in its CNF. If the capture has none, give them to the reader. Otherwise
+    addresses are not decoded.
     """
     reader = reader or MessageReader()
     sides = {SENT: Pieces(), RECEIVED: Pieces()}
@@ -99,7 +100,7 @@ class Pieces:
         self.rest = b""
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Return what `data`, behind all that came before, completes."""
+        """Return the pieces that `data` completes, together with the bytes before."""
         self.rest += data
         pieces = []
         while match := _PIECE.match(self.rest):
@@ -109,7 +110,7 @@ class Pieces:
 
 
 def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
-    """Sort by time within a few packets: a thread that sends and one that receives write as they come."""
+    """Sort by time within a few packets, because the sending and the receiving thread write independently."""
     heap: list[tuple[float, int, Packet]] = []
     for number, packet in enumerate(packets):
         heapq.heappush(heap, (packet.time_s, number, packet))
@@ -120,7 +121,7 @@ def _in_order(packets: Iterable[Packet]) -> Iterator[Packet]:
 
 
 class MessageReader:
-    """What the lines of a link mean, one after the other; it remembers requests, widths and groups.
+    """Reads the lines of a link in order. It remembers requests, widths and groups.
 
     >>> reader = MessageReader({0x88: "j1.cpos"}, address_bytes=1)
     >>> reader.read(0.0, "sent", b"#R:88\\n").meaning
@@ -148,7 +149,7 @@ class MessageReader:
         self.frames = FrameReader(self)
 
     def read(self, time_s: float, direction: str, line: bytes) -> CaptureMessage:
-        """Return the message that `line`, with its line feed, is, or a frame with its border."""
+        """Return the message of `line` with its line feed, or of a frame with its border."""
         bare = line.strip(b"\0")
         if bare and bare[0] >= _KINDS_FIRST:
             kind, label, meaning = self.frames.read(bare)

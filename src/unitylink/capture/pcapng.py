@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""pcapng files with the bytes of a link: the part of the format that captures of ours need.
+"""pcapng files with the bytes of a link: the part of the format that our captures need.
 
 Source of the layouts: IETF draft-ietf-opsawg-pcapng. Link type USER0 (147); each packet tells its direction
 in the option epb_flags. The native core writes the same (`native/src/layer0_driver/capture.cpp`).
@@ -28,7 +28,7 @@ _SECTION, _INTERFACE, _PACKET = 0x0A0D0D0A, 1, 6
 _MAGIC = 0x1A2B3C4D
 _END, _COMMENT, _APPLICATION, _RESOLUTION, _FLAGS = 0, 1, 4, 9, 2
 _DIRECTIONS = {1: RECEIVED, 2: SENT}
-_BLOCK_BYTES_MAX = 1 << 24  # a length beyond that is no length
+_BLOCK_BYTES_MAX = 1 << 24  # a larger length is an error
 _CHUNK_BYTES = 1 << 16
 
 
@@ -44,14 +44,14 @@ class Packet:
 
 
 class CaptureTruncated(UnityLinkError):
-    """A capture that ends within a packet; all packets before it have been given."""
+    """A capture that ends within a packet. All packets before it have been returned."""
 
 
 def read_packets(path: str | Path) -> Iterator[Packet]:
-    """Yield the packets of a capture in the order they went.
+    """Yield the packets of a capture in their order.
 
-    Raises UnityLinkError, naming the byte, for what is no capture of a link, and CaptureTruncated at the end
-    of one that was cut off.
+    Raises UnityLinkError, with the byte, if the file is not a capture of a link. Raises CaptureTruncated at
+    the end of one that was cut off.
     """
     try:
         with open(path, "rb") as stream:
@@ -132,12 +132,12 @@ def _options(order: str, data: bytes) -> dict[int, bytes]:
 
 
 class PcapngWriter:
-    """Write packets to a capture; a context manager. With `force` it replaces a file that is there.
+    """Write packets to a capture, as a context manager. With `force` it replaces an existing file.
 
         with PcapngWriter("out.pcapng") as writer:
             writer.write(Packet(time_s=0.0, direction="sent", data=b"#RLC\\n"))
 
-    Raises UnityLinkError where the file cannot be written or exists; what it holds until then is whole.
+    Raises UnityLinkError if the file exists or cannot be written. What it holds until then is whole.
     """
 
     def __init__(self, path: str | Path, *, force: bool = False) -> None:

@@ -42,7 +42,7 @@ class Chip:
             self.held = True
 
     def poll(self, time_s: float) -> bytes | None:
-        """Return the packet that answers an IN token at `time_s`, without its status; None is a NAK."""
+        """Return the packet that answers an IN token at `time_s`, without its status. None is a NAK."""
         p = self.parameters
         full = len(self._bytes) >= p.payload_bytes
         expired = time_s - self._timer_from_s >= p.latency_timer_s - _TOLERANCE_S

@@ -51,7 +51,7 @@ class Gateware(ABC):
 
     @abstractmethod
     def _due(self) -> int | None:
-        """Return the device's clock at which it may do something; None: nothing until a byte comes."""
+        """Return the device's clock at which it may do something. None: nothing until a byte comes."""
 
     @property
     def clock(self) -> int:
@@ -71,7 +71,7 @@ class Gateware(ABC):
         return due + self._stood
 
     def receive(self, byte: int) -> bool:
-        """Take a byte; False: the receive FIFO is full."""
+        """Take a byte. False: the receive FIFO is full."""
         return self._device.receive(bytes([byte])) == 1
 
     def run_until(self, clock: int) -> None:

@@ -73,7 +73,7 @@ def all_figures() -> list[GatewareFigures]:
 
 
 def _fed(name: str, data: bytes) -> Gateware:
-    """Give a fresh gateware all of `data` at once; return it when all is done."""
+    """Give a fresh gateware all of `data` at once. Return it when all is done."""
     gateware = GATEWARES[name](fifo=0, watch=WRITE_ADDRESS)
     for byte in data:
         gateware.receive(byte)

@@ -21,7 +21,7 @@ def log_bars(
     label: str,
     deviations: Mapping[str, Sequence[float | None]] = MappingProxyType({}),
 ) -> str:
-    """Draw bars in groups; None leaves a bar out. Values are positive.
+    """Draw bars in groups. None leaves a bar out. Values are positive.
 
     `deviations` of a series are drawn from so much below the bar's end to as much above it.
 
@@ -60,7 +60,7 @@ def log_bars(
 def log_lines(
     xs: Sequence[float], series: Mapping[str, Sequence[float | None]], x_label: str, label: str
 ) -> str:
-    """Draw a line for each series over the positive `xs`; None leaves a point out."""
+    """Draw a line for each series over the positive `xs`. None leaves a point out."""
     low, high = _decades([value for row in series.values() for value in row if value is not None])
     parts = _frame(label, low, high)
     span = math.log10(xs[-1] / xs[0])

@@ -107,7 +107,7 @@ class VirtualLink:
             self._to_board_s = max(self._to_board_s, self._to_host_s)
 
     def _carry_to_board(self, time_s: float) -> bool:
-        """Offer the oldest byte; False if it has to wait for room."""
+        """Offer the oldest byte. False if it has to wait for room."""
         if not self.gateware.receive(self._outgoing[0]):
             if self.parameters.flow_controlled:
                 return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Open tools on a design: what the build script beside generated VHDL calls.
+"""Runs open tools on a design. The build script beside generated VHDL calls it.
 
 python -m unitylink.gateware.build ice40 servo_top build vhdl/servo_*.vhd
 """
@@ -25,7 +25,7 @@ _USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOL
 
 
 def build(target: str, top: str, folder: Path, sources: Sequence[Path]) -> list[Path]:
-    """Do `target` with the entity `top` of `sources` and of the gateware; return the files made in `folder`.
+    """Do `target` with the entity `top` of `sources` and of the gateware. Return the files made in `folder`.
 
     "check" analyses all and elaborates `top`, "verilog" makes TOP.v, and a family of yosys (ice40, ecp5,
     gowin, xilinx, ...) TOP.v and TOP.json, which its place-and-route reads. Raises ToolError.
@@ -49,7 +49,7 @@ def _mapped(family: str, top: str, verilog: Path) -> Path:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run from the command line; return the exit code."""
+    """Run from the command line. Return the exit code."""
     least = 3
     if len(arguments) < least:
         print(_USAGE, file=sys.stderr)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which VHDL files a design unit is made of, and what they say but for comments: for digests of results."""
+"""The VHDL files of a design unit, and their text without comments, for digests of results."""
 
 from __future__ import annotations
 

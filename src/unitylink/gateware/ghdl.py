@@ -67,7 +67,7 @@ class Ghdl:
         return printed
 
     def run(self, bench: str, **generics: Generic) -> str:
-        """Run a self-checking bench to its end and return its output; raise ToolError if it does not pass."""
+        """Run a self-checking bench to its end and return its output. Raise ToolError if it does not pass."""
         self.make(bench)
         settings = [f"-g{name}={_text(value)}" for name, value in generics.items()]
         checks = ["--assert-level=error", "--ieee-asserts=disable-at-0"]

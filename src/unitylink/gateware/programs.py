@@ -29,7 +29,7 @@ def find_program(names: Sequence[str], remedy: str) -> str:
 
 
 def run_program(command: Sequence[str], folder: Path, *, timeout_s: float = _SECONDS_MOST) -> tuple[int, str]:
-    """Run a program in `folder`; return its exit code and all it printed. Raises ToolError when it hangs."""
+    """Run a program in `folder`. Return its exit code and all it printed. Raises ToolError when it hangs."""
     try:
         done = subprocess.run(
             list(command),

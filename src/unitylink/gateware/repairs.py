@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What GHDL 2.0 prints wrongly in Verilog, without a word, and how it is put right.
+"""Repairs what GHDL 2.0 prints wrongly in Verilog, without a warning.
 
 The same netlist printed as VHDL is right and has the same net names, so what is missing is taken from there.
 What a GHDL prints right is left alone.
@@ -35,7 +35,7 @@ _DECLARED = re.compile(
 
 
 def repaired(verilog: str, vhdl: str) -> str:
-    """Return the netlist `verilog` with what GHDL left out taken from its twin `vhdl`; raise ToolError."""
+    """Return the netlist `verilog` with what GHDL left out taken from its twin `vhdl`. Raise ToolError."""
     refuse_verilog_words(vhdl)
     return with_signed_shifts(with_sized_constants(with_default_arms(verilog, vhdl)))
 

@@ -9,7 +9,7 @@ from unitylink.resources import resource_folder
 
 
 def gateware_folder() -> Path:
-    """Return the folder that holds core.vhd; raise ToolError when this installation came without it."""
+    """Return the folder that holds core.vhd. Raise ToolError when this installation came without it."""
     return resource_folder("gateware")
 
 

@@ -83,7 +83,7 @@ def stale(
     only: str | None = None,
     configuration: Chosen = None,
 ) -> list[str]:
-    """Say what in `folder` is not what the spec gives now; empty when all is up to date."""
+    """Say what in `folder` is not what the spec gives now. Empty when all is up to date."""
     problems = []
     for name, text in generate(spec, only, configuration).items():
         present = _present(Path(folder) / name)
@@ -101,7 +101,7 @@ def write(
     only: str | None = None,
     configuration: Chosen = None,
 ) -> list[Path]:
-    """Write what has changed into `folder`, each file whole or not at all; return what was written.
+    """Write what has changed into `folder`, each file whole or not at all. Return what was written.
 
     Raises BindingError, before anything is written, where a file there is not a generated one.
     """

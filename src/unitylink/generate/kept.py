@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What several artefacts are built on is made once for a spec."""
+"""Makes once for a spec what several artefacts need."""
 
 from __future__ import annotations
 

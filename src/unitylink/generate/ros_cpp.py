@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The C++ of a robot's nodes: the table of its values, and what fills and reads each message."""
+"""The C++ of a robot's nodes: the table of its values, and the code that fills and reads each message."""
 
 from __future__ import annotations
 
@@ -288,7 +288,7 @@ def _expression(value: Cpp, raw: Cpp, quantity: Quantity, packed: bool = False) 
 
 
 def _asks_for_frames(element: Element) -> str:
-    """Return why a value is refused on a link that has fallen back to the classic protocol; "" where not."""
+    """Return why a value is refused on a link that has fallen back to the classic protocol. "" where not."""
     if element.access == "PULSE":
         return f"{element.path} is a PULSE"
     written = element.access in ("WRITE", "READWRITE")

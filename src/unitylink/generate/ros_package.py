@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the packages of ROS 1 and ROS 2 have in common: names, messages, the Python of the robot."""
+"""The part that the packages of ROS 1 and ROS 2 share: names, messages, the Python of the robot."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _CHECKS = 1  # raised when templates are compiled in another way: what is kept i
 
 @cache
 def environment(*folders: Path) -> jinja2.Environment:
-    """Return the templates of some folders; what they lack is an error, and so is a text that is not quoted.
+    """Return the templates of some folders. A missing name is an error, and so is an unquoted text.
 
     A template is of the language that its name tells. What it puts into its text is code of that language, a
     number or a name; `{{ x | text }}` and `{{ x | remark }}` quote a text, as a literal and for a comment;

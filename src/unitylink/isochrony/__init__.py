@@ -28,7 +28,7 @@ def isochrony(
 ) -> Isochrony:
     """Return the idle time and the bound of a publish of `gateware`, in clocks.
 
-    `protocol` is that of the link ("classic" or "framed"; None: framed if the gateware has it). `read_many`
+    `protocol` is that of the link ("classic" or "framed". None: framed if the gateware has it). `read_many`
     is the most words of a request of the host (None: the most that is possible). `before` has the words of
     publishes that may be due at the same time and go before. `checked` counts the classic checksums.
     `bus_waits` is how many clocks a slave acknowledges later than one clock after the strobe. An access that

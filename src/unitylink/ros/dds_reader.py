@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A thread that takes what comes on some topics of DDS; one message that cannot be read does not end it."""
+"""A thread that takes messages of some topics of DDS. A message that cannot be read does not end it."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def gathering_writer() -> Any:
             return super()._create_writer(publisher, topic, qos, listener)
 
         def flush(self) -> None:
-            """Send what was written; raise DDSException where DDS does not take it."""
+            """Send what was written. Raise DDSException where DDS does not take it."""
             result = send(self._ref)
             if result < 0:
                 self._refused(result)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a robot's link does, for diagnostic_msgs."""
+"""The state of a robot's link, for diagnostic_msgs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From topics to the gateware: what was asked last is written, in one batch; nothing waits and ages."""
+"""From topics to the gateware: the newest commands are written, in one batch, and none waits and ages."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Inbox:
         self._thread.start()
 
     def put(self, numbers: Mapping[str, Any]) -> None:
-        """Have values written soon; raise ValueRangeError, and take none, where one cannot be written."""
+        """Have values written soon. Raise ValueRangeError, and take none, where one cannot be written."""
         for path, number in numbers.items():
             self._group.writes[path].encode(number)
         with self._changed:

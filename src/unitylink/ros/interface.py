@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a robot looks like from ROS: its messages and topics, frozen, the same for ROS 1, DDS and ROS 2.
+"""A robot as ROS sees it: its messages and topics, frozen, the same for ROS 1, DDS and ROS 2.
 
 `mapping.plan_interface` makes it from a spec; a generated package carries it as a literal.
 """

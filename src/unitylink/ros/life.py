@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether a node's threads work: what the link is told, and with it the gateware's dead-man."""
+"""Whether a node's threads work. The link is told, and through it the gateware's dead-man."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class Life:
         return Work(self, what, most_s)
 
     def doing(self) -> str:
-        """Say what the calling thread was last known to do; "" where nothing is expected of it."""
+        """Say what the calling thread was last known to do. "" where nothing is expected of it."""
         sign = self._signs.get(threading.get_ident())
         return sign[0] if sign is not None else ""
 
     def trouble(self) -> str:
-        """Say what stands still; "" where all works."""
+        """Say what stands still. "" where all works."""
         now_s = time.monotonic()
         for what, since_s, until_s in list(self._signs.values()):
             if now_s > until_s:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a spec says to ROS: `@ros(..)` before a constructor, an instance or an element."""
+"""The annotations `@ros(..)` before a constructor, an instance or an element."""
 
 from __future__ import annotations
 

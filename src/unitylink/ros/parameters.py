@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a user sets at a node, under one name in every ROS."""
+"""The parameters of a node, with the same names in every ROS."""
 
 from __future__ import annotations
 

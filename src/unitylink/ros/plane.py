@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the node asks of the software that carries its messages: rospy, rclpy, or DDS without ROS."""
+"""The interface between the node and the software that carries its messages: rospy, rclpy, or DDS."""
 
 from __future__ import annotations
 

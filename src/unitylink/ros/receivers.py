@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From one message to what it asks to be written: a function per topic."""
+"""From one message to the values to be written: a function for each topic."""
 
 from __future__ import annotations
 

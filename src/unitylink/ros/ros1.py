@@ -118,7 +118,7 @@ def run(
     namespace: str = "",
     services: bool = True,
 ) -> int:
-    """Run the robot's node until ROS ends it; return the exit code. Without `parameters` ROS has them."""
+    """Run the robot's node until ROS ends it. Return the exit code. Without `parameters` ROS has them."""
     if namespace:
         os.environ["ROS_NAMESPACE"] = namespace  # read when rospy is imported
     plane = RospyPlane(interface.package)

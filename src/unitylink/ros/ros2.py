@@ -34,7 +34,7 @@ Connect = Callable[..., "Link"]  # as unitylink.connect
 
 
 def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
-    """Run a generated package's node; return the exit code. `--dds` does without rclpy where it is installed.
+    """Run a generated package's node. Return the exit code. `--dds` does without rclpy where it is installed.
 
     Parameters are given as ROS 2 does: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
     """
@@ -99,7 +99,7 @@ def run_dds(
     services: bool = True,
     until: threading.Event | None = None,
 ) -> int:
-    """Run the node on DDS until SIGINT, SIGTERM or `until`; return the exit code."""
+    """Run the node on DDS until SIGINT, SIGTERM or `until`. Return the exit code."""
     if not logging.getLogger().handlers:
         logging.basicConfig(level=logging.INFO, format="%(levelname)s: %(message)s")
     text = os.environ.get("ROS_DOMAIN_ID", "0") or "0"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a node does on a link that is open: the robot's values, its dead-man, what comes in and goes out."""
+"""The work of a node on an open link: the robot's values, its dead-man, commands in and publishes out."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class RobotSession:
             raise
 
     def said_safe(self) -> str:
-        """Say which values are safe ones, as they are written; "" where the spec gives none."""
+        """Say which values are safe ones, as they are written. "" where the spec gives none."""
         names = [v.path for v in self.tree if v.quantity.safe is not None and v.writable]
         return f"safe values written: {', '.join(names)}" if names else ""
 

@@ -64,7 +64,7 @@ class Registers:
         return taken
 
     def async_send(self, node: int, data: bytes) -> None:
-        """Let `node` send 1 to 4 bytes to the PC; raise ValueRangeError when its queue is full."""
+        """Let `node` send 1 to 4 bytes to the PC. Raise ValueRangeError when its queue is full."""
         if not 1 <= len(data) <= 4 or not 1 <= node <= 15:
             raise ValueRangeError(
                 f"asynchronous word of {len(data)} bytes from node {node}; 1 to 4 bytes, nodes 1 to 15"

@@ -124,7 +124,7 @@ def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLi
 
 
 def load(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Spec:
-    """Return the spec of a file; raise `SpecError` with the rendered report if it has errors."""
+    """Return the spec of a file. Raise `SpecError` with the rendered report if it has errors."""
     result = compile_file(path, include)
     if result.spec is None:
         raise SpecError(render(result.diagnostics), result.diagnostics)

@@ -240,7 +240,7 @@ class Cursor:
         self.reporter.report(code, self.tokens.starts[i], self.tokens.ends[i], message, hint)
 
     def unexpected(self, what: str, hint: str | Advice = "", *, begins: bool = False) -> Panic:
-        """Report that `what` was expected where the current token stands; return the exception to raise.
+        """Report that `what` was expected where the current token stands. Return the exception to raise.
 
         With `begins` that is the beginning of something: nothing before it is missing.
         """
@@ -292,7 +292,7 @@ class Cursor:
         return wrong and (kind in ("(", ")", ",", ";", "number", "string") or self.texts[i] in _WITHIN)
 
     def skip_to_body(self) -> bool:
-        """After a broken head go to its members; return False if there are none."""
+        """After a broken head go to its members. Return False if there are none."""
         while (kind := self.kinds[self.i]) != "end":
             if kind in ("{", "}"):
                 self.i += kind == "{"

@@ -39,7 +39,7 @@ class ElementReader:
         self._known: dict[tuple[int, str], ElementFacts | None] = {}
 
     def read(self, node: ElementNode, names: Mapping[str, Value], link: Link) -> ElementFacts | None:
-        """Return the facts of an element; None after a diagnostic, or if a name has no value in `names`."""
+        """Return the facts of an element. None after a diagnostic, or if a name has no value in `names`."""
         key = (id(node), link.name)
         known = self._known.get(key, _NOT_FOUND)
         if known is not _NOT_FOUND:

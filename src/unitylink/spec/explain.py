@@ -43,7 +43,7 @@ class Explanation:
 
 @cache
 def explain(code: str) -> Explanation:
-    """Return the explanation of a code such as "UL013"; raise KeyError naming a code that does not exist."""
+    """Return the explanation of a code such as "UL013". Raise KeyError naming a code that does not exist."""
     kind = CODES[code]
     page = files(__package__).joinpath("explanations").joinpath(f"{code}.md").read_text("utf-8")
     text = page.split("\n```ul", maxsplit=1)[0].strip()

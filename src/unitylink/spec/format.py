@@ -22,7 +22,7 @@ _NEW_LINE = re.compile(r"\r\n?|\n")
 
 
 def format_text(text: str, file: str = "<text>") -> str:
-    r"""Return `text` in the canonical layout; raise `SpecError` if it has syntax errors.
+    r"""Return `text` in the canonical layout. Raise `SpecError` if it has syntax errors.
 
     >>> format_text("public led(){@on=0x10:WRITE( ID = 'LED' ,CRC);} // one\n")
     "public led() {\n   @on = 0x10: WRITE(ID='LED', CRC);\n}  // one\n"

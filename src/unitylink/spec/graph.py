@@ -129,7 +129,7 @@ class Graph:
     # --- paths ----------------------------------------------------------------------------------------------
 
     def _check_paths(self, scope: Scope, group: GroupNode) -> int:
-        """Report wrong paths; return how many elements the right ones lead to, those named twice twice."""
+        """Report wrong paths. Return how many elements the right ones lead to, those named twice twice."""
         for path in group.paths:
             for step in path:
                 if step.index is not None:

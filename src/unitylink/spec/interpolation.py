@@ -19,7 +19,7 @@ _PART = re.compile(r"\{\{|\}\}|\{([^{}]*)\}|[{}]")
 
 
 def interpolate(argument: Argument, reporter: Reporter) -> Argument:
-    """Return an argument whose strings have their expressions beside them; raise Panic after a diagnostic."""
+    """Return an argument whose strings have their expressions beside them. Raise Panic after a diagnostic."""
     parts: list[Expression] = []
     for part in argument.parts:
         if isinstance(part, Text) and ("{" in part.value or "}" in part.value):

@@ -246,7 +246,7 @@ def _report_bad(reporter: Reporter, word: str, start: int, end: int) -> None:
 
 
 def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end: int) -> str:
-    """Report a malformed token; return the kind of token it stands for, "" if it took all text to the end."""
+    """Report a malformed token. Return the kind of token it stands for, "" if it took all text to the end."""
     if kind == "bad_comment":
         reporter.report("UL005", start, start + 2, "this comment never ends", "close it with `*/`")
         return ""

@@ -69,7 +69,7 @@ def plain(value: Plain) -> Number:
 def read_facts(
     properties: Sequence[Property], kind: ValueType, evaluator: Evaluator, names: Mapping[str, Value]
 ) -> Facts | None:
-    """Return what properties say of a value; None after a diagnostic, or if a name has no value here."""
+    """Return what properties say of a value. None after a diagnostic, or if a name has no value here."""
     facts = Facts({one.key: one for one in properties})
     reader = _Reader(facts, kind, evaluator, names)
     return facts if reader.read() else None

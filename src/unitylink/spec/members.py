@@ -111,7 +111,7 @@ class _Checker:
                 self.reporter.report(code, node.name.start, node.name.end, message, hint)
 
     def check(self, scope: Scope, member: UsableNode) -> bool:
-        """Report what is wrong with a member; return whether it can be expanded."""
+        """Report what is wrong with a member. Return whether it can be expanded."""
         if isinstance(member, ElementNode):
             return self._check_element(scope, member)
         if isinstance(member, ExpansionNode):

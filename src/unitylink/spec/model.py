@@ -56,7 +56,7 @@ class LinkBinding:
     """The hardware proxy of an instance and of all below it.
 
     `kind` is "memory" (plain memory, the default at base 0), "tosnet", "double_buffer" or "fifo". `ctrl` and
-    `comm` name the run-time parameters of the public constructor that bound it; None means the default.
+    `comm` name the run-time parameters of the public constructor that bound it. None means the default.
     `size` is the words of a double buffer or the depth of a FIFO. `link` is the name of the declared `Link`.
     """
 

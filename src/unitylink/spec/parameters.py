@@ -42,7 +42,7 @@ class Parameters:
     def given(
         self, node: ExpansionNode, callee: Scope, names: Mapping[str, Value]
     ) -> dict[str, Value] | None:
-        """Return the values of an expansion's parameters; None after a diagnostic."""
+        """Return the values of an expansion's parameters. None after a diagnostic."""
         values: dict[str, Value] = {}
         for parameter, argument in matched(callee.node.parameters, node.arguments):
             value = self._typed(parameter, argument, names, node.callee.text)

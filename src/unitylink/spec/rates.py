@@ -18,7 +18,7 @@ _DIVISOR_MAX = (1 << 8 * RATE_BYTES_MAX) - 1
 def read_publish(
     node: ElementNode, one: Property, evaluator: Evaluator, names: Mapping[str, Value], link: Link
 ) -> Publish | None:
-    """Return how an element publishes over `link`; None after a diagnostic, or if a name has no value."""
+    """Return how an element publishes over `link`. None after a diagnostic, or if a name has no value."""
     publish = one.publish
     assert publish is not None  # the property is PUBLISH
     reporter = evaluator.reporter

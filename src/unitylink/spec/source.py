@@ -122,7 +122,7 @@ class Sources:
 
 
 def decode(data: bytes) -> tuple[str, int | None]:
-    """Decode UTF-8; return (text, None), or (text before the first wrong byte, its offset in characters)."""
+    """Decode UTF-8. Return (text, None), or (text before the first wrong byte, its offset in characters)."""
     try:
         return data.decode("utf-8"), None
     except UnicodeDecodeError as error:

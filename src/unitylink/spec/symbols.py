@@ -301,7 +301,7 @@ def find_symbols(
     include: Sequence[str | os.PathLike[str]] = (),
     opened: Mapping[str, str] = MappingProxyType({}),
 ) -> Symbols:
-    """Return the symbols of a text and of what it imports, whatever mistakes it has; see `compile_text`."""
+    """Return the symbols of a text and of what it imports, whatever mistakes it has. See `compile_text`."""
     reporter = Reporter(Source(file, text))
     importer = Importer(reporter, include, opened)
     importer.add_components()

@@ -73,7 +73,7 @@ def _compiled(spec: str) -> Result:
 
 
 def _fixed(spec: str, write: bool, quiet: bool) -> Result:
-    """Make or show the fixes of one spec; return what is left to report."""
+    """Make or show the fixes of one spec. Return what is left to report."""
     from unitylink.spec import compile_file, compile_text
     from unitylink.spec.fix import fix_text
     from unitylink.spec.source import MAX_BYTES

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bench of the recordings around the twin: its generics, its steps, when two responses are the same."""
+"""The bench of the recordings, around the twin: its generics, its steps, and when two responses are equal."""
 
 from __future__ import annotations
 

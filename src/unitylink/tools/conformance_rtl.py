@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gateware's side of a replay: its core, run by GHDL in the bench gateware/test/replay_tb.vhd."""
+"""A replay on the gateware: GHDL runs its core in the bench gateware/test/replay_tb.vhd."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class RtlPlayer:
         /,  # the bench has a generic of that name, too
         **generics: int | str | bool,
     ) -> list[bytes]:
-        """Do the exchanges in order from reset; return the bytes sent during each one. Raises ToolError."""
+        """Do the exchanges in order from reset. Return the bytes sent during each one. Raises ToolError."""
         self.runs += 1
         steps_file = self.folder / f"steps_{self.runs}.txt"
         answers_file = self.folder / f"answers_{self.runs}.txt"
@@ -105,7 +105,7 @@ def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
 
 @contextmanager
 def rtl_player() -> Iterator[RtlPlayer]:
-    """Give a player on the VHDL of this checkout; raise ToolError without GHDL, or without the benches."""
+    """Give a player on the VHDL of this checkout. Raise ToolError without GHDL, or without the benches."""
     benches = gateware_folder() / "test"
     if not (benches / "replay_tb.vhd").is_file():
         raise ToolError("the benches of the gateware did not come with this installation: use a checkout")

@@ -128,7 +128,7 @@ def _transfers(packets: Iterator[Packet]) -> Iterator[CaptureMessage]:
 
 
 def _print(found: Iterator[CaptureMessage], as_json: bool) -> int:
-    """Print the messages; return how many there were."""
+    """Print the messages. Return how many there were."""
     count = 0
     coloured = colours(sys.stdout) and not as_json
     start_s: float | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Things of different sources, put into the order of their times by holding them back."""
+"""Puts things of different sources into the order of their times, by holding them back."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class InOrder(Generic[T]):
         self._given_s = float("-inf")
 
     def put(self, time_s: float, thing: T) -> bool:
-        """Take a thing; False for one that comes too late for its place, which is not kept."""
+        """Take a thing. False for one that comes too late for its place, which is not kept."""
         if self.hold_s == 0.0:
             time_s = 0.0
         elif time_s < self._given_s:
@@ -36,7 +36,7 @@ class InOrder(Generic[T]):
         return True
 
     def due_s(self, now_s: float) -> float | None:
-        """Return the seconds until there is something to take; None while nothing is held."""
+        """Return the seconds until there is something to take. None while nothing is held."""
         if not self._heap:
             return None
         return self._heap[0][0] + self.hold_s - now_s if self.hold_s else 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names, patterns and addresses as they are typed on the command line, resolved to words of the device."""
+"""Names, patterns and addresses of the command line, resolved to words of the device."""
 
 from __future__ import annotations
 

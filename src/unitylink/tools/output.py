@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How results are shown: tables for people, JSON for programs, colours on terminals only."""
+"""Output of results: tables for people, JSON for programs, colours on terminals only."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ def _recorded(path: str, patterns: Sequence[str], spec_file: str | None) -> AllS
 
 
 def _spec_of(made_with: Origin) -> Spec | None:
-    """Return the spec that lies in a recording; None where it has none, or one that does not stand alone."""
+    """Return the spec that lies in a recording. None where it has none, or one that does not stand alone."""
     from unitylink.spec import compile_text
 
     return compile_text(made_with.text.encode(), made_with.name).spec if made_with.text else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Changing a user's file: whole or not at all."""
+"""Changes a user's file, whole or not at all."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `watch`, `record` and `plot` have in common: which items, how often, how long."""
+"""The options that `watch`, `record` and `plot` share: which items, how often, how long."""
 
 from __future__ import annotations
 

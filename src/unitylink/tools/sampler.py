@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Samples of items as they come: published by the gateware where the spec says so, else read by the PC."""
+"""Samples of items: published by the gateware if the spec says so, or else read by the PC."""
 
 from __future__ import annotations
 

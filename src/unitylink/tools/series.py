@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Values over time, as a plot draws them: numbers, and the names of enumerations as steps of a scale."""
+"""Values over time for a plot: numbers, and the names of enumerations as steps of a scale."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `simulate` and `replay` have in common: where a board is served, and serving it until Ctrl-C."""
+"""The part that `simulate` and `replay` share: where a board is served, and serving it until Ctrl-C."""
 
 from __future__ import annotations
 

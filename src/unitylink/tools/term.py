@@ -90,14 +90,14 @@ class Session:
         self._start_s = time.monotonic()
 
     def begin(self) -> Iterator[str]:
-        """Ask for the configuration, which tells how wide addresses are; yield what was said."""
+        """Ask for the configuration, which tells how wide addresses are. Yield what was said."""
         yield self.send(f"#{protocol.COMMAND_READ_CONFIGURATION}")
         end_s = time.monotonic() + _ANSWER_S
         while self.reader.address_bytes is None and time.monotonic() < end_s:
             yield from self.receive(end_s - time.monotonic())
 
     def send(self, line: str) -> str:
-        """Send a line; return what it was taken for. Raises ValueError for a name the spec does not have."""
+        """Send a line. Return what it was taken for. Raises ValueError for a name the spec does not have."""
         data = prepare(line, self.names, self.reader.address_bytes or 1).encode("ascii", "replace") + b"\n"
         message = self.reader.read(self._now_s(), "sent", data)
         self.driver.send(data)

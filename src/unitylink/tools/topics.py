@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The topics of a recording: values that are sampled together, and when that is."""
+"""The topics of a recording: values that are sampled together, and at which rate or event."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Values as people type and read them: numbers with units, names of enumerations, fields of packed values."""
+"""Values as text: numbers with units, names of enumerations, fields of packed values."""
 
 from __future__ import annotations
 

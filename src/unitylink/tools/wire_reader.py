@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of a link in the words of a spec."""
+"""Messages of a link, with the names of a spec."""
 
 from __future__ import annotations
 

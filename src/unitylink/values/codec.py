@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From engineering values to raw numbers and words, and back: exactly, or with an error that says why not."""
+"""From engineering values to raw numbers and words, and back: exactly, or with an error that says why."""
 
 from __future__ import annotations
 
@@ -28,12 +28,11 @@ _FLOAT_MAX = {16: 65504.0, 32: float.fromhex("0x1.fffffep+127"), 64: sys.float_i
 
 
 class Codec:
-    """Encode and decode one value; `name` is what errors call it.
+    """Encode and decode one value. `name` is its name in errors.
 
-    `classes` gives the Python classes of enumerations and packed values by their names in the spec; those
-    not given are made. `commanded`: the values are set-points, which are never NaN nor infinite; what a
-    sensor tells may be, where it has no limits. `integer_sign` is set where decoding is no more than a sign:
-    (raw ^ sign) - sign.
+    `classes` gives the Python classes of enumerations and packed values by their names in the spec. Missing
+    ones are made. `commanded`: the values are set-points, which are never NaN or infinite. Values of a sensor
+    without limits may be. `integer_sign` is set if decoding is only a sign: (raw ^ sign) - sign.
 
     >>> position = Codec("pos", Quantity(ValueType("int", 16), scale=0.5, unit="mm", maximum=100.0), 32)
     >>> position.encode(-1.5), position.decode(0xFFFD)
@@ -89,23 +88,24 @@ class Codec:
         }.get(kind.kind, self._make_number)()
 
     def encode(self, value: Any) -> int:
-        """Return the raw unsigned number of a value; raise ValueRangeError naming value, limits and unit."""
+        """Return the raw unsigned number of a value. ValueRangeError names value, limits and unit."""
         return self._encode(value)
 
     def decode(self, raw: int) -> Any:
-        """Return the value of a raw number, bits above the type's ignored; UnexpectedValue if it has none."""
+        """Return the value of a raw number, ignoring bits above the type's. UnexpectedValue if it has
+        none."""
         return self._decode(raw & self.mask)
 
     def check_raw(self, raw: int, value: Any) -> None:
-        """Raise ValueRangeError where the type has no such raw number, or it is beyond the limits.
+        """Raise ValueRangeError if the type has no such raw number, or it is beyond the limits.
 
-        `value` is what errors show.
+        Errors show `value`.
         """
         try:
             known = self.decode(raw)
             if self.type.kind in ("bool", "enum", "bits"):
                 return
-            beyond = self.encode(known) != raw & self.mask  # what saturates would be another number
+            beyond = self.encode(known) != raw & self.mask  # a saturated number would be another one
         except UnexpectedValue as error:
             raise ValueRangeError(f"{self.name}: {_text(value)}: {error.message}; nothing was sent") from None
         if beyond:
@@ -128,7 +128,7 @@ class Codec:
 
     @property
     def minimum(self) -> Any:
-        """The smallest value that can be written: the declared limit, else the type's."""
+        """The smallest value that can be written: the declared limit, or else the type's."""
         return self._limit(self.low, self.high, self.quantity.minimum, min)
 
     @property
@@ -331,7 +331,7 @@ class Codec:
             number = -1 if _is_bool(value) else _index(value)
             if number >= 0 or isinstance(value, int):  # the packed number itself
                 raw = self._within(number, value)
-                for low, codec in parts.values():  # what a field cannot be is not sent either
+                for low, codec in parts.values():  # a number that a field cannot hold is not sent either
                     codec.check_raw(raw >> low, value)
                 return raw
             given = value
@@ -357,7 +357,7 @@ class Codec:
     # Many at once
 
     def decode_array(self, raws: NDArray[np.uint64]) -> NDArray[Any]:
-        """Return the values of many raw numbers: float64, bool, int64, uint64; of packed ones the numbers.
+        """Return the values of many raw numbers: float64, bool, int64, uint64. Packed ones stay numbers.
 
         >>> import numpy as np
         >>> half = Codec("x", Quantity(ValueType("int", 8), scale=0.5), 32)
@@ -388,10 +388,10 @@ class Codec:
 
 
 def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
-    """Return (a, b, c) so that a value is (number * a + b) / c, None where no whole numbers are small enough.
+    """Return (a, b, c) so that a value is (number * a + b) / c. None if no whole numbers are small enough.
 
-    A SCALE of 0.01 is meant as one hundredth, which no binary number is: 1254 * 0.01 is 12.540000000000001,
-    but 1254 / 100 is 12.54.
+    A SCALE of 0.01 means one hundredth, which is not a binary number: 1254 * 0.01 is 12.540000000000001, but
+    1254 / 100 is 12.54.
     """
     scale, offset = (
         Fraction(float.__repr__(number) if isinstance(number, float) else number)
@@ -405,7 +405,7 @@ def _ratio(quantity: Quantity, width: int) -> tuple[int, int, int] | None:
 
 
 def _index(value: Any) -> int:
-    """Return the integer that a value is, also one of numpy's; -1 for what is none."""
+    """Return a value as an integer, also one of numpy's. -1 if it is not one."""
     try:
         return operator.index(value)
     except TypeError:
@@ -413,18 +413,18 @@ def _index(value: Any) -> int:
 
 
 def _text(value: Any) -> str:
-    """Return a value for an error, numpy's numbers as those of Python."""
+    """Return a value for an error. Numbers of numpy look like those of Python."""
     return str(value) if isinstance(value, float) else shown(value)
 
 
 def _is_bool(value: Any) -> bool:
-    """Is this a truth value, of Python or of numpy? One of numpy's there is only where that is loaded."""
+    """Return whether this is a truth value of Python, or of numpy if that is loaded."""
     numpy = sys.modules.get("numpy")
     return isinstance(value, bool) or (numpy is not None and isinstance(value, numpy.bool_))
 
 
 def member_text(type_: ValueType, value: Any) -> str:
-    """Return how the spec calls a member of an enumeration, or the value as text."""
+    """Return the spec's name of a member of an enumeration, or the value as text."""
     if type_.enum is not None:
         for item in type_.enum.values:
             if item.value == value:

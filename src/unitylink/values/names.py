@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spec names as Python names: the same rule for generated classes and for what is made at run time."""
+"""Spec names as Python names, by one rule for generated classes and for objects made at run time."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Iterable
 
 
 def python_names(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
-    """Map spec names to Python names: unchanged where that works, else with "_" at the end.
+    """Map spec names to Python names: unchanged if that works, else with "_" at the end.
 
-    Leading underscores are dropped, for they mean private (and two of them are rewritten by Python).
+    Leading underscores are dropped, because they mean private (and Python rewrites two of them).
 
     >>> python_names(["cpos", "class", "class_", "path", "__x"], {"path"})
     {'cpos': 'cpos', 'class': 'class__', 'class_': 'class_', 'path': 'path_', '__x': 'x_'}

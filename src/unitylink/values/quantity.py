@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a value of the gateware means to its user: type, scale, unit and limits."""
+"""The meaning of a value of the gateware: type, scale, unit and limits."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from unitylink.spec.types import UINT32, Number, ValueType
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a value is to its user: engineering value = raw number * `scale` + `offset`, in `unit`.
+    """The meaning of a value: engineering value = raw number * `scale` + `offset`, in `unit`.
 
-    `minimum`, `maximum`, `initial` and `safe` are engineering values, None where there are none. `overflow`
-    says what a write beyond the limits is: "error", or "saturate" (the limit is written).
+    `minimum`, `maximum`, `initial` and `safe` are engineering values, or None. `overflow` says what happens
+    at a write beyond the limits: "error", or "saturate" (the limit is written).
 
     >>> Quantity(ValueType("int", 16), scale=0.001, unit="rad").text(1.5)
     '1.5 rad'
@@ -32,14 +32,14 @@ class Quantity:
 
     @classmethod
     def of(cls, element: Any) -> Quantity:
-        """Return the quantity of a model element (or a field): what it has of ours."""
+        """Return the quantity of a model element, or of a field."""
         names = ("type", "scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe")
         given = {name: getattr(element, name) for name in names if hasattr(element, name)}
         return cls(**given)
 
     @property
     def scaled(self) -> bool:
-        """Say whether values are floats made from whole raw numbers."""
+        """Return whether values are floats made from whole raw numbers."""
         return self.type.kind in ("fixed", "ufixed") or self.scale != 1 or self.offset != 0
 
     def text(self, value: Any) -> str:

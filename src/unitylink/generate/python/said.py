@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What docstrings of generated classes say."""
+"""The docstrings of generated classes."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Code(str):
 
     @classmethod
     def part(cls, value: Part) -> Part:
-        """Return what may become part of code of this language as it is; raise UnquotedText for all else."""
+        """Return what may become part of code of this language as it is. Raise UnquotedText for all else."""
         if isinstance(value, cls):
             return value
         if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):

@@ -253,7 +253,7 @@ class _Module:
         return f"  always @({edge})\n    {self._taking(name, value, _CHOICES_MOST) or ';'}"
 
     def _taking(self, register: str, value: str, choices: int) -> str:
-        """Return the statement by which `register` gets `value`; "" if it has it."""
+        """Return the statement by which `register` gets `value`. "" if it has it."""
         value = self._origin(value)
         if value == register:
             return ""
@@ -268,7 +268,7 @@ class _Module:
 
 
 def _taken_apart(pattern: re.Pattern[str], definitions: list[str]) -> list[Bits] | None:
-    """Return the groups of `pattern`, each of all `definitions`; None if one is of another form."""
+    """Return the groups of `pattern`, each of all `definitions`. None if one is of another form."""
     matches = [match for text in definitions if (match := pattern.fullmatch(text))]
     if len(matches) < len(definitions):
         return None

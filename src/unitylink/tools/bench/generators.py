@@ -58,7 +58,7 @@ def _outputs() -> str:
 
 
 def _command(folder: Path, registers: int) -> list[str]:
-    """Write a spec of so many registers; return the command that makes everything of it, but for where to."""
+    """Write a spec of so many registers. Return the command that makes everything of it, but for where to."""
     spec = folder / "flat.ul"
     spec.write_text(flat_spec(registers), encoding="utf-8")
     return [sys.executable, "-m", "unitylink", "generate", str(spec), "--only", ",".join(ARTEFACTS)]
@@ -82,7 +82,7 @@ def _generate(registers: int, runs: int) -> tuple[float, float]:
 
 
 def _run(command: list[str], environment: Mapping[str, str]) -> tuple[int, struct_rusage]:
-    """Run the command; return its exit code and what it used."""
+    """Run the command. Return its exit code and what it used."""
     quiet = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
     process = os.posix_spawn(command[0], command, environment, file_actions=quiet)
     _, status, usage = os.wait4(process, 0)

@@ -52,7 +52,7 @@ def alone(folder: Path) -> Iterator[Path]:
 
 
 def made(command: Sequence[str | Path], environment: Mapping[str, str] | None = None) -> str:
-    """Run a program that makes something; return what it printed.
+    """Run a program that makes something. Return what it printed.
 
     Raises BenchError if it fails, or does not end.
     """

@@ -34,7 +34,7 @@ def _cpu_s() -> float:
 
 
 def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str, Any]]:
-    """Record for so long; return the processor time of that process in s, and what it says."""
+    """Record for so long. Return the processor time of that process in s, and what it says."""
     command = [
         sys.executable,
         "-m",

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The language server of UL-spec; see README.md."""
+"""The language server of UL-spec. See README.md."""

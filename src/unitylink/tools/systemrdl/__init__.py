@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""UL-spec from SystemRDL; see README.md."""
+"""UL-spec from SystemRDL. See README.md."""
 
 from __future__ import annotations
 
