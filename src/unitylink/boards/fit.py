@@ -26,7 +26,7 @@ class Remedy:
 
 
 def _above(name: str, value: int) -> Callable[[BoardConfiguration], bool]:
-    """Say whether a configuration has more than `value` of a setting; no where it has no such setting."""
+    """Return whether a configuration has this setting, and more than `value` of it."""
     return lambda configuration: int(getattr(configuration, name, 0)) > value
 
 
@@ -49,7 +49,7 @@ REMEDIES = (
 
 
 def remedies(configuration: BoardConfiguration) -> Iterator[str]:
-    """Yield what would make the design smaller, the most helpful first."""
+    """Yield changes that make the design smaller, the most helpful first."""
     for one in REMEDIES:
         if one.helps(configuration):
             parts = [f"{one.cells} cells"] if one.cells else []

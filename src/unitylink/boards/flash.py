@@ -14,13 +14,13 @@ from .manifest import Board, load_board
 from .report import read_report
 
 PACKAGES = {"iceprog": "fpga-icestorm", "openFPGALoader": "openfpgaloader"}
-# What each program is told for the chip's own memory, which is lost with the power, and for the flash.
+# The arguments of each program, for the chip's own memory, which is lost without power, and for the flash.
 _VOLATILE = {"iceprog": ["-S"], "openFPGALoader": []}
 _LASTING = {"iceprog": [], "openFPGALoader": ["--write-flash"]}
 
 
 def flash_command(folder: Path, *, volatile: bool = False, program: str | None = None) -> list[str]:
-    """Return the command that writes what `unitylink build` left in `folder`.
+    """Return the command that writes the bitstream of `unitylink build` in `folder`.
 
     It writes the flash, from which the chip starts ever after, or with `volatile` the chip alone. The first
     program of the board's manifest that is installed is taken, unless `program` names one. Raises BoardError

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a spec to a bitstream: generate, GHDL, yosys, nextpnr, pack, in that order, each step told."""
+"""From a spec to a bitstream: generate, GHDL, yosys, nextpnr, pack. Each step is reported."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _LINES_SHOWN = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Order(Wanted):
-    """What to build for which board. None leaves the choice to spec and board."""
+    """A design to build, for a board. None leaves the choice to spec and board."""
 
     board: Board
     clock_hz: int | None = None
@@ -44,7 +44,7 @@ class Order(Wanted):
 
 
 def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
-    """Build a bitstream and its report in `order.folder`; `tell` hears of each step as it begins.
+    """Build a bitstream and its report in `order.folder`. `tell` is called at the beginning of each step.
 
         board = load_board("icebreaker")
         report = build_bitstream(Order(spec_file="servo.ul", board=board, folder=Path("build/servo")))
@@ -217,7 +217,7 @@ def _place(
 
 
 def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> tuple[int, int | None]:
-    """Return what nextpnr guarantees for the design's clock and, where a chip's pin gives one, for that.
+    """Return nextpnr's guaranteed rate of the design's clock and, if a chip's pin gives one, of that clock.
 
     >>> fmax({"clock_": {"achieved": 50.0}, "$glbnet$FIFO_CLK$IN": {"achieved": 90.5}}, "FIFO_CLK")
     (50000000, 90500000)

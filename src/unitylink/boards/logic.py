@@ -25,7 +25,7 @@ _PORTS = ("clock", "reset", "rx_line", "tx_line", "clock_hz", "baud_hz", "to_pc"
 
 @dataclass(frozen=True)
 class Logic:
-    """What is built: the entity `top`, the files it is in, and what is to be said of it."""
+    """The logic to build: the entity `top`, its files, and remarks about it."""
 
     top: str
     sources: tuple[Path, ...]
@@ -42,11 +42,11 @@ def design_sources(spec: Spec, folder: Path) -> list[Path]:
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What to build where: a spec, the user's VHDL (`logic`, of which `top` is the entity) and pin wishes.
+    """The order of a user: a spec, VHDL of their own (`logic`, with the entity `top`) and wishes for pins.
 
-    `root` is the public constructor or the link whose board it is, where the spec has several. `protocol` is
-    what the link speaks: "both", "framed" or "classic". None: what the board's manifest says. `settings` are
-    fields of the board configuration in which it differs from what the spec asks for.
+    `root` is the public constructor or the link of the board, if the spec has several. `protocol` is that of
+    the link: "both", "framed" or "classic". None: that of the board's manifest. `settings` are fields of the
+    board configuration that differ from those of the spec.
     """
 
     spec_file: str
@@ -76,11 +76,11 @@ def spec_of(wanted: Wanted) -> Spec:
 def logic_of(
     spec: Spec, wanted: Wanted, configuration: BoardConfiguration, *, pin_for_trips: bool = False
 ) -> Logic:
-    """Return what to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
+    """Return the logic to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
 
-    Where the link is no UART, a NAME_board.vhd that names none of its ports is for other boards. What is made
-    here has the port `tripped` where a pin is wished for it, or the board has one (`pin_for_trips`). Raises
-    BoardError, also where the gateware has nothing that trips.
+    If the link is not a UART, a NAME_board.vhd that names none of the link's ports is for other boards. Logic
+    made here has the port `tripped` if a pin is wished for it, or if the board has one (`pin_for_trips`).
+    Raises BoardError, also where the gateware has nothing that trips.
     """
     name = f"{design_name(spec)}_board.vhd"
     beside = Path(wanted.spec_file).with_name(name)

@@ -26,14 +26,14 @@ MANIFEST = "board.toml"
 FAMILIES = ("ice40", "ecp5")
 PHYSICAL = ("uart", "ft245_async", "ft245_sync", "spi")  # those that `build` can put on pins
 CHIP_CLOCK, CHIP_CLOCK_HZ = "ft245_clkout", 60_000_000  # which an FTDI chip gives in synchronous mode
-# What a pin can be good for: a port whose name tells one of these gets its pins (see pins.py).
+# The roles of a pin: a port whose name has one of these words gets its pins (see pins.py).
 ROLES = ("leds", "buttons", "pwm", "encoder", "io", "tripped")
 _NAME = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?")  # no _ at the end: such names are the wrapper's
 
 
 @dataclass(frozen=True)
 class Pin:
-    """A pin: the board's name for it, the chip's (`site`), and what it is electrically."""
+    """A pin: the board's name for it, the chip's name (`site`), and its electrical properties."""
 
     name: str
     site: str
@@ -47,7 +47,7 @@ class Board:
     """What a manifest says. `roles` maps a role to its pins, in the order in which they are given out."""
 
     name: str
-    reference: str  # what load_board() takes for it from any folder
+    reference: str  # the argument with which load_board() finds it from any folder
     title: str
     path: Path
     pins_from: tuple[str, ...]
@@ -57,9 +57,9 @@ class Board:
     package: str
     clock_pin: str
     clock_hz: int  # of the oscillator
-    design_hz: int  # what the design runs at unless it is told otherwise
+    design_hz: int  # the default clock of the design
     pll: str  # iCE40: "pad" where the clock's pin feeds the PLL directly, else "core"
-    protocol: str  # what a design speaks unless it is told otherwise: "classic", "framed" or "both"
+    protocol: str  # the default protocol: "classic", "framed" or "both"
     physical: str  # the physical layer of the link
     rx: str  # of a UART, as are the next three; else ""
     tx: str
@@ -74,7 +74,7 @@ class Board:
 
     @property
     def link_clock(self) -> str | None:
-        """The pin on which the link's chip gives a clock of CHIP_CLOCK_HZ, where it does."""
+        """The pin on which the link's chip gives a clock of CHIP_CLOCK_HZ, if it does."""
         return self.link_pins[CHIP_CLOCK][0] if self.physical == "ft245_sync" else None
 
     @property
@@ -86,7 +86,7 @@ class Board:
     def configuration(
         self, spec: Spec, protocol: str | None = None, settings: Mapping[str, Any] | None = None
     ) -> BoardConfiguration:
-        """Return the gateware that `spec` asks for, on this board's link, but for `settings`.
+        """Return the gateware that `spec` asks for, on this board's link, changed by `settings`.
 
         Raises BoardError for another link.
         """
@@ -216,7 +216,7 @@ def _pin(pins: _Table, name: str, io: str) -> Pin:
 
 
 class _Table:
-    """A table of a manifest, whose mistakes are told with their key."""
+    """A table of a manifest. A mistake in it is reported with its key."""
 
     def __init__(self, path: Path, data: Any, key: str = "") -> None:
         self.path, self.data, self.key = path, data, key

@@ -17,10 +17,10 @@ CLOCKS = ("clock", "clk")
 RESETS = ("reset", "rst")
 RECEIVES = ("rx_line", "usb_rx", "rx", "uart_rx")
 TRANSMITS = ("tx_line", "usb_tx", "tx", "uart_tx")
-TRIPPED = "tripped"  # what the dead-man says: both a port and the role of its pin
+TRIPPED = "tripped"  # of the dead-man: both a port and the role of its pin
 OPEN = "-"  # instead of a pin: none, and that is meant
 _SITE = "site:"  # before a pin of the chip that the manifest does not name
-# A word of a port's name -> what its pins must be good for. With or without an s at the end.
+# A word of a port's name -> the role of its pins. With or without an s at the end.
 _WORDS = {
     **dict.fromkeys(("led", "lamp", "light"), "leds"),
     **dict.fromkeys(("button", "key", "btn"), "buttons"),
@@ -33,7 +33,7 @@ _WISH = re.compile(r"(\w+)(?:\[(\d+)\])?=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Line:
-    """What goes to pins under one name: a port, or three (name_in, name_out, name_drive) of a two-way one."""
+    """One name at pins: a port, or the three (name_in, name_out, name_drive) of a two-way one."""
 
     name: str
     direction: str  # "in", "out", "both"
@@ -45,7 +45,7 @@ class Line:
 
 @dataclass
 class Pinout:
-    """`pins` gives each bit of a line its pin, None where it has none."""
+    """`pins` has the pin of each bit of a line, or None."""
 
     lines: tuple[Line, ...]
     pins: dict[str, list[Pin | None]] = field(default_factory=dict)
@@ -59,7 +59,7 @@ class Pinout:
 
 
 def lines_of(ports: Sequence[Port]) -> tuple[Line, ...]:
-    """Return what of `ports` goes to pins, the clock, the reset and the link left out.
+    """Return those of `ports` that go to pins, without the clock, the reset and the link.
 
     >>> two_way = [Port("a_in", True, 2), Port("a_out", False, 2), Port("a_drive", False, 2)]
     >>> lines_of([Port("clock", True, 1), *two_way])
@@ -84,7 +84,7 @@ def lines_of(ports: Sequence[Port]) -> tuple[Line, ...]:
 
 
 def role_of(name: str, component: str = "") -> str | None:
-    """Return what a port's pins must be good for, by the component it belongs to or by a word of its name.
+    """Return the role of a port's pins, by its component or by a word of its name.
 
     >>> role_of("left_motors"), role_of("drive_pins", "pwm"), role_of("limit_switch"), role_of("trips")
     ('pwm', 'pwm', 'io', None)
@@ -111,8 +111,8 @@ def assign_pins(
     """Give each line its pins: first what `wishes` say ("servos=P1A1,P1A2", "servos[1]=P1B1", "lamp=-").
 
     `components` maps a line to the component of the gateware library that it belongs to. Raises BoardError
-    for a pin that the board has not or that two want, for a line that does not exist, and for one whose name
-    tells no pin.
+    for a pin that the board does not have or that two want, for a line that does not exist, and for one whose
+    name tells no pin.
     """
     names = {line.name: line for line in lines}
     pinout = Pinout(tuple(lines), {line.name: [None] * line.bits for line in lines})

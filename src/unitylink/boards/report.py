@@ -26,7 +26,7 @@ class Area:
 
 @dataclass(frozen=True)
 class Report:
-    """`fmax_hz` is what nextpnr guarantees for the design's clock, `clock_hz` what it runs at."""
+    """`fmax_hz` is nextpnr's guarantee for the design's clock, `clock_hz` is its rate."""
 
     spec: str
     hash: str
@@ -79,7 +79,7 @@ class Report:
 
 
 def budget_of(one: DeviceBudget) -> dict[str, Any]:
-    """Return what of a budget goes into a report."""
+    """Return the part of a budget for a report."""
     groups = [
         {
             "name": g.name,
@@ -103,7 +103,7 @@ def budget_of(one: DeviceBudget) -> dict[str, Any]:
 
 
 def forget(folder: Path, bitstream: str) -> None:
-    """Remove what an earlier build left: after a failure there must be nothing to flash."""
+    """Remove the results of an earlier build: after a failure there must be nothing to flash."""
     for name in (f"{NAME}.json", f"{NAME}.txt", bitstream):
         (folder / name).unlink(missing_ok=True)
 

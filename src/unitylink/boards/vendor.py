@@ -26,8 +26,8 @@ BAUD_HZ = 1_000_000  # where neither the spec nor the user tells one
 class VendorOrder(Wanted):
     """A project to write for the tool `vendor`, "vivado" or "quartus".
 
-    `pins` are PORT=SITE or PORT[3]=SITE, sites being the chip's; those not named are left for the user to
-    fill in. `clock_hz` is that of the clock's pin.
+    `pins` are PORT=SITE or PORT[3]=SITE, with sites of the chip. The user fills in the others. `clock_hz` is
+    that of the clock's pin.
     """
 
     vendor: str

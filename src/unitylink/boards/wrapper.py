@@ -114,7 +114,7 @@ def _clock(board: Board, pll: Pll | None) -> list[str]:
 
 
 def _line(board: Board, line: Line, pins: Sequence[Pin | None]) -> tuple[list[str], list[tuple[str, str]]]:
-    """Return the statements around a line's ports, and what its ports are connected to."""
+    """Return the statements around a line's ports, and the connections of its ports."""
     if line.direction == "in":
         return [], [(line.name, _reading(pins, {}))]
     wires = f"[{line.bits - 1}:0]"
@@ -150,7 +150,7 @@ def _two_way(board: Board, pin: Pin, value: str, drive: str, read: str) -> str:
 
 
 def _reading(pins: Sequence[Pin | None], nets: dict[str, str]) -> str:
-    """Return the bits of an input, the highest first; one without a pin is 0."""
+    """Return the bits of an input, the highest first. A bit without a pin is 0."""
     bits = ["1'b0" if p is None else f"{_turned(p)}{nets.get(p.name, p.name)}" for p in reversed(pins)]
     return "{" + ", ".join(bits) + "}"
 

@@ -19,7 +19,7 @@ from .netlist import netlist
 from .programs import map_cells
 from .sources import gateware_sources
 
-# What a simulator checks while it runs; a chip does not, and yosys does not read it.
+# Checks of a simulation. A chip has none, and yosys does not read them.
 _ASSERTION = re.compile(r"^  always @\*\n    if \(!\w+\)\n      \$fatal\(1, \"[^\"]*\"\);\n", re.MULTILINE)
 _USAGE = "usage: python -m unitylink.gateware.build check|verilog|FAMILY TOP FOLDER FILE.vhd ..."
 

@@ -26,7 +26,7 @@ class Ghdl:
         ghdl = Ghdl(work, gateware_sources())
         verilog = ghdl.synthesise("fifo_slave", "verilog", {"depth": 64})
 
-    Raises ToolError: GHDL is missing, or refuses a source; its own message is passed on.
+    Raises ToolError if GHDL is missing or refuses a source, with GHDL's own message.
     """
 
     def __init__(self, work: Path, sources: Sequence[Path]) -> None:

@@ -21,10 +21,10 @@ def netlist(
 ) -> str:
     """Return the netlist of the entity `top`, as Verilog for Verilator and yosys.
 
-    `top` is of the gateware, or of `sources`, which are analysed with it; `generics` override its own. A top
-    level has ports of named types only: no unconstrained arrays, none of width 0. A record, as the generic of
-    the core is, cannot be overridden: instantiate it in a source of your own. `assertions` of the VHDL
-    become calls of $fatal, which simulators know and yosys does not. Raises ToolError.
+    `top` is an entity of the gateware, or of `sources`, which are analysed with it. `generics` override its
+    own. A top level has ports of named types only: no unconstrained arrays, none of width 0. A record, as the
+    generic of the core is, cannot be overridden: instantiate it in a source of your own. `assertions` of the
+    VHDL become calls of $fatal, which simulators know and yosys does not. Raises ToolError.
 
         netlist("fifo_slave", generics={"depth": 64}, assertions=False)
     """

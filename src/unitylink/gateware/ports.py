@@ -14,7 +14,7 @@ _PORT = re.compile(r"(input|output|inout)\s+(?:\[(\d+):0\]\s*)?(\w+)")
 
 @dataclass(frozen=True)
 class Port:
-    """A port of a module; `bits` is its width."""
+    """A port of a module. `bits` is its width."""
 
     name: str
     is_input: bool

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The programs that make a bitstream of a netlist: found, run, and their failures told."""
+"""Finds and runs the programs that make a bitstream of a netlist, and reports their failures."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Repairs what GHDL 2.0 prints wrongly in Verilog, without a warning.
 
-The same netlist printed as VHDL is right and has the same net names, so what is missing is taken from there.
-What a GHDL prints right is left alone.
+The same netlist printed as VHDL is right and has the same net names. So the missing parts are taken from
+there. Correct output of a GHDL is left alone.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ _DECLARED = re.compile(
 
 
 def repaired(verilog: str, vhdl: str) -> str:
-    """Return the netlist `verilog` with what GHDL left out taken from its twin `vhdl`. Raise ToolError."""
+    """Return the netlist `verilog`, with the parts that GHDL omitted taken from the same netlist in `vhdl`.
+    Raise ToolError."""
     refuse_verilog_words(vhdl)
     return with_signed_shifts(with_sized_constants(with_default_arms(verilog, vhdl)))
 
@@ -43,7 +44,7 @@ def repaired(verilog: str, vhdl: str) -> str:
 def with_default_arms(verilog: str, vhdl: str) -> str:
     """Give every `case` its default arm, which GHDL 2.0 leaves out (ghdl#2041, right from 3.0 on).
 
-    Without it a tool makes a latch of the case, or believes that what is missing never happens.
+    Without it a tool makes a latch of the case, or assumes that the missing case never happens.
     """
     defaults = _default_arms(vhdl)
     out: list[str] = []
@@ -72,7 +73,7 @@ def with_default_arms(verilog: str, vhdl: str) -> str:
 def with_sized_constants(verilog: str) -> str:
     """Print constants wider than 32 bits as numbers: GHDL 2.0 prints strings, which Verilog reads as ASCII.
 
-    A constant of no bits, which Verilog has not, becomes one bit that nobody reads.
+    A constant of no bits, which Verilog does not have, becomes one bit that nothing reads.
     """
     sized = re.sub(
         r'"([01xz]{2,})"', lambda m: f"{len(m.group(1))}'b{m.group(1).lower()}", verilog, flags=re.I
@@ -86,7 +87,8 @@ def with_signed_shifts(verilog: str) -> str:
 
 
 def refuse_verilog_words(vhdl: str) -> None:
-    """Raise ToolError for what has a name of Verilog's, labels too: GHDL 2.0 prints it as it is."""
+    """Raise ToolError for names, also of labels, that are words of Verilog: GHDL 2.0 prints them as they
+    are."""
     names = {next(filter(None, found)) for found in _DECLARED.findall(vhdl)}
     if clash := sorted(name for name in names if name.lower() in _VERILOG_WORDS.split()):
         raise ToolError(

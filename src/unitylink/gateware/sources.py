@@ -14,7 +14,8 @@ def gateware_folder() -> Path:
 
 
 def gateware_sources() -> tuple[Path, ...]:
-    """Return every VHDL file of the gateware but benches and proofs, by name; GHDL finds the order itself."""
+    """Return every VHDL file of the gateware except benches and proofs, by name. GHDL finds the order
+    itself."""
     folder = gateware_folder()
     return tuple(
         path

@@ -54,15 +54,14 @@ ARTEFACTS: Mapping[str, Callable[[Spec], dict[str, str]]] = MappingProxyType(
         "ros2": generate_ros2,
     }
 )
-DEFAULT = ("python",)  # made where nobody says what: what a program needs
+DEFAULT = ("python",)  # made by default: what a program needs
 
 
 @collector_paused()
 def generate(spec: Spec, only: str | None = None, configuration: Chosen = None) -> dict[str, str]:
-    """Return {file name: text} of the default artefacts, or of one; a spec always gives the same text.
+    """Return {file name: text} of the default artefacts, or of one. A spec always gives the same text.
 
-    `configuration` is what gateware the VHDL is, or the fields in which it differs from what the spec asks
-    for.
+    `configuration` is the gateware of the VHDL, or the fields that differ from those of the spec.
     """
     if not spec.source.isprintable():
         raise BindingError(
@@ -83,7 +82,7 @@ def stale(
     only: str | None = None,
     configuration: Chosen = None,
 ) -> list[str]:
-    """Say what in `folder` is not what the spec gives now. Empty when all is up to date."""
+    """Return the differences between `folder` and the files of the spec now. Empty when all is up to date."""
     problems = []
     for name, text in generate(spec, only, configuration).items():
         present = _present(Path(folder) / name)
@@ -111,7 +110,7 @@ def write(
 def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
     """Write {file name: text} into `folder` as `write` does.
 
-    `folder` may be a symbolic link. Below it none is followed: what is made for it stays in it.
+    `folder` may be a symbolic link. Below it none is followed, so all files stay in it.
     """
     folder = Path(folder)
     changed = {}

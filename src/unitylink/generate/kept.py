@@ -14,7 +14,7 @@ R = TypeVar("R")
 
 
 def kept(function: Callable[[Spec], R]) -> Callable[[Spec], R]:
-    """Keep what `function` returned for the last spec, as long as that lives; it must not be changed."""
+    """Keep the result of `function` for the last spec, as long as that spec lives. It must not be changed."""
     last: list[tuple[weakref.ref[Spec], R]] = []
 
     @wraps(function)

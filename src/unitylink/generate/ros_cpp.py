@@ -30,7 +30,7 @@ class CppGroup:
 
 @dataclass(frozen=True)
 class CppTopic:
-    """A topic of the node: statements that fill or read `message`; `group` is what it is published with."""
+    """A topic of the node: statements that fill or read `message`. `group` is the group of its publishes."""
 
     topic: Topic
     package: str
@@ -257,14 +257,14 @@ def _initialiser(where: tuple[Part, Part, int], quantity: Quantity, writable: bo
 
 
 def _members(kind: ValueType) -> Cpp:
-    """Return a bit for each number of a closed enumeration; 0 where the limits have to do."""
+    """Return a bit for each number of a closed enumeration. 0 if the limits have to do."""
     numbers = {value.value for value in kind.enum.values} if kind.enum is not None else set()
     whole = kind.enum is None or kind.enum.open or any(not 0 <= number < 64 for number in numbers)
     return Cpp.of("0x{:X}U", 0 if whole else sum(1 << number for number in numbers))
 
 
 def _limits(codec: Codec) -> tuple[float | None, float | None]:
-    """Return what is narrower than the type: of a float numbers in its unit, of others raw numbers."""
+    """Return the limits that are narrower than the type: in its unit for a float, else as raw numbers."""
     quantity, kind = codec.quantity, codec.quantity.type
     if kind.kind == "float":
         return quantity.minimum, quantity.maximum

@@ -17,7 +17,7 @@ from unitylink.resources import cache_folder
 
 from .quoting import Code, Part, language_of
 
-_CHECKS = 1  # raised when templates are compiled in another way: what is kept is not taken then
+_CHECKS = 1  # raised when templates are compiled in another way, so that older files are not used
 
 
 @cache
@@ -63,7 +63,7 @@ def _remark(context: Context, text: str) -> Code:
 
 @jinja2.pass_context
 def _joined(context: Context, parts: Iterable[Part], between: str = "") -> Code:
-    """Join as jinja's own filter does, parts being checked; what stands between is the template's."""
+    """Join as jinja's own filter does, but check the parts. The text between them is the template's."""
     return _language(context)(between).join(parts)
 
 
@@ -77,7 +77,7 @@ def _language(context: Context) -> type[Code]:
 
 
 class _Kept(jinja2.BytecodeCache):
-    """Compiled templates in files, by name and content; without a place to keep them nothing is kept."""
+    """Compiled templates in files, by name and content. Without a place for them nothing is kept."""
 
     def load_bytecode(self, bucket: Bucket) -> None:
         with suppress(Exception), self._file(bucket).open("rb") as file:  # whatever a damaged file raises
@@ -90,7 +90,7 @@ class _Kept(jinja2.BytecodeCache):
             fresh = path.with_name(f"{path.name}.{os.getpid()}")
             with fresh.open("wb") as file:
                 bucket.write_bytecode(file)
-            fresh.replace(path)  # whoever reads meanwhile has the old one or the new one
+            fresh.replace(path)  # a reader has the old one or the new one
 
     def _file(self, bucket: Bucket) -> Path:
         return cache_folder("templates") / f"{jinja2.__version__}-{_CHECKS}" / bucket.key

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""UL-spec, the specification language: from text to a checked, frozen model; docs/ul-spec.md describes it.
+"""UL-spec, the specification language: from text to a checked, frozen model. docs/ul-spec.md describes it.
 
 >>> result = compile_text("public led() { @on = 0x10: WRITE(); }", "led.ul")
 >>> [(path, hex(element.address)) for path, element in result.spec.walk()]

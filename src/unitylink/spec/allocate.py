@@ -19,7 +19,7 @@ _Device = tuple[str, "str | None"]
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive words of one instance; `start` to `end` is where the text asks for them."""
+    """Consecutive words of one instance. The text asks for them at `start` to `end`."""
 
     root: str
     comm: str | None
@@ -67,7 +67,7 @@ class Occupied:
 def allocate(
     blocks: Sequence[Block], taken: Iterable[tuple[_Device, int, int]], reporter: Reporter
 ) -> dict[tuple[str, str], int]:
-    """Return (root, path) -> first address of every unbound block; `taken` are (device, first, words)."""
+    """Return (root, path) -> first address of every unbound block. `taken` are (device, first, words)."""
     devices: dict[_Device, Occupied] = {}
     for device, first, words in taken:
         devices.setdefault(device, Occupied()).take(first, words)

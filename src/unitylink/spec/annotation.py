@@ -11,7 +11,7 @@ AnnotationValue = Union[int, float, str, bool]
 
 @dataclass(frozen=True)
 class Annotation:
-    """`@name(values, key=value)`; `values` are those without a key.
+    """`@name(values, key=value)`. `values` are those without a key.
 
     >>> Annotation("ros", (), (("type", "JointState"),)).get("type")
     'JointState'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether blocks of addresses hold what is theirs, and nothing else."""
+"""Whether blocks of addresses hold all of their own elements, and nothing else."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _innermost(own: dict[tuple[str, str], Block], root: str, path: str) -> Block
 def _outermost(
     device: tuple[str, str | None], blocks: Sequence[Block], reporter: Reporter
 ) -> list[tuple[int, Block]]:
-    """Return the blocks of a device that lie in no other, by their first address; report overlaps."""
+    """Return the blocks of a device that are inside no other, by their first address. Report overlaps."""
     found: list[tuple[int, Block]] = []
     mine = [(b.first, b) for b in blocks if b.device == device and b.first is not None]
     for first, block in sorted(mine, key=lambda one: (one[0], -one[1].words)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can be wrong with the addresses of a spec whose every name is right."""
+"""Checks of the addresses of a spec whose names are all right."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FIFO_WORDS = 3  # data, words waiting for the PC, room for the PC's
 
 
 def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporter) -> None:
-    """Report what is wrong or doubtful about the addresses and publishes of expanded elements."""
+    """Report errors and warnings about the addresses and publishes of expanded elements."""
     placed = resolver.placed
     _check_overlaps(placed, reporter)
     _check_links(placed, links, reporter)
@@ -62,7 +62,8 @@ def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
 
 
 def _may_share(one: Element, other: Element) -> bool:
-    """May two elements have one address? A strobe keeps nothing, so what is read there is something else."""
+    """May two elements have one address? A strobe keeps nothing, so a READ at its address is a separate
+    value."""
     if one.readable == other.readable or one.writable == other.writable:
         return False
     return "PULSE" in (one.access, other.access)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def collector_paused() -> Iterator[None]:
-    """Let no search for cycles interrupt what makes many objects that all stay: a third of a compilation.
+    """Pause the search for cycles while many lasting objects are made. It takes a third of a compilation.
 
     Objects without cycles are freed as ever. The collector runs again afterwards, if it did before.
     """

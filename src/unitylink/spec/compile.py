@@ -26,7 +26,7 @@ from .unused import check_notes, check_unused
 
 @dataclass(frozen=True)
 class Result:
-    """What a compilation gave: `spec` is None if any diagnostic is an error."""
+    """The result of a compilation. `spec` is None if any diagnostic is an error."""
 
     spec: Spec | None
     diagnostics: tuple[Diagnostic, ...]
@@ -49,10 +49,10 @@ def compile_text(
     include: Sequence[str | os.PathLike[str]] = (),
     opened: Mapping[str, str] = MappingProxyType({}),
 ) -> Result:
-    """Compile a spec; never raises for anything the text may hold.
+    """Compile a spec. No text makes it raise.
 
-    What it imports is looked for in the folder of `file`, then in `include`, then in the folders of the
-    environment variable UNITYLINK_PATH. `opened` are texts of files that an editor has changed, by real path.
+    Imports are looked for in the folder of `file`, then in `include`, then in the folders of the environment
+    variable UNITYLINK_PATH. `opened` are texts of files that an editor has changed, by real path.
 
     >>> compile_text("public led() { @on = 0x10: WRITE(); }").spec.root().elements[0].address
     16
@@ -106,7 +106,7 @@ def search_path() -> list[str]:
 
 
 def compile_file(path: str | os.PathLike[str], include: Sequence[str | os.PathLike[str]] = ()) -> Result:
-    """Compile a file; one that cannot be read or is not UTF-8 gives a diagnostic."""
+    """Compile a file. One that cannot be read or is not UTF-8 gives a diagnostic."""
     try:
         with Path(path).open("rb") as file:
             data = file.read(

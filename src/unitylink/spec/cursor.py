@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A place in the tokens, and how it moves: expecting, looking ahead, reporting, skipping what is wrong."""
+"""A place in the tokens, and how it moves: expect, look ahead, report, skip mistakes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _IN_HEAD = ("name", "keyword", "number", "string", ",", ":", "=", "+", "-", "*")
 
 
 class Panic(Exception):
-    """What follows cannot be read; a diagnostic was given. Never leaves this file."""
+    """The next tokens cannot be read. A diagnostic was given. Never leaves this file."""
 
 
 class Cursor:
-    """Where the parser is; `broken` tells of the member being read."""
+    """The place of the parser. `broken` tells whether the current member has a mistake."""
 
     def __init__(self, source: Source, reporter: Reporter, tokens: Tokens) -> None:
         self.source = source
@@ -51,7 +51,7 @@ class Cursor:
         return Name(text, self.tokens.starts[self.i - 1], self.tokens.ends[self.i - 1])
 
     def names(self, what: str) -> list[Name]:
-        """Read names and the `)` after them; the `(` is read already."""
+        """Read names and the `)` after them. The `(` is read already."""
         if self.accept(")"):
             return []
         names = [self.name(what)]
@@ -170,7 +170,7 @@ class Cursor:
         return i
 
     def at_link_kind(self, i: int) -> bool:
-        """Is token `i` the beginning of `TOSNET(…)` or its like? They are no keywords, but for the first."""
+        """Is token `i` the beginning of `TOSNET(…)` or its like? Only the first of them is a keyword."""
         if self.texts[i] not in LINK_KINDS or self.kinds[i + 1] != "(":
             return False
         if self.kinds[i] == "keyword":
@@ -190,7 +190,7 @@ class Cursor:
         return self.kinds[i] == "}" and (self.kinds[i + 1] == "}" or self.at_member(i + 1))
 
     def at_public_member(self) -> bool:
-        """Is this `public` before what can only be a member?"""
+        """Return whether this is a `public` before something that can only be a member."""
         kinds, i = self.kinds, self.i
         if kinds[i] != "keyword":
             return False
@@ -212,13 +212,14 @@ class Cursor:
         return "\n" in between or "\r" in between
 
     def faulty(self) -> bool:
-        """Did the lexer find something wrong in what is being read? Then a misfit there is no news."""
+        """Return whether the lexer found a mistake in the current text. Then a wrong token there is not
+        reported again."""
         if self.kinds[self.i] == "end" and self.tokens.truncated:
             return True
         return self._fault_before(self.tokens.ends[self.i])
 
     def touched(self) -> bool:
-        """Like `faulty`, of what has been read, without the token that comes next."""
+        """Like `faulty`, for the text before the next token."""
         return self._fault_before(self.tokens.ends[self.i - 1] if self.i else 0)
 
     def _fault_before(self, end: int) -> bool:

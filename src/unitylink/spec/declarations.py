@@ -48,7 +48,7 @@ class DeclarationReader(MemberReader):
         return texts[i] in ("enum", "bits") and declared
 
     def declaration(self, program: Program, notes: Notes) -> None:
-        """Read one declaration; what cannot be read leaves its name in `program.lost`."""
+        """Read one declaration. If that fails, its name is added to `program.lost`."""
         start = self.first = self.i
         self.broken = False
         word = self.texts[self.i]
@@ -70,7 +70,7 @@ class DeclarationReader(MemberReader):
         assert self.i > start  # a declaration has at least its word
 
     def _skip_declaration(self, braces: bool) -> None:
-        """Go behind the `;` or `}` that ends it, or to what begins like something else."""
+        """Skip to after the `;` or `}` that ends it, or to the beginning of something else."""
         while (kind := self.kinds[self.i]) != "end":
             if kind == "}" or (kind == ";" and not braces):
                 self.i += 1
@@ -124,7 +124,7 @@ class DeclarationReader(MemberReader):
         return node
 
     def _missing_type(self, name: Name, width: int) -> None:
-        """Advise the narrowest type that holds what is declared."""
+        """Advise the narrowest type for the declared values."""
         advice = self.replace(f"`{name.text}: u{width} {{` is wide enough", name.end, name.end, f": u{width}")
         message = f"`{name.text}` has no type, which says how many bits it takes"
         self.reporter.report("UL010", name.start, name.end, message, advice)
@@ -176,7 +176,7 @@ class DeclarationReader(MemberReader):
         return item
 
     def link(self, program: Program, name: Name, notes: Notes) -> None:
-        """Read the properties of a link; its name is read already."""
+        """Read the properties of a link. Its name is read already."""
         node = LinkNode(name, self.properties(LINK_PROPERTIES), notes)
         program.declarations.append(node)
 

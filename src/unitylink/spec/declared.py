@@ -34,7 +34,7 @@ _NOTHING: dict[str, Value] = {}
 
 
 class Declared:
-    """The declarations of a program by name; a wrong one is missing here, and its name is in `lost`."""
+    """The declarations of a program by name. A wrong one is missing here, and its name is in `lost`."""
 
     def __init__(self, program: Program, reporter: Reporter) -> None:
         self.reporter = reporter

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two specs compared by meaning: what a program made for the old one meets on gateware of the new one.
+"""Compares two specs by meaning: does a program for the old one work with gateware of the new one?
 
 >>> from .compile import compile_text
 >>> old = compile_text("public a() { @x = 0x1: READ(); }").spec
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from .model import Element, Group, Instance, Publish, Spec
 from .types import Field, ValueType
 
-# What each access lets a program do that another may rely on.
+# What each access allows a program to do.
 _WIDER = {("READ", "READWRITE"), ("WRITE", "READWRITE")}
 
 
@@ -49,7 +49,7 @@ class Change:
 
 
 def compare(old: Spec, new: Spec) -> tuple[Change, ...]:
-    """Return every difference that means something, in the order of the new spec, what was removed last.
+    """Return every difference of meaning, in the order of the new spec, with removals last.
 
     Layout, comments in the text and the names of specs and files mean nothing.
     """
@@ -152,7 +152,7 @@ def _publish(publish: Publish | None) -> str:
 
 
 def _meaning(kind: ValueType) -> tuple[object, ...]:
-    """Return what of a type reaches the wire or changes a value: all but names of types and documentation."""
+    """Return the parts of a type that reach the wire or change a value: all but names and documentation."""
     values = tuple((v.name, v.value) for v in kind.enum.values) if kind.enum else ()
     fields = tuple((f.name, _field_meaning(f)) for f in kind.fields)
     return kind.kind, kind.width, kind.fraction, bool(kind.enum and kind.enum.open), values, fields
@@ -165,7 +165,7 @@ def _detail(kind: ValueType) -> str:
 
 
 def _extends(old: ValueType, new: ValueType) -> bool:
-    """Does the new type only add what the old one leaves room for: names to an open enumeration, fields?"""
+    """Return whether the new type only adds to the old one: names to an open enumeration, or fields."""
     if (old.kind, old.width, old.fraction) != (new.kind, new.width, new.fraction):
         return False
     if old.enum is not None and new.enum is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What an element's type and properties come to; worked out once where no parameter has a part in it."""
+"""Evaluates an element's type and properties, only once if they do not depend on a parameter."""
 
 from __future__ import annotations
 

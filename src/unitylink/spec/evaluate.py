@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What expressions come to: exact numbers, numbers with a unit, texts, run-time objects.
+"""Evaluates expressions to exact numbers, numbers with a unit, texts or run-time objects.
 
 Arithmetic is exact, division too: 3/2 is one and a half. Where a whole number is needed and none comes out,
 that is an error, never a silent rounding.
@@ -44,11 +44,11 @@ _WORDS: dict[str, Value] = {"true": 1, "false": 0}
 
 
 class Stop(Exception):
-    """There is no value; a diagnostic was given, or a name is not known here. Never leaves `Evaluator`."""
+    """There is no value. A diagnostic was given, or a name is not known here. Never leaves `Evaluator`."""
 
 
 class Evaluator:
-    """Evaluates expressions; each method returns None after a diagnostic, or if a name has no value here."""
+    """Evaluates expressions. Each method returns None after a diagnostic, or if a name has no value here."""
 
     def __init__(self, reporter: Reporter, constants: Mapping[str, Value]) -> None:
         self.reporter = reporter
@@ -56,7 +56,7 @@ class Evaluator:
         self.used = False  # a name was looked up that was not a constant
 
     def value(self, expression: Expression, names: Mapping[str, Value]) -> Value | None:
-        """Return what an expression comes to."""
+        """Return the value of an expression."""
         try:
             return self._value(expression, names)
         except Stop:
@@ -93,7 +93,7 @@ class Evaluator:
     def quantity(
         self, expression: Expression, names: Mapping[str, Value], what: str, wanted: Unit | None
     ) -> Plain | None:
-        """Return a number in the unit `wanted`; one without a unit is in that already."""
+        """Return a number in the unit `wanted`. A number without a unit is in that already."""
         value = self.value(expression, names)
         if value is None:
             return None
@@ -149,7 +149,7 @@ class Evaluator:
         return Quantity(node.value * found.factor + found.offset, found.dimension)
 
     def unknown_unit(self, text: str, start: int, end: int, *, quoted: bool) -> None:
-        """Report that there is no such unit; `quoted` says that a string stands at the place, and no more."""
+        """Report that there is no such unit. `quoted` says that only a string is at that place."""
         near = spoken(text) or nearest(text, UNITS)
         advice = Advice("units are such as rad, deg, m, s, A, V, N m, rad/s, degC, Hz, count")
         if near:
@@ -219,7 +219,8 @@ class Evaluator:
         )
 
     def _scaled(self, node: Operation, left: Value, right: Value) -> Value:
-        """A number with a unit times or by a plain one; by one of its kind it is a plain number."""
+        """A number with a unit times or divided by a plain one. Divided by one of its kind it is a plain
+        number."""
         if isinstance(left, Quantity) and isinstance(right, Quantity):
             if node.operator == "/" and left.dimension == right.dimension:
                 return _simple(left.value / self._divisor(right.value, node))

@@ -20,8 +20,8 @@ _MARK = re.compile(r"^( *)(\^+)\n", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Explanation:
-    """One code explained. `wrong` and `mended` are whole specs, "" where an example would be too long; the
-    diagnostic stands in `wrong` at `line` and `column` (from 1) and is `width` characters wide."""
+    """One code explained. `wrong` and `mended` are whole specs, or "" if an example would be too long. The
+    diagnostic is in `wrong` at `line` and `column` (from 1) and is `width` characters wide."""
 
     code: str
     severity: str

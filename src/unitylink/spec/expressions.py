@@ -24,7 +24,7 @@ class ExpressionReader(Cursor):
     operations = 0  # of the expression being read
 
     def argument(self, what: str, key: Name | None = None) -> Argument:
-        """Read an expression; the parts of the sum it is are put together when their values are known."""
+        """Read an expression. The parts of a sum are joined when their values are known."""
         self.operations = 0
         if self.kinds[self.i + 1 if self.kinds[self.i] != "end" else self.i] in _ENDS:  # most are one word
             one = self._operand(what)
@@ -88,7 +88,7 @@ class ExpressionReader(Cursor):
         self.i += 1
 
     def number(self, what: str) -> Number:
-        """Read a number and the unit behind it: `0x80`, `0.5`, `30 deg`, `3 "rad/s"`."""
+        """Read a number and the unit after it: `0x80`, `0.5`, `30 deg`, `3 "rad/s"`."""
         if self.kinds[self.i] != "number":
             raise self.unexpected(what)
         text = self.texts[self.i]

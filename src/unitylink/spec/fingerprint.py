@@ -14,13 +14,13 @@ _PLAIN = ("", 1, 0, None, None, "error", None, None)  # what an element without 
 
 
 def fingerprint(roots: tuple[Instance, ...], links: tuple[Link, ...] = ()) -> str:
-    """Return 16 hex digits over what reaches the wire and the interface, in source order.
+    """Return 16 hex digits over the interface and what reaches the wire, in source order.
 
     That is: constructor, instance, element and group names, addresses, access, types with their fields and
     values, units, scaling, limits, initial and safe values, CRC, publish, declared links, components and
     run-time parameters. Comments, annotations, layout, display names and the spec's own name do not count.
-    What the published language does not have adds nothing where it is not used: a classic spec's hash is
-    what it always was.
+    Additions to the published language count only if they are used. So the hash of a classic spec never
+    changes.
     """
     lines = [f"declared {link}" for link in map(_link, links)]
     text = "\n".join([*lines, *(line for root in roots for line in _lines(root))])

@@ -21,7 +21,7 @@ _LAST_SYNTAX_CODE = "UL019"
 
 @dataclass(frozen=True)
 class Fixed:
-    """A text after fixes: `made` are the diagnostics that were mended, `result` what is left."""
+    """A text after fixes. `made` are the mended diagnostics, `result` has the remaining ones."""
 
     text: str
     made: tuple[Diagnostic, ...]
@@ -29,7 +29,7 @@ class Fixed:
 
 
 def fix_text(text: str, file: str = "<text>") -> Fixed:
-    """Return `text` with the fixes of its diagnostics made; it has fewer mistakes, or is unchanged.
+    """Return `text` with the fixes of its diagnostics made. It has fewer mistakes, or is unchanged.
 
     Each step is compiled: fixes that do not leave fewer mistakes behind are not made.
     """
@@ -68,7 +68,7 @@ def _try(text: str, file: str, before: Result, chosen: list[Diagnostic]) -> Fixe
 
 
 def _faults(result: Result) -> tuple[int, int, int]:
-    """How wrong a text is; syntax counts first, for mending it may show mistakes of meaning."""
+    """How wrong a text is. Syntax counts first, because mending it may reveal mistakes of meaning."""
     syntax = sum(1 for d in result.diagnostics if d.severity == "error" and d.code <= _LAST_SYNTAX_CODE)
     return syntax, result.errors, len(result.diagnostics)
 

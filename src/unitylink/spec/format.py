@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The formatter: one canonical layout, that of the paper's Fig. 1; every comment is kept, the meaning too.
+"""The formatter: one canonical layout, that of the paper's Fig. 1. It keeps every comment and the meaning.
 
-It works on tokens and comments, not on the syntax tree, so it cannot lose what it does not understand.
+It works on tokens and comments, not on the syntax tree. So it cannot lose text that it does not understand.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ class _Writer:
         self.in_statement = self.continued = self.annotation = False
 
     def _note(self, word: str, i: int) -> None:
-        """Remember what the spaces behind this token depend on."""
+        """Remember the facts that decide the spaces after this token."""
         kind = self.tokens.kinds[i]
         if kind == "(":
             self.brackets.append(self._is_spaced(i))
@@ -175,7 +175,7 @@ class _Writer:
         return not self.annotation and self.first != "link"
 
     def _piece(self, word: str) -> None:
-        """Add to the line; it may be broken behind a comma of the outermost bracket, and nowhere else."""
+        """Add to the line. It may be broken only after a comma of the outermost bracket."""
         inner = len(self.brackets) > 1
         if self.pieces and not (self.pieces[-1][-1] == "," and word != "," and not inner):
             self.pieces[-1].append(word)
@@ -199,7 +199,7 @@ class _Writer:
         self.pieces = []
 
     def _blank_line(self, breaks: int) -> None:
-        """Keep one blank line where there were some, except at the beginning of the file or of a body."""
+        """Reduce several blank lines to one, and remove them at the beginning of the file or of a body."""
         if breaks > 1 and self.lines and not self.opened:
             self._add("")
 

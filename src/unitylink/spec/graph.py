@@ -22,7 +22,7 @@ _K = TypeVar("_K", bound=Hashable)
 
 @dataclass
 class Size:
-    """What one expansion of a constructor makes."""
+    """The things that one expansion of a constructor makes."""
 
     items: int = 0
     elements: int = 0
@@ -39,7 +39,9 @@ class Graph:
         self._group_sizes: dict[tuple[str, str], int] = {}
         self._expanded: dict[str, dict[str, int]] = {}  # constructor -> callee -> instances directly in it
         self._unknown: set[tuple[str, str]] = set()  # constructor and name: each is reported once
-        self._rings: dict[str, dict[str, str]] = {}  # constructor -> what it must not expand -> the ring
+        self._rings: dict[
+            str, dict[str, str]
+        ] = {}  # constructor -> constructor that it must not expand -> the ring
         self._ring_count = 0
         order = _callees_first(scopes.first, self._callees, self._report_recursion)
         self._cut_rings()
@@ -77,7 +79,7 @@ class Graph:
     # --- sizes ----------------------------------------------------------------------------------------------
 
     def _measure(self, scope: Scope) -> None:
-        # What is evaluated for each expansion counts too, or long lists in small constructors would be bombs.
+        # Work in each expansion counts too, or long lists in small constructors would take too long.
         size = Size(items=(len(scope.parameters) + len(scope.addresses)) // _CHEAP)
         for member in scope.usable.values():
             if isinstance(member, ElementNode):
@@ -231,12 +233,12 @@ def _leaves(node: Expression) -> int:
 
 
 def cost_of_element(node: ElementNode) -> int:
-    """Return what it costs to evaluate an element's properties anew for each expansion."""
+    """Return the cost of evaluating an element's properties in each expansion."""
     return sum(_leaves(one.argument) for one in node.properties if one.argument is not None) // _CHEAP
 
 
 def cost_of_expansion(node: ExpansionNode) -> int:
-    """Return what it costs to evaluate the arguments and addresses of an expansion anew."""
+    """Return the cost of evaluating the arguments and addresses of an expansion."""
     addresses = sum(len(binding.numbers) for binding in node.bindings)
     return (sum(map(_leaves, node.arguments)) + addresses) // _CHEAP
 
@@ -246,7 +248,7 @@ def _callees_first(
 ) -> list[_K]:
     """Return the nodes so that each stands behind those it leads to; tell of each edge that closes a ring.
 
-    Without recursion of its own, for a chain may be as long as the file.
+    It uses no recursion, because a chain may be as long as the file.
     """
     order: list[_K] = []
     done: set[_K] = set()

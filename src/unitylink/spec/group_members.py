@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the paths of a group lead to, while one public constructor is expanded."""
+"""Resolves the paths of groups, while one public constructor is expanded."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Found = dict[str, list[Member]]  # by the name as declared: an array's has all o
 
 
 class GroupMaker:
-    """Makes the groups of instances; `members` has what stands in each instance, by its path."""
+    """Makes the groups of instances. `members` has the members of each instance, by its path."""
 
     def __init__(self, evaluator: Evaluator) -> None:
         self.evaluator = evaluator
@@ -30,7 +30,7 @@ class GroupMaker:
         self._by_constructor.clear()
 
     def add(self, waiting: Sequence[GroupNode], path: str, names: Mapping[str, Value]) -> None:
-        """Make the groups of the instance at `path`; one that lists another is made after it."""
+        """Make the groups of the instance at `path`. A group that lists another is made after it."""
         found = self.members[path]
         of_groups = {node.name.text for node in waiting}
         needed = {

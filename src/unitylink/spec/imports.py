@@ -3,7 +3,7 @@
 
 A file is named relative to the one that imports it, with `/` between folders. It is looked for in that file's
 folder, then in the folders of the search path. A name is never absolute and never leads up (`..`), and no
-symbolic link leads out, so a spec reads nothing but what lies below those folders.
+symbolic link leads out. So a spec reads only files below those folders.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _PART = re.compile(r"[^\\/:*?\"<>|\x00-\x1f\x7f]+")
 
 
 def component_names() -> tuple[str, ...]:
-    """Return what the component library has."""
+    """Return the names of the component library."""
     return tuple(sorted(path.stem for path in LIBRARY.glob("*.ul")))
 
 
 class Importer:
-    """Reads a spec's main file and all files it leads to; `program` holds everything that they declare."""
+    """Reads a spec's main file and all files that it imports. `program` has everything that they declare."""
 
     def __init__(
         self,
@@ -52,7 +52,7 @@ class Importer:
         self._follow(first, self.program.imports)
 
     def _follow(self, source: Source, imports: Iterable[ImportNode]) -> None:
-        """Read what `source` imports, each file before what stands behind its import."""
+        """Read the imports of `source`, each file before the text after its import."""
         here = os.path.realpath(source.file)
         self._read_files.setdefault(here, source)
         self._trail.append(here)
@@ -145,11 +145,11 @@ class Importer:
         return None
 
     def _merge(self, program: Program) -> None:
-        """Add what an imported file declares; its header and what is public there are its own matter."""
+        """Add the declarations of an imported file, without its header and its public constructors."""
         for constructor in program.constructors:
             constructor.public = False
         self.program.constructors += program.constructors
-        at = self._imported  # what is imported stands before what uses it
+        at = self._imported  # imported declarations come before their users
         self.program.declarations[at:at] = program.declarations
         self._imported += len(program.declarations)
         self.program.lost |= program.lost

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`{…}` in the strings of an array: `leg[6]: leg("leg {i+1}")`; `{{` and `}}` stand for braces themselves.
+"""`{…}` in the strings of an array: `leg[6]: leg("leg {i+1}")`. `{{` and `}}` stand for braces.
 
 Only there: in all other strings a brace is a brace, as it always was.
 """

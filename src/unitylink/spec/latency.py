@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How late each publish of a device can be: what the gateware has to do first, and the time on the line."""
+"""How late each publish of a device can be: the earlier work of the gateware, and the time on the line."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ _Kind = tuple[float, int, int]  # period in s, words and bytes of a publish: wha
 
 @dataclass(frozen=True)
 class Latency:
-    """What can pass from the tick (or event) of a publish, at most: until its first word is sampled, and
-    until its last byte has left; both None where the next may be due before."""
+    """The longest times from the tick (or event) of a publish: until its first word is sampled, and until its
+    last byte has left. Both are None if the next publish may be due earlier."""
 
     sampled_s: float | None
     sent_s: float | None
@@ -69,11 +69,11 @@ def latencies(
     protocol: str,
     clock_hz: int,
 ) -> list[Latency]:
-    """Return the bounds of each group of `device`, whose publishes have so many `message_bytes`.
+    """Return the bounds of each group of `device`. Its publishes have `message_bytes` each.
 
-    They hold for the gateware that is generated, at `clock_hz`, whatever requests of up to `read_many`
-    words come in by `protocol`. Every other group goes before, as often as it falls due meanwhile; one with
-    an event, once.
+    They hold for the gateware that is generated, at `clock_hz`, whatever requests of up to `read_many` words
+    come in by `protocol`. Every other group goes before, as often as it is due meanwhile. A group with an
+    event goes once.
     """
     groups, base_hz = device.groups, device.link.base_hz
     never = [Latency(None, None)] * len(groups)
@@ -91,7 +91,7 @@ def latencies(
 
 
 def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Gateware:
-    """Return what the generator would make; an address width that is not said counts as the widest."""
+    """Return the gateware of the generator. Without a stated address width the widest counts."""
     link = device.link
     plain_groups, plain_size = constants.GROUPS_2012, constants.GROUP_SIZE_2012
     return _Gateware(

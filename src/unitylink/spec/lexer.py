@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Text to tokens and comments, by one master pattern; every wrong character is reported once and left out."""
+"""Text to tokens and comments, by one master pattern. Every wrong character is reported once and omitted."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'"
 
 @dataclass
 class Tokens:
-    """The tokens of a text as parallel lists; the last ones are of kind "end", so that one may look ahead.
+    """The tokens of a text as parallel lists. The last ones are of kind "end", for looking ahead.
 
     A kind is "name", "keyword", "number", "string", "end", or the mark or operator itself. `texts` holds a
     name without its `^` and everything else as written.
@@ -77,7 +77,7 @@ class Tokens:
 
 
 class _Said:
-    """The `///` comments of a text, of which many lines may belong to one token; each is looked at once."""
+    """The `///` comments of a text. Many lines may belong to one token. Each line is looked at once."""
 
     def __init__(self, text: str, tokens: Tokens) -> None:
         self.text = text
@@ -101,7 +101,7 @@ class _Said:
 
 
 def tokenize(reporter: Reporter, source: Source | None = None) -> Tokens:
-    """Return the tokens of `source`, the reporter's first if none is given; report what is no token."""
+    """Return the tokens of `source`, by default the reporter's first. Report wrong characters."""
     source = source or reporter.sources.first
     text, base = source.text, source.base
     tokens = Tokens()
@@ -270,5 +270,5 @@ def _report_malformed(reporter: Reporter, kind: str, word: str, start: int, end:
 
 
 def _show(text: str) -> str:
-    """Return `text` in back quotes, with what cannot be printed escaped."""
+    """Return `text` in back quotes, with unprintable characters escaped."""
     return "`" + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + "`"

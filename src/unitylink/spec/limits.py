@@ -23,7 +23,7 @@ _OF_WRITES = ("OVERFLOW", "INITIAL", "SAFE")
 
 @dataclass
 class Facts:
-    """What the properties of a value say, as exact numbers in its unit."""
+    """The properties of a value, as exact numbers in its unit."""
 
     given: dict[str, Property] = field(default_factory=dict)
     unit: str = ""
@@ -69,7 +69,8 @@ def plain(value: Plain) -> Number:
 def read_facts(
     properties: Sequence[Property], kind: ValueType, evaluator: Evaluator, names: Mapping[str, Value]
 ) -> Facts | None:
-    """Return what properties say of a value. None after a diagnostic, or if a name has no value here."""
+    """Return the facts that properties give about a value. None after a diagnostic, or if a name has no value
+    here."""
     facts = Facts({one.key: one for one in properties})
     reader = _Reader(facts, kind, evaluator, names)
     return facts if reader.read() else None
@@ -249,7 +250,7 @@ def check_limits(facts: Facts, kind: ValueType, reporter: Reporter) -> bool:
 
 
 def check_access(facts: Facts, name: str, access: str, writable: bool, reporter: Reporter) -> bool:
-    """Report what only makes sense for values the PC writes."""
+    """Report properties that only make sense for values that the PC writes."""
     good = True
     for key in _OF_WRITES:
         if key in facts.given and (not writable or (access == "PULSE" and key != "OVERFLOW")):

@@ -18,7 +18,7 @@ _DEPTH_MAX = 1 << 16
 def bind_link(
     scope: Scope, outer: LinkBinding, names: Mapping[str, Value], evaluator: Evaluator
 ) -> LinkBinding:
-    """Return the proxy of an instance; what is not given comes from `outer`, but for BASE, which is 0."""
+    """Return the proxy of an instance. Missing properties come from `outer`, except BASE, which is 0."""
     node = scope.link_kind
     assert node is not None  # the caller looked
     objects: dict[str, str | None] = {"CTRL": outer.ctrl, "COMM": outer.comm}

@@ -27,7 +27,7 @@ _BELONGS = {
 
 
 class LinkReader:
-    """Gives the declared links their meaning; `known` tells whether the names of an expression are."""
+    """Gives the declared links their meaning. `known` tells whether the names of an expression are known."""
 
     def __init__(self, evaluator: Evaluator, known: Callable[[Expression], bool]) -> None:
         self.evaluator = evaluator
@@ -35,7 +35,7 @@ class LinkReader:
         self.known = known
 
     def read(self, node: LinkNode) -> Link:
-        """Return the link; what is wrong of it is reported, and left at its default."""
+        """Return the link. A wrong property is reported and keeps its default."""
         words = {one.key: self._word(one) for one in node.properties if one.key in _WORDS}
         numbers = {one.key: self._number(one) for one in node.properties if one.key not in _WORDS}
         given = {key: value for key, value in numbers.items() if value is not None}
@@ -73,7 +73,7 @@ class LinkReader:
         return None
 
     def _check(self, node: LinkNode, physical: str | None) -> None:
-        """Report properties that the physical layer has not; with none told, it is a line."""
+        """Report properties that the physical layer does not have. The default layer is a serial line."""
         given = {one.key: one for one in node.properties}
         if "PHYSICAL" in given and physical is None:
             return  # reported: there is no telling what belongs to it

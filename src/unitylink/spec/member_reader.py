@@ -30,7 +30,7 @@ _NEW_ACCESS = ACCESS_WORDS[2:]
 
 
 class MemberReader(PropertyReader):
-    """A cursor that reads members; one with a mistake stays in the tree as a `BrokenNode`."""
+    """A cursor that reads members. One with a mistake stays in the tree as a `BrokenNode`."""
 
     constructors: frozenset[str] = frozenset()  # those of this file: their names hide new access words
 
@@ -287,7 +287,7 @@ class MemberReader(PropertyReader):
     # --- documentation and annotations ----------------------------------------------------------------------
 
     def notes(self) -> Notes:
-        """Read what stands before a declaration: annotations, and the `///` lines around them."""
+        """Read the annotations before a declaration, and the `///` lines around them."""
         texts = [self.tokens.documentation.pop(self.i, "")] if self.tokens.documentation else []
         annotations: list[AnnotationNode] = []
         while self.at_annotation(self.i):

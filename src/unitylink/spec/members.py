@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can be told about the members of a constructor without expanding it."""
+"""Checks of the members of a constructor, without expanding it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _PARAMETER_TYPES = ("string", "int", "real", "bool")
 
 
 def check_members(scopes: Scopes, elements: ElementReader, link: Link) -> None:
-    """Report what is wrong with members, and take those out of `usable` that cannot be expanded."""
+    """Report mistakes in members, and remove from `usable` those that cannot be expanded."""
     checker = _Checker(scopes, elements, link)
     checker.find_wrong_heads()
     for scope in scopes.all:
@@ -111,7 +111,7 @@ class _Checker:
                 self.reporter.report(code, node.name.start, node.name.end, message, hint)
 
     def check(self, scope: Scope, member: UsableNode) -> bool:
-        """Report what is wrong with a member. Return whether it can be expanded."""
+        """Report the mistakes of a member. Return whether it can be expanded."""
         if isinstance(member, ElementNode):
             return self._check_element(scope, member)
         if isinstance(member, ExpansionNode):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Annotations of the syntax tree to those of the model; and the ones by which a constructor is a component.
+"""From annotations of the syntax tree to those of the model, and to components.
 
-`@component("pwm")` says which entity of the gateware library a constructor stands for, `@generic(name=value)`
-what its generics are, `@pin("pins", "out", 4)` and `@event("changed")` which ports are to be connected.
+`@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
+its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports to be connected.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # of an entity, a p
 
 
 def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> tuple[Annotation, ...]:
-    """Return the annotations but for those which make a component."""
+    """Return the annotations except those of a component."""
     found = []
     for node in notes.annotations:
         if node.name.text not in RESERVED:

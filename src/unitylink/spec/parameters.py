@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the parameters of a constructor come to in one expansion."""
+"""The values of a constructor's parameters in one expansion."""
 
 from __future__ import annotations
 

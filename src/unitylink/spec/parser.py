@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tokens to syntax tree: recursive descent that goes on after a mistake, so that one run finds all of them.
 
-Recovery: what cannot be read is skipped up to the next `;`, `}`, constructor head, or line that starts like
-a member; a `;` or `}` behind which the member goes on is the mistake itself. A member with a mistake stays in
-the tree as a `BrokenNode`. The language nests to a fixed depth, so no text can exhaust the stack.
+Recovery: text that cannot be read is skipped up to the next `;`, `}`, constructor head, or line that starts
+like a member. If the member goes on after a `;` or `}`, that mark is the mistake itself. A member with a
+mistake stays in the tree as a `BrokenNode`. The language nests to a fixed depth, so no text can exhaust the
+stack.
 """
 
 from __future__ import annotations
@@ -118,7 +119,7 @@ class _Parser(DeclarationReader):
             program.name = names[-1].text
 
     def _constructor(self, program: Program, notes: Notes, outer: str = "") -> None:
-        """Read one constructor; `outer` is the one whose body it stands in by mistake."""
+        """Read one constructor. `outer` is the one in whose body it stands by mistake."""
         self.first = self.i
         public = self.kinds[self.i] == "keyword" and self.texts[self.i] == "public"
         self.i += public

@@ -86,7 +86,7 @@ class PropertyReader(ExpressionReader):
         return one
 
     def _unquoted(self, start: int) -> Panic:
-        """Report `UNIT=N m`: what is written without a sign between is no expression."""
+        """Report `UNIT=N m`: without an operator between its parts this is not an expression."""
         i = self.i
         while self.kinds[i] in ("name", "*", "/"):
             i += 1

@@ -19,7 +19,7 @@ _USABLE_2012 = protocol.GROUP_SIZE_2012 - 1
 def check_publishes(roots: tuple[Instance, ...], links: Mapping[str, Link], reporter: Reporter) -> None:
     """Report groups that are too large or too many, and named ones that have no one moment.
 
-    What the 2012 gateware can hold matters only where no link is declared: a declared one has gateware of its
+    The limits of the 2012 gateware matter only without a declared link. A declared link has gateware of its
     own.
     """
     classic = len(links) == 1
@@ -77,7 +77,7 @@ def _check_size(group: SubscriptionGroup, classic: bool, reporter: Reporter) -> 
 
 
 def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -> None:
-    """Report what no frame can carry: of a rate there may be several publishes, which are of one tick."""
+    """Report publishes that no frame can carry. A rate may have several publishes of one tick."""
     words = len(group.addresses)
     most = publishes_of(words, data_bits, "framed")[0]
     if group.trigger == "rate" or not most < words <= protocol.GROUP_SIZE_MAX:
@@ -88,7 +88,7 @@ def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -
 
 
 def _beyond(group: SubscriptionGroup, words: int) -> Element:
-    """Return the element with which the group has more than so many words."""
+    """Return the element with which the group gets too many words."""
     for element in group.elements:
         words -= element.words
         if words < 0:

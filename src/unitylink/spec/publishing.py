@@ -2,8 +2,8 @@
 """Which values are published together: the compiler's table of subscription groups, one table a device.
 
 Hardware publishes of one device with the same trigger, rate and group name are one group and one snapshot.
-Groups are numbered in the order of their first element; the number is that of the gateware's group and of
-its event line, so that gateware, twin and PC agree without asking.
+Groups are numbered in the order of their first element. The number is also that of the gateware's group and
+of its event line. So gateware, twin and PC agree without asking.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _Value = TypeVar("_Value")
 
 
 def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Device, ...]:
-    """Return the devices of a spec in the order of the text; `links` has "" for bindings that name none."""
+    """Return the devices of a spec in the order of the text. `links` has "" for bindings that name none."""
     found: dict[tuple[str, str | None], tuple[Link, dict[_Key, list[Element]]]] = {}
     for root in roots:
         for element in root.walk():
@@ -53,7 +53,7 @@ def split(values: Iterable[_Value], words_of: Callable[[_Value], int], most: int
 
 
 def key_of(publish: Publish) -> _Key:
-    """Return what publishes of one group have in common."""
+    """Return the facts that publishes of one group share."""
     return publish.trigger, publish.divisor, publish.event, publish.group
 
 

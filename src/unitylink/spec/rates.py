@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From PUBLISH as it is written to what is published: modes, divisors, rates in Hz, events."""
+"""From PUBLISH in the text to modes, divisors, rates in Hz and events."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _by_divisor(
 def _divisor_of_rate(
     publish: PublishNode, evaluator: Evaluator, names: Mapping[str, Value], link: Link
 ) -> int | None:
-    """Return the divisor nearest to a rate; what it is rounded to is told."""
+    """Return the divisor nearest to a rate. Rounding is reported."""
     reporter = evaluator.reporter
     (written,) = publish.rates
     given = evaluator.value(written, names)

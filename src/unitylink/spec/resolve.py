@@ -27,7 +27,7 @@ from .vectors import Vector, Vectors
 
 @dataclass(frozen=True)
 class Placed:
-    """An element with the place its address is written at, for checks that speak about addresses."""
+    """An element with the place of its address in the text, for checks of addresses."""
 
     root: str
     element: Element
@@ -49,11 +49,11 @@ class _Frame:
 
 
 class _TooMany(Exception):
-    """More is expanded than is allowed; a diagnostic was given."""
+    """Too much is expanded. A diagnostic was given."""
 
 
 class Resolver:
-    """Expands the public constructors of a program; `roots` are instances, `placed` all their elements."""
+    """Expands the public constructors of a program. `roots` are instances, `placed` all their elements."""
 
     def __init__(
         self, program: Program, declared: Declared, links: Mapping[str, Link], scopes: Scopes
@@ -150,7 +150,7 @@ class Resolver:
         self.roots.append(replace(root, parameters=runtime) if runtime else root)
 
     def _spend(self, items: int) -> None:
-        """Count what is made: how many an array has may depend on parameters."""
+        """Count what is made, because the size of an array may depend on parameters."""
         self._items += items
         if self._items > MAX_ITEMS:
             raise _TooMany
@@ -220,7 +220,7 @@ class Resolver:
             frame.component = replace(made, base=block.first, words=block.words)
 
     def _component_use(self, node: ExpansionNode) -> AbstractContextManager[None]:
-        """Let diagnostics within a component of the library speak of the place where it is used."""
+        """Let diagnostics inside a component of the library point to the place that uses it."""
         callee = self.scopes.first[node.callee.text].node
         if self.reporter.sources.in_library(callee.name.start):
             return self.reporter.using(node.callee.start, node.callee.end)
@@ -283,7 +283,7 @@ class Resolver:
         )
 
     def _place_block(self, frame: _Frame, node: ExpansionNode) -> None:
-        """Note the block of an instance; where it is bound to nothing it lies where there is room."""
+        """Note the block of an instance. An unbound block goes where there is room."""
         head = frame.scope.node
         assert head.block is not None  # the caller looked
         what = f"the number of words of `{head.name.text}`"
@@ -416,7 +416,7 @@ class Resolver:
         return element
 
     def _event(self, frame: _Frame, event: str) -> str:
-        """An event of the component or FIFO itself, or of one below, gets its whole path; others stay."""
+        """An event of the component or FIFO itself, or of one below, gets its whole path. Others stay."""
         if frame.component is not None and event in frame.component.events:
             return f"{frame.path}.{event}"
         if event == frame.link.event_at(""):

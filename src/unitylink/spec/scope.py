@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the names of each constructor stand for."""
+"""The meaning of the names in each constructor."""
 
 from __future__ import annotations
 
@@ -70,7 +70,8 @@ class Scope:
         return (member for member in self.usable.values() if isinstance(member, ExpansionNode))
 
     def excuses(self, code: str) -> bool:
-        """May this unknown name be what a name declared twice was meant for? Then it is no second mistake."""
+        """Return whether a name declared twice may have been meant to be this unknown one. Then it is not a
+        second mistake."""
         self.excused[code] -= 1
         return self.excused[code] >= 0
 
@@ -81,7 +82,7 @@ class Scope:
 
 
 def matched(parameters: list[Parameter], arguments: list[Argument]) -> Iterable[tuple[Parameter, Argument]]:
-    """Return what is given to which parameter; leave out what fits none."""
+    """Return the argument of each parameter. Omit arguments that fit none."""
     if not any(argument.key for argument in arguments):
         return zip(parameters, arguments, strict=False)
     places = {parameter.text: parameter for parameter in parameters}
@@ -96,7 +97,7 @@ def matched(parameters: list[Parameter], arguments: list[Argument]) -> Iterable[
 
 
 class Scopes:
-    """The scopes of a program. `first` finds one by its name; `all` has also those declared twice."""
+    """The scopes of a program. `first` finds one by its name. `all` also has those declared twice."""
 
     def __init__(self, program: Program, declared: Declared, reporter: Reporter) -> None:
         self.program = program

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The texts of a spec's files: decoding, and where in them an offset lies.
 
-All files of one compilation share one space of offsets: each begins where the one before has ended. So a
+All files of one compilation share one space of offsets. Each begins where the one before ends. So a
 single number says where something stands, whichever file that is.
 """
 
@@ -21,7 +21,7 @@ _EXCERPT_AFTER = 90
 
 
 class Source:
-    """The text of one file, with a line map; lines and columns count from 1, offsets from `base`.
+    """The text of one file, with a line map. Lines and columns count from 1, offsets from `base`.
 
     >>> Source("a.ul", "ab\\ncd", 100).span(104, 105)
     Span(file='a.ul', line=2, column=2, start=4, end=5)
@@ -44,7 +44,7 @@ class Source:
         return bisect_right(self._starts, offset - self.base)
 
     def span(self, start: int, end: int) -> Span:
-        """Return the span of the characters from `start` up to `end`; it counts from the file's 0."""
+        """Return the span of the characters from `start` up to `end`. It counts from the file's 0."""
         start, end = start - self.base, end - self.base
         line = bisect_right(self._starts, start)
         return Span(self.file, line, start - self._starts[line - 1] + 1, start, end)
@@ -65,7 +65,7 @@ class Source:
 
 
 class Sources:
-    """The files of one compilation; the first is the one that was asked for."""
+    """The files of one compilation. The first is the main file."""
 
     def __init__(self, first: Source) -> None:
         self._all = [first]
@@ -80,7 +80,7 @@ class Sources:
         return len(self._all)
 
     def add(self, file: str, text: str, *, library: bool = False) -> Source:
-        """Add a file behind the last one; those of the library come last."""
+        """Add a file after the last one. Those of the library come last."""
         last = self._all[-1]
         source = Source(file, text, last.base + len(last.text) + 1)
         if library and self._library is None:
@@ -117,7 +117,7 @@ class Sources:
         return self.at(start).span(start, end)
 
     def excerpt(self, start: int, end: int) -> tuple[str, int, int]:
-        """Return what `Source.excerpt` says of these characters."""
+        """Return `Source.excerpt` of these characters."""
         return self.at(start).excerpt(start, end)
 
 

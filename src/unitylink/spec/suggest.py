@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-# How other languages call what ours calls otherwise.
+# Words of other languages, and the words for the same things in ours.
 _FOREIGN = {
     **dict.fromkeys(("r", "ro", "in", "input"), "READ"),
     **dict.fromkeys(("w", "wo", "out", "output"), "WRITE"),
@@ -45,9 +45,10 @@ def distance(a: str, b: str, limit: int) -> int:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
-    """Return the candidate nearest to `name`, or None if none is near; a difference in case only is nearest.
+    """Return the candidate most similar to `name`, or None. A difference only in case is the smallest.
 
-    What another language calls so is near too; where nothing is, what has `name` as one of its parts.
+    The word for the same thing in another language is similar too. If there is none, a candidate that
+    contains `name` as one of its parts is taken.
 
     >>> nearest("jiont", ["leg", "joint"]), nearest("rw", ["READ", "READWRITE"])
     ('joint', 'READWRITE')

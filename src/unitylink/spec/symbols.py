@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every name in a text stands for, and where it is used: what an editor asks for.
+"""The meaning of every name in a text, and its uses, for editors.
 
 It works on the syntax tree, so it also answers for a text that has mistakes.
 
@@ -50,8 +50,8 @@ class Symbol:
     """One name with one meaning.
 
     `kind` is "constructor", "parameter", "address", "element", "instance", "group", "constant", "enum",
-    "value" (of an enumeration), "bits", "field" or "link"; `container` what it belongs to. An address and the
-    member that takes it are one symbol: `declared` is its place in the head, `defined` the member's.
+    "value" (of an enumeration), "bits", "field" or "link". `container` is what it belongs to. An address and
+    the member that takes it are one symbol: `declared` is its place in the head, `defined` the member's.
     """
 
     kind: str
@@ -64,7 +64,7 @@ class Symbol:
 
     @property
     def places(self) -> list[Name]:
-        """Every place where the name stands, in the order of the text."""
+        """Every place of the name, in the order of the text."""
         own = [name for name in (self.declared, self.defined) if name is not None]
         return sorted([*own, *self.references], key=lambda name: name.start)
 
@@ -90,7 +90,7 @@ class Scope:
 
 
 class Symbols:
-    """All symbols of a text and of what it imports; offsets beyond the text lie in the files of `sources`."""
+    """All symbols of a text and of its imports. Offsets beyond the text are in the files of `sources`."""
 
     def __init__(self, program: Program, sources: Sources) -> None:
         self.sources = sources
@@ -125,7 +125,7 @@ class Symbols:
 
     @property
     def all(self) -> Iterator[Symbol]:
-        """Every symbol: constructor by constructor, then what is declared beside them."""
+        """Every symbol: constructor by constructor, then the other declarations."""
         for name, symbol in self.constructors.items():
             yield symbol
             scope = self._by_name[name]
@@ -301,7 +301,7 @@ def find_symbols(
     include: Sequence[str | os.PathLike[str]] = (),
     opened: Mapping[str, str] = MappingProxyType({}),
 ) -> Symbols:
-    """Return the symbols of a text and of what it imports, whatever mistakes it has. See `compile_text`."""
+    """Return the symbols of a text and of its imports, even with mistakes in it. See `compile_text`."""
     reporter = Reporter(Source(file, text))
     importer = Importer(reporter, include, opened)
     importer.add_components()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The syntax tree: what stands in the text, before names have a meaning. Offsets count characters from 0."""
+"""The syntax tree of the text, before names have a meaning. Offsets count characters from 0."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Union
 
 @dataclass(slots=True)
 class Name:
-    """A name where it is written."""
+    """A name at its place in the text."""
 
     text: str
     start: int
@@ -19,7 +19,7 @@ class Name:
 
 @dataclass(slots=True)
 class Number:
-    """A number where it is written, with its unit; a whole value beyond 64 bits is kept as 2**64."""
+    """A number at its place in the text, with its unit. A whole value beyond 64 bits is kept as 2**64."""
 
     value: int | Fraction
     start: int
@@ -29,7 +29,7 @@ class Number:
 
 @dataclass(slots=True)
 class Text:
-    """A string literal; `value` is without quotes and escapes."""
+    """A string literal. `value` is without quotes and escapes."""
 
     value: str
     start: int
@@ -38,7 +38,7 @@ class Text:
 
 @dataclass(slots=True)
 class Operation:
-    """`left operator right`; without `left` it is a sign."""
+    """`left operator right`. Without `left` it is a sign."""
 
     operator: str
     left: Expression | None
@@ -49,7 +49,7 @@ class Operation:
 
 @dataclass(slots=True)
 class Argument:
-    """A sum of parts: strings and parameters put together, or numbers; `key` is that of `key=…`."""
+    """A sum of parts: joined strings and parameters, or numbers. `key` is that of `key=…`."""
 
     parts: list[Expression]
     start: int
@@ -112,7 +112,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Notes:
-    """What stands before a declaration: the `///` text and the annotations."""
+    """The `///` text and the annotations before a declaration."""
 
     documentation: str = ""
     annotations: tuple[AnnotationNode, ...] = ()
@@ -185,7 +185,7 @@ class GroupNode:
 
 @dataclass(slots=True)
 class BrokenNode:
-    """A member with a syntax error: its name stays known, so that its use elsewhere is no second mistake."""
+    """A member with a syntax error. Its name stays known, so that its uses are not further mistakes."""
 
     name: Name
 
@@ -195,7 +195,7 @@ MemberNode = Union[LinkKindNode, ExpansionNode, ElementNode, GroupNode, BrokenNo
 
 @dataclass(slots=True)
 class Parameter(Name):
-    """`name`, `name: int` or `name: string = "left"`; without a type it is a string or a run-time object."""
+    """`name`, `name: int` or `name: string = "left"`. Without a type it is a string or a run-time object."""
 
     type: Name | None = None
     default: Argument | None = None
@@ -203,8 +203,8 @@ class Parameter(Name):
 
 @dataclass(slots=True)
 class ConstructorNode:
-    """A constructor; `broken` if its head has a syntax error, so that it is not known what it takes;
-    `incomplete` if members are missing that may have been meant to be there."""
+    """A constructor. It is `broken` if its head has a syntax error, so that its parameters are unknown. It is
+    `incomplete` if members may be missing."""
 
     public: bool
     name: Name
@@ -290,7 +290,7 @@ DeclarationNode = Union[ConstantNode, EnumNode, BitsNode, LinkNode]
 
 @dataclass(slots=True)
 class Program:
-    """A whole file; `damaged` if part of it could not be read at all, so that names may be missing."""
+    """A whole file. It is `damaged` if part of it could not be read, so that names may be missing."""
 
     package: str = ""
     name: str = ""

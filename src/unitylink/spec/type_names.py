@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the name of a type stands for."""
+"""The meaning of a type's name."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _FOREIGN_WIDTH = re.compile(r"(u?int|s|float|uint)([0-9]{1,2})(_t)?")
 
 
 class TypeNames:
-    """Resolves the types of a spec; `enums` and `bits` grow while they are declared."""
+    """Resolves the types of a spec. `enums` and `bits` grow while they are declared."""
 
     def __init__(
         self,
@@ -70,7 +70,7 @@ class TypeNames:
         return False
 
     def resolve(self, node: TypeNode, names: Mapping[str, Value]) -> ValueType | None:
-        """Return what a type stands for, or None after a diagnostic."""
+        """Return the meaning of a type, or None after a diagnostic."""
         name = node.name.text
         known = self._known.get(name)
         if known is None and not node.arguments:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The units a spec may use, what they measure, and how one is converted into another.
+"""The units of a spec, the quantities that they measure, and conversion between them.
 
 A unit is a name of the table, or names put together: `rad/s`, `N m`, `m/s^2`, `1/min`.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
-# What is measured, as powers of: length, mass, time, current, temperature, angle, things counted.
+# The measured quantity, as powers of: length, mass, time, current, temperature, angle, things counted.
 Dimension = tuple[int, int, int, int, int, int, int]
 
 NONE: Dimension = (0, 0, 0, 0, 0, 0, 0)
@@ -111,7 +111,7 @@ def _table() -> dict[str, Unit]:
 UNITS = _table()
 UNITS_FOLDED = {name.lower(): name for name in reversed(UNITS)}  # `hz` is `Hz`, the first of its kind
 
-# How people call what the table calls otherwise; the plural, and milli, kilo and so on before it, go along.
+# Other names of units. Their plural, and milli, kilo and so on before them, are accepted too.
 _SPOKEN = {
     "radian": "rad",
     "degree": "deg",
@@ -188,7 +188,7 @@ def unit(text: str) -> Unit | None:
 
 
 def spoken(text: str) -> str | None:
-    """Return how a unit is written that people call `text`, or None where no such unit is known.
+    """Return the symbol of the unit that people call `text`, or None if it is unknown.
 
     >>> spoken("Volt"), spoken("millimeters per second"), spoken("m/s2"), spoken("furlong")
     ('V', 'mm/s', 'm/s^2', None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What has no effect in a spec without errors."""
+"""Parts of a spec without errors that have no effect."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .syntax import ConstantNode, LinkNode, Name
 
 
 def check_notes(tokens: Tokens, reporter: Reporter) -> None:
-    """Report `///` that stands before or behind nothing it could be said of: the parser took the others."""
+    """Report `///` comments beside no declaration. The parser has taken the others."""
     for start, end in tokens.comments if tokens.documentation or tokens.trailing else ():
         if reporter.sources.first.text.startswith("///", start):
             after = bisect_right(tokens.starts, start)
@@ -25,7 +25,7 @@ def check_notes(tokens: Tokens, reporter: Reporter) -> None:
 
 
 def check_unused(scopes: Scopes, roots: Sequence[Instance], own: int, reporter: Reporter) -> None:
-    """Report what has no effect; meant for a spec without errors, where nothing is unused by accident.
+    """Report parts without effect. Call it for a spec without errors, where nothing is unused by accident.
 
     Only the first `own` constructors are of the main file: of an imported one not all needs to be used.
     """

@@ -14,7 +14,7 @@ from .syntax import Binding, ExpansionNode, Expression, Name, Number
 
 @dataclass(frozen=True)
 class Vector:
-    """Addresses as they were bound; `start` to `end` is the binding, `statement` the member it stands in."""
+    """Bound addresses. `start` to `end` is the binding, `statement` the member around it."""
 
     numbers: list[Number]
     start: int
@@ -33,7 +33,7 @@ class Vectors:
         self._lengths: dict[tuple[str, str], tuple[dict[int, tuple[Vector, Name]], list[Name]]] = {}
 
     def address(self, node: Expression, names: Mapping[str, Value]) -> Number | None:
-        """Return what the expression of an address comes to."""
+        """Return the value of the expression of an address."""
         if type(node) is Number and not node.unit:
             return node  # the range was checked
         value = self.evaluator.integer(node, names, "an address", 0, ADDRESS_MAX)
@@ -42,7 +42,7 @@ class Vectors:
     def bound(
         self, node: ExpansionNode, callee: Scope, given: Mapping[str, Vector], names: Mapping[str, Value]
     ) -> dict[str, Vector] | None:
-        """Return the callee's vectors; the members were checked for all but forwarded lengths.
+        """Return the vectors of the called constructor. Only forwarded lengths are still unchecked.
 
         `given` are the vectors of the constructor it stands in. None after a diagnostic.
         """
@@ -93,7 +93,7 @@ class Vectors:
             right.append(user)
 
     def report_lengths(self) -> None:
-        """Report each wrong vector; but where several all have one wrong length, their user is wrong."""
+        """Report each wrong vector. If several have the same wrong length, report their user instead."""
         for (constructor, address), (wrong, right) in self._lengths.items():
             scope = self.scopes.first[constructor]
             names = scope.node.addresses

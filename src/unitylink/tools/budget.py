@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink budget`: what the publishes of a spec cost on the line."""
+"""`unitylink budget`: the cost of a spec's publishes on the line."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink completion`: what a shell needs to complete our commands and options."""
+"""`unitylink completion`: the script with which a shell completes our commands and options."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _STATUSES = ("required", "defect", "optional")
 
 @dataclass(frozen=True)
 class Exchange:
-    """One exchange and how the device did: `expected` is right, `recorded` what the 2012 gateware sent."""
+    """One exchange and its result. `expected` is right, `recorded` is what the 2012 gateware sent."""
 
     run: int
     name: str
@@ -162,7 +162,7 @@ def _check(exchange: Any, where: str) -> None:
 
 
 def render(report: Report) -> None:
-    """Print a table of the runs, what differs, and the verdict in the last line."""
+    """Print a table of the runs, the differences, and the result in the last line."""
     from rich.console import Console
 
     from .output import print_table
@@ -199,7 +199,7 @@ def render(report: Report) -> None:
 
 
 def difference(exchange: Exchange) -> list[str]:
-    """Say in lines what was sent, what is right, what came, and where they part."""
+    """Return lines with the request, the right reply, the received reply, and their first difference."""
     part = next(
         (i for i, (a, b) in enumerate(zip(exchange.expected, exchange.got, strict=False)) if a != b), None
     )

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from unitylink._native import Device
     from unitylink.simulate import BoardConfiguration
 
-# The recordings' names of the generics, and what they are where a run does not say.
+# The recordings' names of the generics, and their defaults.
 _DEFAULTS = {
     "AW": 8,
     "DW": 32,
@@ -39,7 +39,7 @@ Player = Callable[["BoardConfiguration", Sequence[Sequence[tuple[str, Any]]]], l
 
 
 class RecordingError(UnityLinkError):
-    """A file of recorded exchanges that is not one; the message names the place in it."""
+    """A file that is not one of recorded exchanges. The message names the place in it."""
 
 
 def bench(generics: dict[str, Any], place: str = "config") -> BoardConfiguration:
@@ -90,7 +90,7 @@ def play_on_twin(
 
 
 def run_step(device: Device, kind: str, argument: Any) -> bytes:
-    """Do one step and return what the device sent meanwhile."""
+    """Do one step and return the bytes that the device sent meanwhile."""
     sent = b""
     if kind == "send":
         data = argument.encode("latin-1")

@@ -21,7 +21,7 @@ LETTERS = {"rx_error": "x", "deaf": "d", "dead": "k"}
 
 
 class Simulator(Protocol):
-    """What runs a bench: `unitylink.gateware.Ghdl`, or a test's own."""
+    """Runs a bench: `unitylink.gateware.Ghdl`, or one of a test."""
 
     def run(self, bench: str, **generics: int | str | bool) -> str: ...
 
@@ -95,7 +95,7 @@ _CLASSIC += ["publish_mode", "configuration_command", "datalink", "checksum", "p
 
 
 def _generics(configuration: BoardConfiguration) -> dict[str, int | str | bool]:
-    """Return those of the bench; what a configuration says of frames has no part in a replay of text."""
+    """Return the generics of the bench. The settings of frames have no part in a replay of text."""
     return {
         **{name: getattr(configuration, name) for name in _CLASSIC},
         "edge_events": sum(1 << group for group in configuration.edge_events),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink decode`: what stands in a capture of a link."""
+"""`unitylink decode`: the messages in a capture of a link."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink discover`: which ports there are, and what answers on them."""
+"""`unitylink discover`: the ports of this machine, and what answers on them."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink doctor`: what stands between a user and a board, and the command that mends it."""
+"""`unitylink doctor`: what keeps a user from a board, and the command that mends it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink explain`: what the codes of diagnostics and of the doctor's findings mean."""
+"""`unitylink explain`: the meaning of the codes of diagnostics and of the doctor's findings."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The failures of commands themselves; links, specs and boards have the errors of `unitylink.errors`."""
+"""The failures of commands themselves. Links, specs and boards have the errors of `unitylink.errors`."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class History:
 
 @dataclass
 class Result:
-    """What all histories of a profile have in common."""
+    """The settings that all histories of a profile share."""
 
     counts: Counter[str] = field(default_factory=Counter)
     failures: list[tuple[History, list[str]]] = field(default_factory=list)
@@ -80,7 +80,7 @@ def _profiles(_: click.Context, __: click.Parameter, value: str) -> tuple[str, .
 
 
 def _beside_litex(as_json: bool) -> int:
-    """Run both; fail if ours did badly."""
+    """Run both. Fail if ours did badly."""
     from unitylink.experiments import markdown
     from unitylink.experiments.peer_faults import beside, section
     from unitylink.tools.bench.figure import Run

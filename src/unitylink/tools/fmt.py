@@ -63,7 +63,7 @@ def command(specs: tuple[str, ...], check: bool, stdout: bool) -> int:
 
 
 def _formatted(spec: str) -> tuple[str, str]:
-    """Return (text, formatted text) of a file; SpecError where the text is no spec."""
+    """Return (text, formatted text) of a file. SpecError if the text is not a spec."""
     from unitylink.spec import compile_text, format_text, render
     from unitylink.spec.source import MAX_BYTES
 
@@ -75,7 +75,7 @@ def _formatted(spec: str) -> tuple[str, str]:
     except UnicodeDecodeError:
         text = ""
     if len(data) > MAX_BYTES or (data and not text):
-        # The compiler has the diagnostic that says what is wrong, and where.
+        # The compiler has the diagnostic with the mistake and its place.
         diagnostics = compile_text(data, name).diagnostics
         raise SpecError(render(diagnostics), diagnostics)
     return text, format_text(text, name)

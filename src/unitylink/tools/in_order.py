@@ -10,7 +10,8 @@ T = TypeVar("T")
 
 
 class InOrder(Generic[T]):
-    """Hands out what was put in, ordered by time, `hold_s` after its time; with 0 at once, as it came.
+    """Hands things out in the order of their times, `hold_s` after each time. With 0 it does so at once, as
+    they come.
 
     >>> held = InOrder[str](hold_s=0.2)
     >>> held.put(1.01, "later"), held.put(1.0, "sooner"), held.take(now_s=1.1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`unitylink info`: what a device is, and how the link does."""
+"""`unitylink info`: the configuration of a device, and the statistics of the link."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _network(target: Target, base: int) -> dict[str, Any]:
 
 
 def _spec(target: Target) -> dict[str, Any] | None:
-    """Say what of the spec the device cannot do, as far as its configuration tells."""
+    """Print what the device cannot do for the spec, as far as its configuration tells."""
     spec, configuration = target.spec, target.link.configuration
     if spec is None:
         return None

@@ -100,8 +100,8 @@ def load_names(link: str | None, spec_file: str | None) -> Names:
 
 
 class _Complaints(logging.Handler):
-    """Prints what is logged, such as a read that failed, while the link lives: of its end the error tells
-    that the command ends with."""
+    """Prints logged messages, such as a failed read, while the link lives. The error at the end of the
+    command reports the end of the link."""
 
     link: Link | None = None
 
@@ -118,10 +118,10 @@ class _Complaints(logging.Handler):
 def open_target(
     link: str, spec_file: str | None, *, quiet: bool = False, check: bool = True
 ) -> Iterator[Target]:
-    """Open LINK and load its names; the link is closed at the end.
+    """Open LINK and load its names. The link is closed at the end.
 
-    Raises DeviceMismatch where the gateware was built from another spec, unless `check` is False. What is
-    logged meanwhile goes to stderr, unless `quiet` says that the command shows it itself.
+    Raises DeviceMismatch if the gateware was built from another spec, unless `check` is False. Logged
+    messages go to stderr, unless `quiet` says that the command shows them itself.
     """
     names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
     from unitylink import connect

@@ -74,7 +74,7 @@ def command(words: tuple[str, ...], spec_file: str | None, as_json: bool) -> Non
 
 
 def entry(item: Item, base_hz: int, address_bits: int) -> dict[str, Any]:
-    """Return what `--json` says about an item of the spec."""
+    """Return the JSON of an item of the spec."""
     element = item.element
     assert element is not None
     publish = element.publish

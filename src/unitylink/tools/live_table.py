@@ -32,9 +32,9 @@ _BARS = "▁▂▃▄▅▆▇█"
 
 
 class Track:
-    """What is shown of one item: its last value and numbers, extremes, and rate.
+    """The table's row of one item: its last value and numbers, extremes, and rate.
 
-    Of a packed value, and of what is not a finite number, only the last one is kept.
+    For a packed value, and for one that is not a finite number, only the last one is kept.
     """
 
     def __init__(self) -> None:
@@ -80,7 +80,7 @@ def trend(values: Sequence[float]) -> str:
 
 
 class _LastMessage(logging.Handler):
-    """Keeps what is logged (a read that failed) for the line below the table."""
+    """Keeps the last logged message (a failed read) for the line below the table."""
 
     text = ""
 
@@ -95,7 +95,7 @@ def show(
     link: str,
     now_s: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Draw the samples until they end; the last table stays on the terminal. `now_s` is their clock."""
+    """Draw the samples until they end. The last table stays on the terminal. `now_s` is their clock."""
     tracks = {item.name: Track() for item in items}
     messages = _LastMessage()
     logger = logging.getLogger("unitylink")
@@ -134,10 +134,10 @@ def draw(
     width: int = 120,
     now_s: float | None = None,
 ) -> Table:
-    """Return the table of this moment; a terminal too narrow for all of it still gets names and values.
+    """Return the current table. On a narrow terminal it still has names and values.
 
-    What should have come again by `now_s` (on the clock of the samples; now, if not given) and did not is
-    grey, with its age in place of its rate.
+    An item that is overdue at `now_s` (by the clock of the samples, by default now) is grey, with its age in
+    place of its rate.
     """
     now_s = time.monotonic() if now_s is None else now_s
     table = Table(

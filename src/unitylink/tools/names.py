@@ -51,7 +51,7 @@ class Names:
     """All names of a spec (or none), with search."""
 
     def __init__(self, spec: Spec | None, source: str = "", *, part: Spec | None = None) -> None:
-        """`part` is what there are names of, where that is not all of the spec."""
+        """`part` is the named part, if that is not the whole spec."""
         self.spec = spec
         self.source = source or (spec.source if spec else "")
         part = part if part is not None else spec
@@ -72,7 +72,7 @@ class Names:
                 self._collect(root, prefix)
 
     def on(self, link: Link) -> Names:
-        """Return the names of what the gateware behind `link` has; DeviceMismatch: it has another spec."""
+        """Return the names of the gateware behind `link`. DeviceMismatch if it has another spec."""
         if self.spec is None:
             return self
         return Names(self.spec, self.source, part=part_behind(link, self.spec))
@@ -97,7 +97,7 @@ class Names:
         return list(found.values())
 
     def find_readable(self, words: Sequence[str]) -> list[Item]:
-        """Resolve as `find`, without what reading changes unless it is named itself."""
+        """Resolve like `find`, but omit items that reading changes, unless they are named themselves."""
         return [item for item in self.find(words) if item.pollable or item.name in words]
 
     def all(self) -> list[Item]:

@@ -50,7 +50,7 @@ def command(name: str, folder: str | None) -> None:
 
 
 def _files(name: str) -> dict[str, str]:
-    """Return {file name: text} of the project; a usage error where `name` cannot be one."""
+    """Return {file name: text} of the project. A wrong `name` is a usage error."""
     from unitylink.generate.python import generate_python
     from unitylink.spec import compile_text
 

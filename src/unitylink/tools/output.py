@@ -34,7 +34,7 @@ def terminal() -> bool:
 
 
 def print_json(data: object, *, indent: int | None = 2) -> None:
-    """Print `data` as JSON; NaN and infinities, which JSON has not, are an error of ours."""
+    """Print `data` as JSON. NaN and infinities, which JSON does not have, are an error of ours."""
     click.echo(json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False))
 
 

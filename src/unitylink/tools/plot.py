@@ -120,7 +120,7 @@ def _follow(
     out: str | None,
     duration_s: float | None,
 ) -> None:
-    """Fill `series` with what comes; without `out` a terminal shows it meanwhile."""
+    """Fill `series` with the samples. Without `out` a terminal shows them meanwhile."""
     drawn_s = time.monotonic()
     for sample in sampler.samples(None, duration_s if duration_s or out is None else _WINDOW_S):
         if sample is not None:
@@ -170,7 +170,7 @@ def _spec_of(made_with: Origin) -> Spec | None:
 
 
 def _matches(name: str, pattern: str) -> bool:
-    """Is this what a pattern or a name stands for? That of an instance stands for all of its items."""
+    """Return whether a pattern or a name means this item. The name of an instance means all of its items."""
     return fnmatchcase(name, pattern) or name.startswith(f"{pattern}.")
 
 
@@ -220,7 +220,7 @@ def _draw(series: AllSeries, title: str, out: str | None, *, force: bool) -> Non
 
 
 def _text(text: str) -> str:
-    """Return a text for matplotlib, which sets what stands between dollars as a formula."""
+    """Return a text for matplotlib, which would set text between dollars as a formula."""
     return text.replace("$", r"\$")
 
 

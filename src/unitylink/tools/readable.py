@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def readable(
     link: Link, items: Sequence[Item], publisher: Publisher | None = None
 ) -> dict[str, ReadValue[Any]]:
-    """Make a value of each item; unlike those of the spec's own tree also of WRITE items and bare addresses.
+    """Make a value of each item. Unlike the spec's own tree it can read WRITE items and bare addresses.
 
     Addresses of items are final, so that plain memory reaches all of them. Raises BindingError for an item of
     the spec beyond the device's address bus, ValueRangeError for such a bare address.

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from .names import Item, Names
     from .sampler import Sample as Sampled
 
-_GATHER_S = 0.02  # what came within this time is written together, which halves the cost
+_GATHER_S = 0.02  # samples within this time are written together, which halves the cost
 _HOLD_S = 1.0  # for which samples are held back, so that they stand in the file in the order of their times
 _NOT_PLAIN = ("enum", "bits", "float")  # kinds of types
 _SHOW_S = 0.5  # between two progress lines
-_FLUSH_S = 0.5  # between two looks at what waits to be written: a program that is killed loses no more
+_FLUSH_S = 0.5  # between two writes; a program that is killed loses no more
 
 
 @click.command()
@@ -90,7 +90,7 @@ def command(
         sampler = Sampler(target.link, items, rate_hz, gather_s=_GATHER_S, hold_s=_HOLD_S)
         # Of the others the numbers are written as they are.
         texts = {item.name: item.quantity for item in items if item.quantity.type.kind in _NOT_PLAIN}
-        topics: dict[tuple[str, ...], str] = {}  # known when it is known what is sampled together
+        topics: dict[tuple[str, ...], str] = {}  # known once the sets of samples are known
         names_of = tuple(i.name for i in items)
         with create(path, _origin(known, items), names_of, topics=topics, force=force) as writer:
 
@@ -114,7 +114,7 @@ def command(
                             flushed_s = time.monotonic()
                             writer.flush()
             except LinkError as error:
-                failed = error  # after it has been told what the file holds
+                failed = error  # after the contents of the file have been printed
             for sample in sampler.rest():
                 take(sample)
             progress.end()
@@ -157,7 +157,7 @@ class _Progress:
             click.echo(f"\r{line}  (Ctrl-C ends it)\x1b[K", nl=False, err=True)
 
     def end(self) -> None:
-        """Wipe the line away: what follows says it all."""
+        """Wipe the line away, because the result follows."""
         if self.shown:
             click.echo("\r\x1b[K", nl=False, err=True)
 

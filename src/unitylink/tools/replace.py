@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def replace_file(path: Path, text: str) -> None:
-    """Write `text` so that a crash leaves either the old file or the new one; keep its permissions."""
+    """Write `text` so that a crash leaves either the old file or the new one. Keep its permissions."""
     path = path.resolve()  # a symbolic link stays one
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:

@@ -71,7 +71,7 @@ def _announce(board: Board, recording: str, spec: Spec, as_json: bool) -> None:
 
 
 def _teller(plant: RecordingPlant) -> Callable[[], None]:
-    """Return what says, once, that the recording has come to its end."""
+    """Return a function that prints once that the recording has ended."""
     told = False
 
     def look() -> None:

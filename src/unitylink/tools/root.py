@@ -17,13 +17,13 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def root_option(what: str) -> Callable[[F], F]:
-    """Give a command the option `--root`; `what` says what becomes of the board that is chosen."""
+    """Give a command the option `--root`. `what` says what the command does with the chosen board."""
     text = f"{what}: that of this public constructor, or behind this link, where the spec has several."
     return click.option("--root", metavar="NAME", help=text)
 
 
 def part_of(spec: Spec, root: str | None) -> Spec:
-    """Return what `--root` chooses of the spec: all of it where it is not given."""
+    """Return the part of the spec that `--root` chooses, or all of it without one."""
     if root is None:
         return spec
     try:

@@ -37,10 +37,10 @@ duration_option = click.option(
 
 
 def sampled_items(target: Target, names: Sequence[str], verb: str, *, set_points: bool = False) -> list[Item]:
-    """Return what `names` stand for; without any, what the spec lets the PC read and reading does not change.
+    """Return the items that `names` mean. By default all that the PC can read without changing them.
 
-    With `set_points` that is also what it writes, as far as the device lets it be read back; what it does not
-    is told. Raises Failure, with `verb` in it, where nothing is left.
+    With `set_points` these are also the items that it writes, if the device lets them be read back. The
+    others are reported. Raises Failure, with `verb` in it, where nothing is left.
     """
     known = target.names
     if names:

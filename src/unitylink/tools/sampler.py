@@ -34,16 +34,16 @@ _BECAME = {
     "back": "the line is back, and the samples go on",
 }
 TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up
-_WAITING = 100_000  # samples that wait for whoever takes them; more are lost, and counted
+_WAITING = 100_000  # samples that may wait; more are lost, and counted
 
 
 class Sampler:
-    """Publish `items` while the `with` block runs, and hand out what comes.
+    """Publish `items` while the `with` block runs, and hand out their samples.
 
-    With `gather_s` the samples of so many seconds are handed out together, each still with its own time: a
-    thread that is woken for every sample costs more than what it does with it. With `hold_s` they are handed
-    out so much later, in the order of their times: what is published at different rates, or read, does not
-    come in that order. A sample that is later still has lost its place, and counts as lost.
+    With `gather_s` the samples of that time are handed out together, each with its own time. To wake a thread
+    for every sample costs more than its work. With `hold_s` they are handed out that much later, in the order
+    of their times. Samples of different rates, and those that are read, do not come in that order. A sample
+    that is later still has lost its place, and counts as lost.
 
     `start_s` is the time of the link at which sampling began.
 
@@ -105,8 +105,8 @@ class Sampler:
     def since_start_s(self, time_s: float) -> float:
         """Return the seconds from the start to the time of a sample.
 
-        The device's clock is known to some microseconds only, so that the first sample may lie before the
-        start; then it is the start.
+        The device's clock is known only to some microseconds. So the first sample may be before the start.
+        Then the start is taken as its time.
         """
         self.start_s = min(self.start_s, time_s)
         return time_s - self.start_s
@@ -150,7 +150,7 @@ class Sampler:
         yield from self.rest()
 
     def rest(self) -> Iterator[Sample]:
-        """Yield what has come and was not handed out yet: at the end, also one by Ctrl-C."""
+        """Yield the samples that were not handed out yet, at the end, also after Ctrl-C."""
         self._hold_arrived()
         while not self._enough and (sample := self._held.take_last()) is not None:
             yield sample

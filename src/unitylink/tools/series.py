@@ -12,7 +12,7 @@ Part = tuple[str, str, tuple[str, ...]]  # path, unit, the names of members
 
 
 def parts_of(path: str, kind: ValueType, unit: str) -> Iterator[Part]:
-    """Yield what a value is drawn as: itself, or the fields of a packed one."""
+    """Yield the parts of a value that are drawn: itself, or the fields of a packed one."""
     if kind.kind == "bits":
         for field in kind.fields:
             yield from parts_of(f"{path}.{field.name}", field.type, field.unit)
@@ -21,7 +21,7 @@ def parts_of(path: str, kind: ValueType, unit: str) -> Iterator[Part]:
 
 
 class Series:
-    """Times and numbers of one path. `unit` is theirs; `members` are the names that 0, 1, 2 ... stand for."""
+    """Times and numbers of one path. `unit` is their unit. `members` are the names of 0, 1, 2 ...."""
 
     def __init__(self, unit: str = "", members: tuple[str, ...] = ()) -> None:
         self.unit = unit
@@ -30,7 +30,7 @@ class Series:
         self.numbers: list[float] = []
 
     def take(self, time_s: float, value: Any) -> None:
-        """Add a number, a truth value or the name of a member; nothing else has a place in a plot."""
+        """Add a number, a truth value or the name of a member. A plot shows nothing else."""
         if isinstance(value, str):
             if value not in self.members:
                 self.members.append(value)
@@ -46,14 +46,14 @@ class Series:
 
 
 class AllSeries(dict[str, Series]):
-    """Series by path; fields of packed values have one each, such as `arm.status.ready`."""
+    """Series by path. Fields of packed values have one each, such as `arm.status.ready`."""
 
     def __init__(self, wanted: Callable[[str], bool] = lambda path: True) -> None:
         super().__init__()
         self._wanted = wanted
 
     def declare(self, parts: Iterable[Part]) -> None:
-        """Say what will come, so that units, and the order of an enumeration's members, are known."""
+        """Announce a path, so that its unit, and the order of an enumeration's members, are known."""
         self.update({path: Series(unit, members) for path, unit, members in parts})
 
     def take(self, time_s: float, values: Mapping[str, Any]) -> None:

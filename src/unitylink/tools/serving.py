@@ -45,9 +45,9 @@ def serving_options(command: F) -> F:
 
 
 def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] = lambda: None) -> None:
-    """Announce `board` and wait for Ctrl-C or SIGTERM; `look` is called five times a second meanwhile.
+    """Announce `board` and wait for Ctrl-C or SIGTERM. `look` is called five times a second meanwhile.
 
-    What `announce` prints is flushed, for whoever waits for it. Raises the error that ended the board.
+    The output of `announce` is flushed, for programs that wait for it. Raises the error that ended the board.
     """
     with stopped_by_signals() as stop:  # before the announcement: who reads it may send one
         announce()

@@ -103,7 +103,7 @@ def _board(rtl: bool, spec: Spec, settings: dict[str, int | str], **options: Any
 
 
 def _announce(board: Board, spec: Spec, spec_file: str, plant: str, as_json: bool) -> None:
-    """Say where the board is and what to try."""
+    """Print the address of the board and what to try."""
     if as_json:
         print_json({"url": board.url, "spec": spec_file, "plant": plant}, indent=None)
     else:

@@ -80,7 +80,7 @@ def command(link: str, spec_file: str | None) -> None:
 
 
 class Session:
-    """One conversation: lines in, what was sent and came out as text."""
+    """One conversation: lines in, and sent and received messages out, as text."""
 
     def __init__(self, driver: Driver, names: Names) -> None:
         self.driver = driver
@@ -97,7 +97,7 @@ class Session:
             yield from self.receive(end_s - time.monotonic())
 
     def send(self, line: str) -> str:
-        """Send a line. Return what it was taken for. Raises ValueError for a name the spec does not have."""
+        """Send a line. Return its interpretation. Raises ValueError for a name the spec does not have."""
         data = prepare(line, self.names, self.reader.address_bytes or 1).encode("ascii", "replace") + b"\n"
         message = self.reader.read(self._now_s(), "sent", data)
         self.driver.send(data)
@@ -117,7 +117,7 @@ class Session:
 
 
 def prepare(line: str, names: Names, address_bytes: int) -> str:
-    """Put addresses in the place of names, and a checksum behind what begins with `$`.
+    """Replace names by addresses, and add a checksum to a line that begins with `$`.
 
     >>> prepare("$R:12", Names(None), 1), prepare("#rlc", Names(None), 1)
     ('$R:12*58', '#rlc')
@@ -125,7 +125,7 @@ def prepare(line: str, names: Names, address_bytes: int) -> str:
     line = line.strip()
     match = _LINE.match(line)
     if match is None:
-        return line  # sent as it is: the device says what it thinks of it
+        return line  # sent as it is; the device answers it
     head, letters, data, checksum = match.groups()
     if data is not None:
         data = _ADDRESS_OR_NAME.sub(lambda found: _digits(found[0], names, address_bytes), data)
@@ -134,7 +134,7 @@ def prepare(line: str, names: Names, address_bytes: int) -> str:
     if head == "$" and checksum is None:
         try:
             sent = ClassicEncoder(checked=True).encode(letters, bytes.fromhex(data or ""))
-        except ValueError:  # no whole bytes: the device says what it thinks of them
+        except ValueError:  # not whole bytes; the device answers them
             return text
         checksum = sent.decode("ascii").strip()[-2:]  # of the letters as they were typed
     return text + (f"*{checksum}" if checksum else "")
@@ -153,7 +153,7 @@ def _digits(word: str, names: Names, address_bytes: int) -> str:
 
 
 def complete(text: str, names: Names) -> list[str]:
-    """Return what the last word of `text` may become.
+    """Return the possible completions of the last word of `text`.
 
     >>> complete("#RL", Names(None))
     ['RLC']

@@ -61,7 +61,8 @@ def _split(assignment: str) -> tuple[str, str]:
 
 
 def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item, Any]]:
-    """Return (item, value) in the order typed; refuse READ items and an item that is given twice."""
+    """Return (item, value) in the order of the command line. Refuse READ items and an item that is given
+    twice."""
     wanted: dict[str, tuple[Item, Any]] = {}
     for word, text in parsed:
         for item in names.find([word]):
@@ -77,7 +78,8 @@ def _resolve(names: Names, parsed: Sequence[tuple[str, str]]) -> list[tuple[Item
 
 
 def _write(target: Target, wanted: Sequence[tuple[Item, Any]]) -> dict[str, Any]:
-    """Write, and return by name what the device holds now, which is the nearest that its words can say."""
+    """Write, and return by name the values of the device now, which are the nearest that its words can
+    hold."""
     from unitylink.errors import ValueRangeError
     from unitylink.layer4_data import ClearValue, PulseValue, ValueGroup, load_spec_objects
 

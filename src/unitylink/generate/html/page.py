@@ -42,7 +42,7 @@ def _part(name: str) -> str:
 
 
 def page_data(value: Any) -> Any:
-    """Return the model as the page gets it: without what says nothing, for most members are empty."""
+    """Return the model for the page, without empty members, which are most."""
     if isinstance(value, dict):
         return {name: page_data(inner) for name, inner in value.items() if inner not in (None, "", [], {})}
     if isinstance(value, list):

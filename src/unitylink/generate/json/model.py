@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A `Spec` as plain dicts and lists: each class of the model is an object with its fields under their names.
 
-What other objects say already is said by name: types of elements name their enumeration, groups list paths.
+References to other objects are names: types of elements name their enumeration, groups list paths.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def generate_json(spec: Spec) -> dict[str, str]:
 
 
 def model_json(spec: Spec) -> dict[str, Any]:
-    """Return the model as plain data; model.schema.json describes it.
+    """Return the model as plain data. model.schema.json describes it.
 
     >>> from unitylink.spec import compile_text
     >>> model = model_json(compile_text("public lamp() { @led = 0x10: WRITE(); }", "lamp.ul").spec)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a generated module may be called: a file `types.py` would be what Python imports as `types`."""
+"""The names of generated modules. Python would import a file `types.py` in place of its own `types`."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ RESERVED = frozenset({*sys.stdlib_module_names, *_COME_AND_GONE.split(), *_TAKEN
 
 
 def variable_name(name: str) -> str:
-    """Return what a variable for something of this name is called."""
+    """Return the name of a variable for something of this name."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     plain = plain if plain.isidentifier() else f"n{plain}"
     return f"{plain}_" if keyword.iskeyword(plain) else plain
 
 
 def module_name(name: str) -> str:
-    """Return the module that a spec of this name becomes; one that means something else ends in `_`.
+    """Return the module name for a spec of this name. If the name is taken, it ends in `_`.
 
     >>> module_name("arm"), module_name("types"), module_name("class")
     ('arm', 'types_', 'class_')

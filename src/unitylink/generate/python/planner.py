@@ -65,7 +65,7 @@ class Class:
 
 @dataclass(frozen=True)
 class Table:
-    """A module-level dict; values are already literals."""
+    """A module-level dict. Its values are already literals."""
 
     name: str
     type: Python
@@ -110,7 +110,7 @@ class _Planner:
             self._collect(root)
 
     def _claim(self, name: str) -> str:
-        """Take a module-level name: unchanged where it is free, else numbered."""
+        """Take a module-level name: unchanged if it is free, else numbered."""
         name = f"{name}_" if keyword.iskeyword(name) else name
         free, number = name, 1
         while free in self.taken or hasattr(builtins, free):  # a spec may have a constructor `warning`
@@ -189,7 +189,7 @@ class _Planner:
         return (Table(self.class_table, Python("dict[str, type]"), rows),) if rows else ()
 
     def _gateware(self, root: Instance) -> tuple[tuple[Python, str], ...]:
-        """Return what hashes the gateware behind each link may have."""
+        """Return the hashes that the gateware behind each link may have."""
         hashes: dict[str, dict[int, None]] = {}
         for ctrl, comm in dict.fromkeys((e.link.ctrl, e.link.comm) for e in root.walk()):
             for name in (ctrl, comm):
@@ -373,7 +373,7 @@ def _group(attribute: str, group: Group, instance: Instance) -> Member:
 
 
 def _shape(instance: Instance, above: LinkBinding) -> Hashable:
-    """Return what decides about the class: two expansions with the same shape share one."""
+    """Return the facts that decide about the class. Two expansions with the same facts share one."""
     members: list[Hashable] = []
     for member in instance.members:
         if isinstance(member, Instance):

@@ -13,7 +13,7 @@ PLACES_SHOWN = 6  # expansions named in a docstring; the address table has them 
 
 
 def value_facts(element: Element, quantity: Quantity, here: Sequence[Element]) -> str:
-    """Return the sentence about a value: access, type, unit, limits, publishing, where it lies."""
+    """Return the sentence about a value: access, type, unit, limits, publishing, address."""
     facts = [element.access, str(quantity.type.text)]
     if element.checked:
         facts.append("checksummed")

@@ -14,7 +14,7 @@ WIDTH = 88
 
 
 def docstring(indent: int, *paragraphs: str) -> Python:
-    """Return a docstring, its first line without indent: one line where it fits, else wrapped.
+    """Return a docstring, its first line without indent: one line if it fits, else wrapped.
 
     >>> print(docstring(4, "A lamp."))
     \"\"\"A lamp.\"\"\"
@@ -46,14 +46,14 @@ def docstring(indent: int, *paragraphs: str) -> Python:
 
 @dataclass(frozen=True)
 class Call:
-    """`keyword=head(arguments)`; without a head a tuple. Head and keyword are names or Python."""
+    """`keyword=head(arguments)`. Without a head it is a tuple. Head and keyword are names or Python."""
 
     head: str
     arguments: Sequence[Argument]
     keyword: str = ""
 
     def start(self) -> Python:
-        """Return what stands before the arguments."""
+        """Return the text before the arguments."""
         return Python.of("{}={}(" if self.keyword else "{}{}(", self.keyword, self.head)
 
     def flat(self) -> Python:
@@ -83,7 +83,7 @@ def repeated(indent: int, head: str, each: Call, count: int) -> Python:
 
 
 def call(indent: int, head: str, arguments: Sequence[Argument], tail: str = "") -> Python:
-    """Return `head(arguments)` and `tail` on one line where it fits, else one argument a line.
+    """Return `head(arguments)` and `tail` on one line if it fits, else one argument on each line.
 
     >>> print(call(8, Python("self.led = self._write"), [Python.text("led")]))
     self.led = self._write("led")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Enumerations and packed values as Python classes, and what describes them to the codec."""
+"""Enumerations and packed values as Python classes, and their description for the codec."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .text import Argument, Call, call, docstring
 
 @dataclass(frozen=True)
 class TypeMember:
-    """A line of an enumeration (`run = 1`) or of a record (`mode: Mode`), and what is said about it."""
+    """A line of an enumeration (`run = 1`) or of a record (`mode: Mode`), with its documentation."""
 
     text: Python
     documentation: Python
@@ -24,7 +24,7 @@ class TypeMember:
 
 @dataclass(frozen=True)
 class TypeClass:
-    """A class of the generated module that is no Node."""
+    """A class of the generated module that is not a Node."""
 
     name: str
     head: Python  # decorators and the class line
@@ -35,7 +35,7 @@ class TypeClass:
 
 @dataclass
 class Types:
-    """The types of a spec under the names the module gives them; `claim` takes a free name."""
+    """The types of a spec, with their names in the module. `claim` takes a free name."""
 
     spec: Spec
     claim: Callable[[str], str]
@@ -69,7 +69,7 @@ class Types:
         return Python("float") if quantity.scaled or kind.kind == "float" else Python("int")
 
     def expression(self, kind: ValueType) -> Argument:
-        """Return what makes the type in the generated module."""
+        """Return the code of the type in the generated module."""
         if kind.kind == "enum" and kind.enum is not None:
             return self.constants[kind.enum.name]
         if kind.kind == "bits":
@@ -80,7 +80,7 @@ class Types:
         return Call("facts.ValueType", [Python.text(kind.kind), str(kind.width), *fraction])
 
     def quantity(self, quantity: Quantity, keyword: str = "quantity") -> Call:
-        """Return what makes a quantity in the generated module."""
+        """Return the code of a quantity in the generated module."""
         names = ("scale", "offset", "unit", "minimum", "maximum", "overflow", "initial", "safe")
         arguments = [self.expression(quantity.type), *_given(quantity, Quantity(), names)]
         return Call("facts.Quantity", arguments, keyword)
@@ -145,7 +145,7 @@ class Types:
 
 
 def _given(thing: object, standard: object, names: Iterable[str]) -> Iterator[Python]:
-    """Yield `name=value` for what is not as by default."""
+    """Yield `name=value` for all that differs from the default."""
     for name in names:
         value: Part = getattr(thing, name)
         if value != getattr(standard, name):

@@ -43,7 +43,7 @@ __all__ = [
     "one_line",
 ]
 
-# How the name of a file ends -> what it is written in.
+# Ending of a file name -> language of the file.
 LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
     {
         ".cpp": Cpp,
@@ -67,5 +67,5 @@ LANGUAGES: Mapping[str, type[Code]] = MappingProxyType(
 
 @cache
 def language_of(name: str) -> type[Code]:
-    """Return the language of a file, or of the template of one; `Code` where it is none of the table."""
+    """Return the language of a file, or of the template of one. `Code` if the table does not have it."""
     return LANGUAGES.get(PurePosixPath(name.removesuffix(".jinja")).suffix, Code)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Text that is code: made of what generators say themselves, of names, of numbers, and of quoted texts.
+"""Text that is code. It is made of the generators' own code, of names, of numbers, and of quoted texts.
 
-A text of a spec is none of these until the quoting function of a language has made it one. So what was not
-quoted cannot come into a file: putting it there raises UnquotedText.
+A text of a spec is none of these before the quoting function of a language has made it one. So an unquoted
+text cannot come into a file. To put it there raises UnquotedText.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ class UnquotedText(TypeError):
 
 
 class Code(str):
-    """Code of one language, which a subclass is for; `Code` itself is of none.
+    """Code of one language, in a subclass. `Code` itself is of no language.
 
-    `Code("...")` is for what stands in our own sources, `of` for everything that is put together.
+    `Code("...")` is for text of our own sources. `of` is for everything that is joined.
 
     >>> from unitylink.generate.quoting import Cpp
     >>> Cpp.of("names.push_back({});", Cpp.text('say "x"'))
@@ -42,13 +42,14 @@ class Code(str):
 
     @classmethod
     def of(cls: type[Self], pattern: str, *parts: Part, **named: Part) -> Self:
-        """Return `pattern`, filled in as by `str.format`; each part is code, a number or a name."""
+        """Return `pattern`, filled in as by `str.format`. Each part is code, a number or a name."""
         checked = {key: cls.part(value) for key, value in named.items()}
         return cls(pattern.format(*map(cls.part, parts), **checked))
 
     @classmethod
     def part(cls, value: Part) -> Part:
-        """Return what may become part of code of this language as it is. Raise UnquotedText for all else."""
+        """Return `value` if it may become part of code of this language as it is. Raise UnquotedText for all
+        else."""
         if isinstance(value, cls):
             return value
         if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
@@ -79,7 +80,7 @@ class Code(str):
 
 
 def one_line(text: str) -> str:
-    """Return a text on one line: what does not print (ends of lines, what turns the direction) is a blank.
+    """Return a text on one line. Characters that do not print, such as ends of lines, become blanks.
 
     >>> one_line("one\\ntwo\\u202e  three")
     'one two three'

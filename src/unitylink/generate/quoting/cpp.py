@@ -11,7 +11,7 @@ Self = TypeVar("Self", bound="Cpp")
 
 
 class Cpp(Code):
-    """C++ code, which for what is made here is C too."""
+    """C++ code. The code made here is also C."""
 
     __slots__ = ()
 

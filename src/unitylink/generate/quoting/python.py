@@ -39,7 +39,7 @@ class Python(Code):
 
     @classmethod
     def blanks(cls: type[Self], number: int) -> Self:
-        """Return what a line begins with that stands so far in."""
+        """Return the blanks of an indent."""
         return cls(" " * number)
 
     @classmethod

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Texts in what programs are built, configured and documented with."""
+"""Texts in CMake, Markdown, ROS messages, Shell, Tcl and YAML."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Message(Code):
 
 
 class Markdown(Code):
-    """Markdown. What stands in it of a spec are names, and the name of a file between back quotes."""
+    """Markdown. From a spec it only has names, and the name of a file between back quotes."""
 
     __slots__ = ()
 

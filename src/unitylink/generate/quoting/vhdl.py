@@ -27,5 +27,5 @@ class Vhdl(Code):
         return cls(" ".join(ascii_line.split())[:_LONGEST])
 
     def with_remark(self: Self, text: str) -> Self:
-        """Return this line with a text behind it as its comment, itself where there is none to say."""
+        """Return this line with a text as its comment, or only the line without a text."""
         return self.of("{} -- {}", self, self.remark(text)) if text else self

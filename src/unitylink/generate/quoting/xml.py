@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Texts as XML, and as what some readers of XML make of it."""
+"""Texts as XML, HTML and xacro."""
 
 from __future__ import annotations
 

@@ -29,9 +29,9 @@ _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 def generate_vhdl(spec: Spec, configuration: Chosen = None) -> dict[str, str]:
     """Return {file name: text} of a spec's design: packages, design on byte streams, top level with a UART.
 
-    Where the spec has several links there is a design for each of its boards (`Spec.boards`).
-    `configuration` is the gateware a design is made of, or the fields in which it differs from what the spec
-    asks for. Raises BindingError for one that only a virtual board can have.
+    Where the spec has several links there is a design for each of its boards (`Spec.boards`). `configuration`
+    is the gateware of the design, or the fields that differ from those of the spec. Raises BindingError for
+    one that only a virtual board can have.
     """
     boards = spec.boards
     if len(boards) > 1 and isinstance(configuration, BoardConfiguration):
@@ -58,7 +58,7 @@ def _text(part: str, design: Plan) -> str:
 
 
 def design_name(spec: Spec) -> str:
-    """Return what the names of the generated entities begin with: `scara` of `scara_design`, `scara_top`."""
+    """Return the beginning of the names of the generated entities: `scara` of `scara_design`, `scara_top`."""
     return identifier(spec.name)
 
 

@@ -25,7 +25,7 @@ class Function:
 
 
 def to_words(tree: Tree, words: int, data_bits: int) -> Function:
-    """What the user's logic gives, as the vector of all words that the PC reads."""
+    """The outputs of the user's logic, as the vector of all words that the PC reads."""
     lines = [Vhdl("words := (others => '0');")]
     for leaf in tree.leaves:
         lines += _to_words(leaf, data_bits)

@@ -10,7 +10,7 @@ from unitylink.spec.model import Instance, Spec
 
 from ..quoting import Part, Vhdl
 
-# Port of the entity -> direction, and what it is: a "bit", a "word" of the bus, the "place" of a word.
+# Port of the entity -> direction and kind: a "bit", a "word" of the bus, the "place" of a word.
 _PINS = {
     "fifo": {
         "to_pc_valid": ("in", "bit"),
@@ -30,7 +30,7 @@ _PINS = {
         "user_write_data": ("in", "word"),
     },
 }
-# What an input is where nobody drives it.
+# The value of an input that nothing drives.
 _IDLE = {"bit": Vhdl("'0'"), "word": Vhdl("(others => '0')"), "place": Vhdl("0")}
 # Accesses without which a side of a slave is of no use, and how the names of that side's ports begin.
 _NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("READ",)}
@@ -38,7 +38,7 @@ _NEEDED = {"to_pc_": ("READCLEAR",), "from_pc_": ("PULSE",), "user_write_": ("RE
 
 @dataclass(frozen=True)
 class Pin:
-    """A port of a slave: one of the design if it is `used`; an input has a `default`, "" is an output."""
+    """A port of a slave. It is one of the design if it is `used`. An input has a `default`, an output ""."""
 
     name: str
     direction: str
@@ -65,7 +65,7 @@ class LinkSlave:
         return f"{self.kind}_slave"
 
     def events(self) -> dict[str, str]:
-        """Return its event ports and what the spec calls them."""
+        """Return its event ports and their names in the spec."""
         return {"arrival": self.event} if self.event else {}
 
     @property
@@ -80,7 +80,7 @@ class LinkSlave:
         return {"depth": self.size, "remind_clocks": Vhdl("maximum(4, clock_hz / 50)")}
 
     def pins(self, data_bits: int) -> Iterator[Pin]:
-        """Yield its ports for the user's logic; of a side that the spec never uses the inputs only."""
+        """Yield its ports for the user's logic. Of a side that the spec never uses, yield only the inputs."""
         types = {
             "bit": Vhdl("std_ulogic"),
             "word": Vhdl.of("std_ulogic_vector({} downto 0)", data_bits - 1),

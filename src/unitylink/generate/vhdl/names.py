@@ -17,8 +17,9 @@ KEYWORDS = frozenset(
 class Names:
     """The names of one scope: each text gets one that is legal, and that no other has in any case.
 
-    Small letters; what is neither letter nor digit becomes `_`, never two in a row nor one at an end; `n`
-    goes before a digit. A name that is taken, by a keyword or an earlier text, gets the next free number.
+    Small letters. Other characters than letters and digits become `_`, but never two in a row or one at an
+    end. `n` goes before a digit. A name that is taken, by a keyword or an earlier text, gets the next free
+    number.
 
     >>> names = Names()
     >>> [names.claim(text) for text in ("Led", "led", "signal", "_2nd__try_", "j1.cpos")]

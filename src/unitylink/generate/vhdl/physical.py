@@ -27,7 +27,8 @@ class Item:
 
 @dataclass(frozen=True)
 class PhysicalLayer:
-    """What the template says of a layer; an instance has the name of its entity in gateware/physical."""
+    """The facts about a layer for the template. An instance has the name of its entity in
+    gateware/physical."""
 
     entity: str
     what: Vhdl  # "a UART"
@@ -48,7 +49,7 @@ class PhysicalLayer:
 
 
 def physical_layer(configuration: BoardConfiguration, baud_hz: int) -> PhysicalLayer:
-    """Return the layer that `configuration` names; `baud_hz` is that of a line."""
+    """Return the layer that `configuration` names. `baud_hz` is that of a line."""
     if configuration.physical == "uart":
         return _uart(configuration.fifo or _LINE_FIFO_BYTES, baud_hz)
     if configuration.physical == "rs485":

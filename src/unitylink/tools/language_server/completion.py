@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What may stand at a place: the names and keywords an editor offers."""
+"""The names and keywords that an editor offers at a place."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _KINDS = {
 
 
 def completion(document: Document, offset: int) -> list[types.CompletionItem]:
-    """Return what may stand at `offset`; the client filters by what is typed already."""
+    """Return the words that are possible at `offset`. The client filters by what is typed already."""
     tokens = tokenize(Reporter(Source(document.file, document.text[:offset])))
     count = tokens.kinds.index("end")
     if any(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the server knows of one open text, and how its offsets become a client's lines and columns."""
+"""One open text: what the server knows of it, and its offsets as a client's lines and columns."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _LINE_END = re.compile(r"\r\n?|\n")
 
 
 def line_starts(text: str) -> list[int]:
-    """Return where the lines of a text begin."""
+    """Return the beginnings of the lines of a text."""
     return [0, *(match.end() for match in _LINE_END.finditer(text))]
 
 
 def range_in(text: str, start: int, end: int, codec: PositionCodec) -> types.Range:
-    """Return the client's range of characters of a text that is no document."""
+    """Return the client's range of characters, for a text that is not a document."""
     starts = line_starts(text)
     return types.Range(*(_position(text, starts, offset, codec) for offset in (start, end)))
 
@@ -38,7 +38,8 @@ def _position(text: str, starts: list[int], offset: int, codec: PositionCodec) -
 
 
 class Document:
-    """One version of a text; `spec` is its model or, while it has errors, that of the last one without."""
+    """One version of a text. `spec` is its model. While it has errors, it is that of the last version
+    without."""
 
     def __init__(
         self,
@@ -78,7 +79,7 @@ class Document:
         return types.Location(Path(source.file).resolve().as_uri(), inside)
 
     def offset(self, position: types.Position) -> int:
-        """Return the character a client's position means; one beyond the text means its end."""
+        """Return the character at a client's position. One beyond the text means its end."""
         if position.line >= len(self._starts):
             return len(self.text)
         start = self._starts[position.line]

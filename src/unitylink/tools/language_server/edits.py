@@ -61,7 +61,7 @@ def rename(document: Document, offset: int, new_name: str, project: Project) -> 
 
 
 def formatting(document: Document) -> list[types.TextEdit]:
-    """Return the edit that lays the text out; none while it has syntax errors."""
+    """Return the edit that lays the text out. None while it has syntax errors."""
     try:
         formatted = format_text(document.text, document.file)
     except SpecError:

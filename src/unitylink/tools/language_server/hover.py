@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is shown of the name under the mouse, as Markdown."""
+"""The text for the name under the mouse, as Markdown."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def hover(document: Document, offset: int) -> str:
 
 
 def _expansions(spec: Spec, symbol: Symbol) -> Iterator[tuple[str, Instance | Element | Group]]:
-    """Yield what the symbol became in the model: a member once for each expansion of its constructor."""
+    """Yield the symbol's objects in the model: a member is there once for each expansion of its
+    constructor."""
     waiting = [(root.name, root) for root in reversed(spec.roots)]
     while waiting:
         path, instance = waiting.pop()
@@ -48,7 +49,7 @@ def _expansions(spec: Spec, symbol: Symbol) -> Iterator[tuple[str, Instance | El
 
 
 def _type_facts(spec: Spec, symbol: Symbol) -> list[str]:
-    """Say what an enumeration, packed bits, or one of their names is."""
+    """Return the text for an enumeration, packed bits, or one of their names."""
     for enum in spec.enums:
         if enum.name in (symbol.name, symbol.container):
             values = [v for v in enum.values if symbol.kind == "enum" or v.name == symbol.name]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The specs of a workspace: what a name means in files other than the one being edited."""
+"""The specs of a workspace: the meaning of a name in other files than the edited one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ Place = tuple[str, int, int]  # real path of a file; where a name starts and end
 
 
 class Project:
-    """The specs below some folders; `opened` are texts that an editor has, by real path: they count more."""
+    """The specs below some folders. `opened` has the texts of an editor, by real path. They take
+    precedence."""
 
     def __init__(self, folders: Iterable[Path], opened: Mapping[str, str]) -> None:
         self.opened = opened
@@ -42,7 +43,7 @@ class Project:
         return find_symbols(self.texts[file], file, search_path(), self.opened)
 
     def places(self, name: str, definition: Place) -> set[Place]:
-        """Return every place in the project where `name` stands for what is defined at `definition`."""
+        """Return every place in the project where `name` means the thing defined at `definition`."""
         found: set[Place] = set()
         for file, text in self.texts.items():
             if name in text:

@@ -60,19 +60,19 @@ class Server(LanguageServer):
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, version))
 
     def _opened(self, but: str = "") -> dict[str, str]:
-        """Return what the editor has of all files but one, by real path."""
+        """Return the editor's texts of all files except one, by real path."""
         others = [(uri, document) for uri, document in self.documents.items() if uri != but]
         return {os.path.realpath(document.file): document.text for _, document in others}
 
     def project(self, document: Document) -> Project:
-        """Return the specs of the workspace; where there is none, those in the folder of a document."""
+        """Return the specs of the workspace. Without one, those in the folder of a document."""
         folders = [Path(_file(uri)) for uri in self.workspace.folders]
         if not folders and self.workspace.root_path:
             folders = [Path(self.workspace.root_path)]
         return Project(folders or [Path(document.file).parent], self._opened())
 
     def workspace_edit(self, edits: Mapping[str, Sequence[Edit]], project: Project) -> types.WorkspaceEdit:
-        """Return edits of files, by real path, for the client: a file it has open by the name it gave."""
+        """Return edits of files, by real path, for the client. An open file keeps the client's name."""
         uris = {os.path.realpath(document.file): uri for uri, document in self.documents.items()}
         codec = self.workspace.position_codec
         return types.WorkspaceEdit(
@@ -225,6 +225,6 @@ def _diagnostics_of_imports(document: Document) -> list[types.Diagnostic]:
 
 
 def _file(uri: str) -> str:
-    """Return the path of a file URI, the URI itself for a text that is no file."""
+    """Return the path of a file URI, or the URI itself for a text that is not a file."""
     parts = urlsplit(uri)
     return unquote(parts.path) if parts.scheme == "file" else uri

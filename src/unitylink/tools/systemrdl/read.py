@@ -17,7 +17,7 @@ _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
 class _Collector(MessagePrinter):  # type: ignore[misc, unused-ignore]
-    """Keeps what the compiler says instead of printing it."""
+    """Keeps the compiler's messages instead of printing them."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What one register becomes: a type, an access word, properties."""
+"""One register as UL-spec: a type, an access word, properties."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_BITS = 64
 
 @dataclass
 class Types:
-    """The types declared so far: equal ones are declared once."""
+    """The types declared so far. Equal ones are declared once."""
 
     names: Names
     declared: dict[str, str]  # the declaration without its name -> name

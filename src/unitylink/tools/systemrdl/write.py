@@ -17,14 +17,14 @@ from .registers import Types, register
 
 @dataclass(frozen=True)
 class Imported:
-    """A spec and what of its source it could not say."""
+    """A spec, and the parts of its source that it could not express."""
 
     text: str
     notes: tuple[str, ...]
 
 
 def write_spec(top: AddrmapNode) -> Imported:
-    """Return the spec of an address map; Failure names what UL-spec cannot hold."""
+    """Return the spec of an address map. Failure names the parts that UL-spec cannot express."""
     writer = _Writer(top)
     text = format_text(writer.text(), f"{top.inst_name}.ul")
     errors = [d for d in compile_text(text, f"{top.inst_name}.ul").diagnostics if d.severity == "error"]
