@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What may make the model differ from the paper, as changes of the model: a cause moves its cell.
+"""Suspected causes of differences from the paper, as changes of the model. A true cause moves its cell.
 
 A change is made to the whole model, so that it also shows which other cells it makes worse.
 """
@@ -24,7 +24,8 @@ PAPER_STACK = SoftwareCost(
 
 @dataclass(frozen=True)
 class Ablation:
-    """One thing that is changed. `words` says what, `chosen` from which cell of the paper its size comes."""
+    """One thing that is changed. `words` describes it. `chosen` is the cell of the paper that gives its
+    size."""
 
     words: str
     chosen: str = ""

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The FT232H towards the host: what it keeps, and when it gives a packet away."""
+"""The FT232H chip, from the host's side: the bytes that it keeps, and when it sends a packet."""
 
 from __future__ import annotations
 
 from .link_parameters import LinkParameters
 
-_TOLERANCE_S = 1e-9  # sums of microframes are no exact numbers
+_TOLERANCE_S = 1e-9  # sums of microframes are not exact numbers
 
 
 class Chip:
-    """Collects bytes of the board and answers the host's IN tokens; the caller owns the clock.
+    """Collects bytes of the board and answers the host's IN tokens. The caller owns the clock.
 
     >>> from unitylink.experiments.link_parameters import FT245_ASYNC
     >>> chip = Chip(FT245_ASYNC)
@@ -33,7 +33,7 @@ class Chip:
         return self.parameters.chip_packets * self.parameters.payload_bytes - len(self._bytes)
 
     def put(self, byte: int, *, ends_message: bool, publish: bool = False) -> None:
-        """Take a byte of the board; the last one of a message may send."""
+        """Take a byte of the board. The last one of a message may send a packet."""
         self._bytes.append(byte)
         if byte == self.parameters.event_character:
             self._event = True

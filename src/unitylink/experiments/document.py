@@ -28,7 +28,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under headers; `caption` says what one sees."""
+    """Rows under headers. `caption` describes them."""
 
     caption: str
     headers: Sequence[str]
@@ -47,7 +47,7 @@ Block = Union[Heading, Paragraph, Code, Table, Figure]
 
 
 def markdown(blocks: Sequence[Block], *, images: str = "") -> str:
-    """Write the blocks as Markdown; pictures lie at `images`.
+    """Write the blocks as Markdown. The pictures are in `images`.
 
     >>> print(markdown([Heading(1, "A"), Table("t", ["x"], [["1"]])]), end="")
     # A
@@ -95,7 +95,7 @@ def html(blocks: Sequence[Block], title: str) -> str:
 
 
 def _with_code(text: str) -> str:
-    """Write what stands between backticks as code.
+    """Write the text between backticks as code.
 
     >>> _with_code("`a <b`, c")
     '<code>a &lt;b</code>, c'

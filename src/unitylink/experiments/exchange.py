@@ -28,7 +28,7 @@ _LIST_WORDS = 60  # of one reply of at most 250 bytes of payload
 
 @dataclass(frozen=True)
 class Exchange:
-    """A request and how many bytes its reply has; `number` counts the requests of a session from 0.
+    """A request and the number of bytes in its reply. `number` counts the requests of a session from 0.
 
     >>> read().request(0), read().reply_bytes
     (b'#R:10\\n', 14)

@@ -31,7 +31,7 @@ _OPENING_CLOCKS, _OPENING_STEPS = 20_000, 100
 class Gateware(ABC):
     """A device between FIFOs of `fifo` bytes (0: large): bytes in, bytes out, and when each was answered.
 
-    `watch` is an address; `effects` gets the clock of each change of its word. Clocks in which the device
+    `watch` is an address. `effects` gets the clock of each change of its word. Clocks in which the device
     cannot do anything are not run: it stands still behind a full transmit FIFO, and when nothing is due.
     """
 
@@ -126,12 +126,12 @@ class Gateware2012(Gateware):
     def _due(self) -> int | None:
         twin = self._twin
         if twin.clock < twin.last_activity + FIFO_LATENCY + _IN_FLIGHT_CLOCKS:
-            return twin.clock + 1  # what was sent is on its way through the FIFO
+            return twin.clock + 1  # the sent bytes are on their way through the FIFO
         return twin.next_event
 
 
 class OurGateware(Gateware):
-    """Our gateware: the VHDL that is generated for SPEC, compiled; needs GHDL and Verilator the first time.
+    """Our gateware: the compiled VHDL for SPEC. The first time it needs GHDL and Verilator.
 
     With `publishing` it does not stand still when nothing comes. ToolError where they are missing.
     """
@@ -146,7 +146,7 @@ class OurGateware(Gateware):
         self._begin()
 
     def _begin(self) -> None:
-        """Let clocks and what is counted begin now."""
+        """Start the clocks and the counters now."""
         self.answered.clear()
         self._stood = -self._rtl.clock
         self.peak = 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Level 1 of the paper: what the gateware alone does, at 50 MHz, 32-bit words and 8-bit addresses."""
+"""Level 1 of the paper: the gateware alone, at 50 MHz, with 32-bit words and 8-bit addresses."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _REPEATS = 16
 class GatewareFigures:
     """Clocks of one request through both FIFOs, the period of many, and bit/s at that period.
 
-    `latency_clocks` go from the first byte in to the last out, `effect_clocks` to the output of the register;
-    None where there is no answer, or no effect.
+    `latency_clocks` count from the first byte in to the last out, `effect_clocks` to the output of the
+    register. They are None without a reply, or without an effect.
     """
 
     gateware: str

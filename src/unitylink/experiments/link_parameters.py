@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the model of the USB chip assumes, each figure with where it comes from."""
+"""The assumptions of the model of the USB chip, each with its source."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ PAPER_LINK_BITS_HZ = 67.1e6  # 64 Mbit/s as the paper counts them: 64 * 2**20
 
 @dataclass(frozen=True)
 class LinkParameters:
-    """An FT232H between a USB host and a board; times in seconds, sizes in bytes.
+    """An FT232H between a USB host and a board. Times are in seconds, sizes in bytes.
 
     `send_immediate` says behind which messages the board pulses SIWU#: "never", "publishes" or "all".
     """

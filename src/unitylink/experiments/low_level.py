@@ -14,7 +14,7 @@ from .virtual_link import VirtualLink
 
 TRANSMIT_FIFO_BYTES = 255  # as the paper counts its 256
 BURST_PATIENCE_S = 1.0
-_PAUSE = 4  # a gap so many times the median one is a pause
+_PAUSE = 4  # a gap this many times the median is a pause
 
 
 def synchronous_s(
@@ -26,9 +26,9 @@ def synchronous_s(
     fifo: int = 256,
     pause_s: float = 0.0,
 ) -> float:
-    """Return the mean time from a request to its reply, one after another; the first is not counted.
+    """Return the mean round trip of requests in a row. The first is not counted.
 
-    `pause_s` is what the program does between a reply and its next request, which is not timed.
+    `pause_s` is the program's work between a reply and the next request. It is not timed.
 
     >>> from unitylink.experiments.link_parameters import FT245_ASYNC
     >>> round(synchronous_s(FT245_ASYNC, read()) * 1e6)
@@ -47,7 +47,7 @@ def synchronous_s(
 
 @dataclass(frozen=True)
 class ReadBurst:
-    """Replies to requests that were sent together; rates in bit/s of reply."""
+    """Replies to requests that were sent together. Rates are in bit/s of replies."""
 
     requests: int
     received_hz: float  # by the times at which the program got them
@@ -58,7 +58,7 @@ class ReadBurst:
 
 
 def read_burst(link: LinkParameters, requests: int, *, gateware: str = "2012", fifo: int = 256) -> ReadBurst:
-    """Send so many reads at once to one of GATEWARES, and see the replies come."""
+    """Send several reads at once to one of GATEWARES, and time the replies."""
     device = GATEWARES[gateware](fifo=fifo)
     wire = VirtualLink(link, device)
     exchange = framed_read() if gateware == FRAMED else read()
@@ -103,7 +103,7 @@ class WriteBurst:
 def write_burst(
     link: LinkParameters, exchange: Exchange, *, gateware: str = "2012", requests: int = 30
 ) -> WriteBurst:
-    """Send so many writes or posts at once to a bus register, and see its output change."""
+    """Send several writes or posts at once to a bus register, and time the changes of its output."""
     device = GATEWARES[gateware](watch=WRITE_ADDRESS)
     wire = VirtualLink(link, device)
     wire.send(exchange.burst(requests))

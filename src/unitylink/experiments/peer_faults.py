@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is known to go wrong with LiteX's bridges, tried with its released package and with ours.
+"""The known faults of LiteX's bridges, tried with its released package and with ours.
 
-Both sides of a row meet the same fault of the same wire (`wire.py`) and are judged by the same rule: `bad` is
-what a program can neither see nor get out of. `unitylink faults --beside litex` runs it.
+Both sides of a row meet the same fault of the same wire (`wire.py`) and are judged by the same rule. `bad` is
+a result that a program can neither see nor recover from. `unitylink faults --beside litex` runs it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ NOT_RUN = {
 
 @dataclass(frozen=True)
 class Told:
-    """What came of a fault on one side."""
+    """The result of a fault on one side."""
 
     bad: bool
     text: str
@@ -70,13 +70,13 @@ def _judged(*reads: tuple[str, dict[str, Any]]) -> Told:
 
 
 def _other(one: Peer) -> None:
-    """Go on as a second client, where there is a server for that."""
+    """Go on as a second client, if there is a server for that."""
     if isinstance(one, Theirs):
         one.obey("another")
 
 
 def _settle(wire: Process, patience_s: float = 2.0) -> None:
-    """Wait until the fault has met what it was meant for."""
+    """Wait until the fault has happened to its message."""
     if wire.ask(f"settle {patience_s}") != "ok":
         raise BenchError("the fault has met nothing")
 
@@ -110,7 +110,7 @@ def spoiled_write(fault: str) -> Play:
 
 
 def frozen(one: Peer, wire: Process) -> Told:
-    """The device says nothing; then it does again."""
+    """The device is silent for a while."""
     wire.ask("freeze")
     first = attempt(one)
     _other(one)
@@ -144,7 +144,7 @@ def long_loss(one: Peer, wire: Process) -> Told:
 
 
 def gone(one: Peer, wire: Process) -> Told:
-    """What a client talks to ends: LiteX's server, our port."""
+    """The other end of a client goes away: LiteX's server, or our port."""
     if isinstance(one, Theirs):
         one.obey("stop")
     else:

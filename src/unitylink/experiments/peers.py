@@ -50,7 +50,10 @@ DATAGRAMS = {
     "Etherbone packets, reads in one",
     "LiteX RemoteClient, litex_server, UDP",
 }
-FIRST = {PTY: "Unity-Link, framed", UDP: "Unity-Link, framed, UDP"}  # what the others of the wire are over
+FIRST = {
+    PTY: "Unity-Link, framed",
+    UDP: "Unity-Link, framed, UDP",
+}  # the peer with which the others on the same wire are compared
 PATIENCE_S = 12.0  # RemoteClient takes four for a read of a device that is frozen, CommUDP ten
 SERIES_S = 0.5  # the longest of the series a round has of each operation
 _SPAN = {"read": 1, "write": 1, "block": 0.1, "cycle": 0.1}  # calls of each, as a share
@@ -103,7 +106,7 @@ class Ours:
         return words
 
     def check(self) -> None:
-        """Raise BenchError unless every operation does what it should."""
+        """Raise BenchError unless every operation is right."""
         self.write()
         if (
             self._link.read(WRITES[0]) != self._number
@@ -135,7 +138,7 @@ class Theirs:
 
 @contextmanager
 def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, Process | None]]:
-    """Start a device and what reads it; with `spoiled` a wire stands between, which is given too."""
+    """Start a device and its reader. With `spoiled` there is a wire between, which is returned too."""
     from unitylink import connect
 
     datagrams = name in DATAGRAMS
@@ -173,7 +176,7 @@ def peer(run: Run, name: str, *, spoiled: bool = False) -> Iterator[tuple[Peer, 
 
 
 def compare(run: Run, *, rounds: int, count: int) -> list[dict[str, Any]]:
-    """Return a row for each peer: times, bytes, and what it makes of a frozen device and a flipped bit."""
+    """Return a row for each peer: times, bytes, and its results on a frozen device and a flipped bit."""
     names = [*OURS, *THEIRS]
     some = {operation: max(2, round(count * span)) for operation, span in _SPAN.items()}
     calls = {name: dict(some) for name in names}
@@ -225,7 +228,7 @@ def _figures(rounds: Sequence[Sequence[int]], first: Sequence[Sequence[int]]) ->
 
 
 def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return the bytes of each operation, and what a read gives on a flipped bit and on a frozen device."""
+    """Return the bytes of each operation, and the results of a read on a flipped bit and a frozen device."""
     told: dict[str, dict[str, Any]] = {}
     with ExitStack() as stack:
         peers = {name: stack.enter_context(peer(run, name, spoiled=True)) for name in names}
@@ -251,7 +254,7 @@ def spoiled(run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def attempt(one: Peer, word: int = ADDRESS, right: int = EXPECTED) -> dict[str, Any]:
-    """Read a word once: what came of it, and how long that took."""
+    """Read a word once. Return the result and the time."""
     start = time.perf_counter()
     try:
         said = one.attempt(f"read {word}")

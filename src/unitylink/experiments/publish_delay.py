@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How long a publish takes from the gateware to the program, by what makes the chip send."""
+"""The time of a publish from the gateware to the program, for each cause that makes the chip send."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def publish_delay(link: LinkParameters, gateware: str, send_immediate: str) -> P
 
 
 def classic_requests() -> list[bytes]:
-    """Return what makes a classic device publish."""
+    """Return the requests that make a classic device publish."""
     encode = ClassicEncoder().encode
     return [
         encode(p.COMMAND_WRITE_GROUP_ADDRESSES, bytes([0, WORDS]) + bytes([READ_ADDRESS]) * WORDS),
@@ -61,7 +61,7 @@ def classic_requests() -> list[bytes]:
 
 
 def framed_requests() -> list[bytes]:
-    """Return what makes a framed device publish: group 0 at every tick, on its clock and not on an event."""
+    """Return the requests that make a framed device publish group 0 at every tick of its clock."""
     group = bytes([0, 0, 0, 0, 1, 0, WORDS]) + bytes([READ_ADDRESS]) * WORDS
     publish = p.CONTROL_PUBLISH.to_bytes(2, "big") + (1).to_bytes(4, "big")
     return [

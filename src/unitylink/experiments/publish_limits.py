@@ -56,7 +56,7 @@ def framed_link_hz(words: int) -> float:
 
 
 def chip_hz(words: int) -> float:
-    """What the model of the FT232H sustains: full packets, as many a microframe as its driver takes."""
+    """The rate of the FT232H's model: full packets, as many in a microframe as its driver takes."""
     return min(link_hz(words), _payload_hz() / message_bytes(words))
 
 

@@ -43,7 +43,7 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Wanted:
-    """How long to take: `quick` repeats what is measured less often, memory is watched for `soak_s`."""
+    """The length of a run. `quick` repeats measurements less often. Memory is watched for `soak_s`."""
 
     quick: bool
     soak_s: float
@@ -57,7 +57,7 @@ class Wanted:
 def run_all(
     *, quick: bool, soak_s: float, say: Callable[[str], None], only: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Run PARTS, or `only` those; `quick` repeats the measured ones less often.
+    """Run PARTS, or `only` those. `quick` repeats the measured ones less often.
 
     The modelled part is the same in both. Memory is watched for `soak_s`.
 
@@ -83,7 +83,7 @@ def run_all(
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a run that can be had alone; what it measures goes into the results."""
+    """A part of a run that can run alone. Its measurements go into the results."""
 
     title: str
     measure: Callable[[Wanted], dict[str, Any]]
@@ -161,7 +161,7 @@ PARTS = {
 def compared(
     cells: Sequence[Cell], figures: dict[str, float], changed: Mapping[str, dict[str, float]]
 ) -> list[dict[str, Any]]:
-    """Return a row for each cell: paper, model, and what the model says with each cause changed."""
+    """Return a row for each cell: paper, model, and the model with each cause changed."""
 
     def beside(cell: Cell, value: float) -> dict[str, float]:
         return {"model": value, "difference": value / cell.paper - 1}
@@ -180,7 +180,7 @@ def compared(
 
 
 def _measured(measure: Callable[[], list[dict[str, Any]]]) -> dict[str, Any]:
-    """Return the rows, or why there are none: what is missing here keeps nobody from the rest."""
+    """Return the rows, or why there are none. A missing tool does not stop the other parts."""
     try:
         return {"rows": measure(), "failure": ""}
     except UnityLinkError as error:

@@ -16,7 +16,7 @@ SLOWER = ("roscpp-out",)  # whose package is compiled first: not in the quick fo
 def rates(*, quick: bool, say: Callable[[str], None]) -> dict[str, Any]:
     """Return messages a second of our node, and of a bare publisher or subscriber, measured by the bench.
 
-    `failures` says what could not be measured, and what installs what is missing.
+    `failures` names what could not be measured, and the command that installs what is missing.
     """
     report = run(only=FIGURES if quick else (*FIGURES, *SLOWER), quick=quick, say=say)
     rows = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What this host pays as a system grows: registers, links, cores, groups, rates; and memory over time."""
+"""The cost on this host of more registers, links, cores, groups and rates, and memory over time."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ def scaling(*, rounds: int, window_s: float, memory_s: float, count: int = 100) 
 
 
 def registers_s(number: int, *, rounds: int, count: int) -> float:
-    """Return the seconds of a read, spread over the registers of a spec with so many."""
+    """Return the seconds of a read, spread over the registers of a spec."""
     with on_processors(), _words(number, 1) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
 
 def links_s(number: int, *, rounds: int, count: int) -> float:
-    """Return the seconds of a read, in turns over so many links in one process."""
+    """Return the seconds of a read, in turns over several links in one process."""
     with on_processors(), _words(1, number) as turn:
         return median(thread_s(lambda: next(turn).read(), count) for _ in range(rounds))
 
@@ -75,7 +75,7 @@ def links_wall_s(number: int, cores: Sequence[int], rounds: int, count: int) -> 
 
 
 def publishes(groups: int, hz: int, window_s: float) -> dict[str, float]:
-    """Return what layer 4 makes of so many groups of a word, each published at `hz` by another process."""
+    """Return the cost in layer 4 of several groups of a word, which another process publishes at `hz`."""
     with _publishing(groups, hz) as tree:
         first, start, cpu = _received(tree), time.perf_counter(), time.process_time()
         time.sleep(window_s)
@@ -85,7 +85,7 @@ def publishes(groups: int, hz: int, window_s: float) -> dict[str, float]:
 
 
 def memory(duration_s: float) -> dict[str, float]:
-    """Return how the memory of this process grows while publishes come; the first fifth makes it warm."""
+    """Return how the memory of this process grows while publishes come. The first fifth is a warm-up."""
     with _publishing(1, MEMORY_HZ) as tree:
         time.sleep(duration_s / 5)
         first, before = _received(tree), _resident_bytes()
@@ -112,7 +112,7 @@ def _spec(lines: str) -> Any:
 
 @contextmanager
 def _words(registers: int, links: int) -> Iterator[Iterator[Any]]:
-    """Give the words of so many registers on each of so many links, again and again."""
+    """Yield the words of the registers on each of the links, again and again."""
     from unitylink import connect
     from unitylink.layer4_data import load_spec_objects
     from unitylink.simulate import Board, BoardConfiguration

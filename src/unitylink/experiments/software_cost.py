@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What this host's software costs, measured: processor time of the calling thread, which does all work."""
+"""The measured cost of this host's software: processor time of the calling thread, which does all work."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SoftwareCost:
 
 
 def measure(*, rounds: int, count: int = 100) -> SoftwareCost:
-    """Measure `rounds` times `count` requests of each kind, in turns; the median round counts.
+    """Measure `rounds` times `count` requests of each kind, in turns. The median round counts.
 
     Waiting for the virtual board takes no processor time, so it is not in the figures, and other programs on
     the machine disturb them little. Both sides share one processor: on a virtual machine it takes several
@@ -62,7 +62,7 @@ def _board() -> Board:
 
 @contextmanager
 def _descriptor() -> Iterator[int]:
-    """Serve a board; give the bare script its descriptor."""
+    """Serve a board. Yield the descriptor for the bare script."""
     with _board() as board:
         descriptor = int(board.url.removeprefix("fd:"))
         os.set_blocking(descriptor, True)
@@ -89,7 +89,7 @@ def _requests(stack: ExitStack, protocol: str) -> list[Callable[[], object]]:
 
 
 def _exchange(descriptor: int, request: bytes) -> bytes:
-    """Do what a short script does: write, then read up to the line feed."""
+    """Work as a short script does: write, then read up to the line feed."""
     os.write(descriptor, request)
     reply = b""
     while not reply.endswith(b"\n"):

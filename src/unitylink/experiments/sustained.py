@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fig. 4 of the paper, measured: how many publishes a second the full stack takes without a loss.
 
-The source is the twin, on a clock so fast that it is no limit, which publishes at a set rate over TCP on the
-loopback; the taker is layer 4, recording what comes as it does for everyone.
+The source is the twin, on a clock so fast that it is no limit. It publishes at a set rate over TCP on the
+loopback. The receiver is layer 4, which records as usual.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # and downwards from where not even that doe
 LINK_HZ = {"classic": link_hz, "framed": framed_link_hz}
 _CLOCK_HZ = 1_000_000_000
 _FRAME_BYTES_MOST = 1200  # holds 255 words in a long frame
-PATIENCE_S = 0.5  # until what is under way has arrived
+PATIENCE_S = 0.5  # until the publishes under way have arrived
 IN_TIME = 0.95  # of a rate have to come in real time: the twin may be late
 
 
 @dataclass(frozen=True)
 class Sustained:
-    """The highest rate tried that lost nothing; `factor` is over the ideal link's.
+    """The highest tried rate that lost nothing. `factor` is relative to the ideal link's.
 
-    `more` says what the next higher rate failed on: "" (none was tried), "stack" or "source".
+    `more` is the cause of the failure of the next higher rate: "" (none was tried), "stack" or "source".
     """
 
     protocol: str
@@ -39,10 +39,10 @@ class Sustained:
 
 @dataclass(frozen=True)
 class Trial:
-    """What one rate led to; `complete`: all that was published arrived, and at that rate."""
+    """The result of one rate. `complete`: all publishes arrived, and at that rate."""
 
     complete: bool
-    limit: str  # what a trial that is not complete failed on: "stack" or "source"
+    limit: str  # why a trial is not complete: "stack" or "source"
     rate_hz: float
     core: float
 
@@ -50,7 +50,7 @@ class Trial:
 def sustained(protocol: str, words: int, *, window_s: float, tries: int = 3) -> Sustained:
     """Return the highest rate without loss for messages of `words` words.
 
-    A rate counts when one of `tries` windows was complete: what else the machine does disturbs some.
+    A rate counts if one of `tries` windows was complete, because other work of the machine disturbs some.
 
     >>> sustained("framed", 16, window_s=0.05).words
     16

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cause:
-    """Why model and paper may differ; `tried` are the ablations that show whether it is so."""
+    """Why model and paper may differ. `tried` are the ablations that show whether that is true."""
 
     words: str
     tried: tuple[str, ...] = ()
@@ -16,9 +16,9 @@ class Cause:
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of the paper; `model` names the figure beside it, `cause` says why the two may differ.
+    """A number of the paper. `model` names the figure beside it. `cause` says why the two may differ.
 
-    `sd` is the paper's standard deviation, where it tells one.
+    `sd` is the paper's standard deviation, if it has one.
     """
 
     table: str
@@ -137,7 +137,7 @@ CELLS = (
     Cell("Write:SI", "Unity-SW", "throughput (i+o)", 274.9e3, "bit/s", "write_stack_si_hz", STACK_SI),
 )
 
-# What section VI.B says beside the table.
+# The statements of section VI.B beside the table.
 TEXT = (
     Cell(
         "text",

@@ -154,7 +154,7 @@ _OPERATIONS = {
 
 
 def peers(measured: dict[str, Any]) -> list[Block]:
-    """Return times, bytes and faults, each a table; or why there are none."""
+    """Return times, bytes and faults, each a table, or why there are none."""
     rows = measured["rows"]
     if not rows:
         return [Paragraph(f"Not measured: {measured['failure']}")]
@@ -213,7 +213,7 @@ def _outcome(told: dict[str, Any]) -> str:
 
 
 def ros(measured: dict[str, Any]) -> list[Block]:
-    """Return the rates, and what could not be measured."""
+    """Return the rates, and the figures that could not be measured."""
     table = Table(
         "A single integer on a topic, sent as fast as possible. The table gives the messages a second "
         "of our node with the twin behind it, and of a bare publisher or subscriber in the same run. "

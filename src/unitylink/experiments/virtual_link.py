@@ -10,11 +10,11 @@ from .chip import Chip
 from .gateware import CLOCK_HZ, Gateware
 from .link_parameters import LinkParameters
 
-_CLOCK_FRACTION = 1e-6  # what binary fractions may be off
+_CLOCK_FRACTION = 1e-6  # error of binary fractions
 
 
 class VirtualLink:
-    """What a program on the PC sees of a board; `now_s` moves only when it waits.
+    """A board as a program on the PC sees it. `now_s` moves only when the program waits.
 
     `received` has the time and the bytes of each transfer that reached the program, `lost` counts bytes that
     met a full FIFO behind a line without flow control.
@@ -52,7 +52,7 @@ class VirtualLink:
         self._outgoing.extend(data)
 
     def wait(self, count: int, *, limit_s: float = 1.0) -> None:
-        """Let time pass until `count` more bytes have come; TimeoutError after `limit_s`."""
+        """Let time pass until `count` more bytes have come. TimeoutError after `limit_s`."""
         target, end_s = self._count + count, self.now_s + limit_s
         while self._count < target:
             if self.now_s >= end_s:
@@ -65,7 +65,7 @@ class VirtualLink:
             self._microframe_passes()
 
     def _microframe_passes(self) -> None:
-        """Ask the chip for packets until it has none; the program gets them at the end of the microframe."""
+        """Ask the chip for packets until it has none. The program gets them at the end of the microframe."""
         p = self.parameters
         packets: list[bytes] = []
         asking = True
@@ -86,7 +86,7 @@ class VirtualLink:
         return (self._microframe + token / p.packets_per_microframe) * p.microframe_s
 
     def _carry(self, time_s: float, end_s: float) -> None:
-        """Move bytes over the lines from `time_s` to `end_s`; towards the host first."""
+        """Move bytes over the lines from `time_s` to `end_s`, first those towards the host."""
         while time_s < end_s:
             self.gateware.run_until(math.ceil(time_s * CLOCK_HZ - _CLOCK_FRACTION))
             refused = False

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A wire that counts and spoils, as a process: `python -m unitylink.experiments.wire PTY|HOST:PORT`.
 
-Carries bytes between a pty of its own and PTY, or datagrams between a port of its own and HOST:PORT; prints
-where its own end is. A line on standard input each:
+Carries bytes between a pty of its own and PTY, or datagrams between a port of its own and HOST:PORT. Prints
+the address of its own end. A line on standard input each:
 
     bytes                    answers with the bytes to and from the device since last asked
     freeze, thaw             keeps all that the device says; lets it through again
@@ -12,7 +12,7 @@ where its own end is. A line on standard input each:
     late [device] SECONDS    holds it, and on a pty all that follows, for so long
     settle SECONDS           answers when the fault has met its message, and what was late is through
 
-The next message is one to the host, or to the device where the line says so.
+The next message is one to the host, or to the device if the line says so.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Pty:
 
 
 class Udp:
-    """An end that is a socket; without `peer` it answers whoever spoke last."""
+    """An end that is a socket. Without `peer` it answers the last sender."""
 
     stream = False
 
@@ -82,7 +82,7 @@ class Udp:
     def take(self) -> bytes:
         try:
             data, self._peer = self._socket.recvfrom(_CHUNK)
-        except ConnectionRefusedError:  # what was sent before met nobody
+        except ConnectionRefusedError:  # earlier bytes reached nobody
             return b""
         return data
 
@@ -110,7 +110,7 @@ class Way:
         self._fault, self._late_s = fault, late_s
 
     def carry(self) -> None:
-        """Take what has come, and pass it on unless a fault has a claim on it."""
+        """Take the bytes that have come, and pass them on unless a fault takes them."""
         data = self.source.take()
         if self.frozen or not data:
             return
@@ -129,7 +129,7 @@ class Way:
         return max(0.0, self._held[0][0] - time.monotonic()) if self._held else None
 
     def quiet(self) -> None:
-        """Do what time brings: end a message, let go what was late."""
+        """Do the work of the clock: end a message, release a late one."""
         if self._whole:
             self._spoil()
         while self._held and self._held[0][0] <= time.monotonic():
@@ -162,7 +162,7 @@ class Wire:
         self.to_device, self.to_host = Way(host, device), Way(device, host)
 
     def obey(self, command: str) -> str:
-        """Do what a line says, and return the answer.
+        """Do the command in a line, and return the answer.
 
         >>> Wire(Pty(0), Pty(1)).obey("bytes")
         '0 0'
@@ -187,7 +187,7 @@ class Wire:
         return "ok"
 
     def turn(self, others: list[int], most_s: float | None = None) -> bool:
-        """Wait for something, `most_s` at most, and carry it; say whether one of `others` can be read."""
+        """Wait for bytes, at most `most_s`, and carry them. Return whether one of `others` can be read."""
         ways = (self.to_device, self.to_host)
         waits = [wait_s for wait_s in (*(way.due_s() for way in ways), most_s) if wait_s is not None]
         ready, _, _ = select.select(

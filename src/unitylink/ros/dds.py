@@ -58,7 +58,7 @@ class DdsPlane:
         self._services.close()
 
     def name(self, topic: str) -> str:
-        """Return a name with its namespace; one that begins with / has it already."""
+        """Return a name with its namespace. One that begins with / has it already."""
         return topic[1:] if topic.startswith("/") else f"{self._namespace}/{topic}".lstrip("/")
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
@@ -81,7 +81,7 @@ class DdsPlane:
 
     @contextmanager
     def gathered(self) -> Iterator[None]:
-        """Send what this thread publishes meanwhile in as few packets as it fits in."""
+        """Send the publishes of this thread meanwhile in as few packets as possible."""
         held: set[Callable[[], None]] = set()
         self._here.held = held
         try:
@@ -152,7 +152,7 @@ class DdsPlane:
 
 
 class Matched:
-    """Whether anybody reads what a writer writes; asked of DDS a few times a second, not at each message."""
+    """Whether a writer has readers. DDS is asked a few times a second, not at each message."""
 
     PERIOD_S = 0.1
 

@@ -19,7 +19,7 @@ WAIT_NS = 100_000_000
 
 
 class DdsReader:
-    """Calls `take(message)` for what comes on topics added before `start`; `life` is shown `what` it is."""
+    """Calls `take(message)` for each message of the topics added before `start`. `life` sees it as `what`."""
 
     def __init__(self, participant: Any, what: str, life: Life) -> None:
         self._participant, self._what, self._life = participant, what, life
@@ -83,7 +83,7 @@ class DdsReader:
             try:
                 message = kind.deserialize(data)
                 message.sample_info = info
-            except Exception as error:  # whoever sent it: a name that is no UTF-8, a length beyond its end
+            except Exception as error:  # for example a name that is not UTF-8, or a length beyond its end
                 refuse(topic, error)
                 continue
             try:

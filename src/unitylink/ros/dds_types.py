@@ -105,7 +105,7 @@ def _serializer(codes: str, names: list[str]) -> Callable[..., bytes]:
 
 
 def _deserializer(general: Callable[..., Any], codes: str) -> Any:
-    """Return a `deserialize` for the same; what is not CDR as every PC sends it is left to `general`."""
+    """Return a `deserialize` for the same. It leaves CDR in another form than a PC's to `general`."""
     layout = struct.Struct(f"<4x{codes}")
     unpack, size = layout.unpack_from, layout.size
 

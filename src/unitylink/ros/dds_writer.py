@@ -13,15 +13,16 @@ _PADDING = (b"", b"\0\0\0", b"\0\0", b"\0")  # DDS takes whole words
 
 
 class Here(threading.local):
-    """What a thread has written and not yet sent: None while it sends each message by itself."""
+    """Messages that a thread has written and not yet sent. None while it sends each one by itself."""
 
     held: set[Callable[[], None]] | None = None
 
 
 @cache
 def gathering_writer() -> Any:
-    """Return a class like cyclonedds' DataWriter: what `write` takes goes out at `flush()`, or when a packet
-    is full. cyclonedds has both in C, not yet in Python."""
+    """Return a class like cyclonedds' DataWriter whose `write` sends at `flush()`, or with a full packet.
+
+    cyclonedds has both in C, not yet in Python."""
     from cyclonedds import pub
     from cyclonedds.core import DDSException
 
@@ -43,7 +44,8 @@ def gathering_writer() -> Any:
                 self._refused(result)
 
         def sender(self, here: Here) -> Callable[[Any], None]:
-            """Return what writes a message of the right type, and flushes unless `here` has it held back."""
+            """Return a function that writes a message of the right type, and flushes unless `here` holds it
+            back."""
             reference, version_2, flush = self._ref, self._use_version_2, self.flush
             write = pub.ddspy_write  # type: ignore[attr-defined]
 

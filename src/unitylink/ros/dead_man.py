@@ -16,9 +16,9 @@ NO_SAFE = "the spec gives no SAFE values for a dead-man: outputs stay when the l
 
 
 class DeadManGuard:
-    """Have the gateware make its outputs safe when this program or the link is gone, where it can.
+    """Let the gateware make its outputs safe when this program or the link is gone, if it can.
 
-    `lacking` says why it cannot, and is empty where it can. `tripped`: the outputs are safe, and nothing is
+    `lacking` says why it cannot, and is empty if it can. `tripped`: the outputs are safe, and nothing is
     written before `arm()`. A `deadman=` in the link's URL goes before `silence_s`.
     """
 
@@ -31,7 +31,7 @@ class DeadManGuard:
         self.renew()
 
     def renew(self) -> None:
-        """Find out how it stands, and start it where it does not run."""
+        """Ask for its state, and start it if it does not run."""
         state = self._link.dead_man() if self.lacking != NONE else None
         if state is None:
             return
@@ -57,7 +57,7 @@ class DeadManGuard:
         return state is not None and state.tripped
 
     def told(self) -> str:
-        """Say how it stands, in a few words for the diagnostics."""
+        """Return its state, in a few words for the diagnostics."""
         if self.tripped:
             return "tripped: the outputs are safe, call arm"
         return self.lacking.partition(":")[0].partition(",")[0] or f"trips after {self.silence_s:g} s"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Types of UL-spec as ROS types, and what a field's comment says of its value."""
+"""Types of UL-spec as ROS types, and the comments of fields."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SCALARS = {
 
 
 def primitive(quantity: Quantity) -> str:
-    """Return the smallest ROS primitive that holds a value in its unit; of packed bits the raw number.
+    """Return the smallest ROS primitive that holds a value in its unit, or the raw number of packed bits.
 
     >>> from unitylink.spec.types import ValueType
     >>> primitive(Quantity(ValueType("int", 12))), primitive(Quantity(ValueType("int", 12), scale=0.1))
@@ -44,7 +44,7 @@ def whole(kind: ValueType) -> str:
 
 
 def comment(item: Element | BitField) -> str:
-    """Return what stands behind a field: unit, limits, documentation, on one line."""
+    """Return the comment of a field: unit, limits, documentation, on one line."""
     parts = [item.unit] if item.unit else []
     if item.minimum is not None or item.maximum is not None:
         ends = [format_value(end) if end is not None else "" for end in (item.minimum, item.maximum)]

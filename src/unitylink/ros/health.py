@@ -22,7 +22,7 @@ STATUS = ("level", "name", "message", "hardware_id", "values")
 
 @dataclass(frozen=True)
 class Health:
-    """A level of diagnostic_msgs, a sentence, and what was counted."""
+    """A level of diagnostic_msgs, a sentence, and counters."""
 
     level: int
     message: str
@@ -67,7 +67,7 @@ def health(node: RobotNode, session: RobotSession | None) -> Health:
 
 
 def _device_facts(link: Link) -> dict[str, str]:
-    """What the device itself counts, and how its clock goes; nothing on a classic link."""
+    """The device's own counters, and the state of its clock. Empty on a classic link."""
     facts = {}
     clock = link.clock
     if clock is not None:
@@ -75,7 +75,7 @@ def _device_facts(link: Link) -> dict[str, str]:
         facts["device clock uncertainty us"] = f"{clock.uncertainty_ns / 1000:.0f}"
     try:
         counted = link.health()
-    except LinkError as error:  # the keeper finds out what that means
+    except LinkError as error:  # the keeper finds the cause
         return facts | {"device": str(error)}
     if counted is not None:
         facts |= {

@@ -19,11 +19,11 @@ WRITES = "the thread that writes commands"
 
 
 class Inbox:
-    """Collect set-points per value, newest wins, while one write is on its way; then write all together.
+    """Collect set-points while one write is under way, the newest for each value. Then write all together.
 
     A message is taken whole or not at all. `on_silence` is called once when nothing was put for `timeout_s`
-    after something was (0: never). What waits while not `current()` is dropped: it was meant for the device
-    as it was before.
+    after something was (0: never). Waiting ones are dropped while not `current()`: they were meant for the
+    device as it was before.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Inbox:
         self._thread.start()
 
     def put(self, numbers: Mapping[str, Any]) -> None:
-        """Have values written soon. Raise ValueRangeError, and take none, where one cannot be written."""
+        """Have values written soon. If one cannot be written, raise ValueRangeError and take none."""
         for path, number in numbers.items():
             self._group.writes[path].encode(number)
         with self._changed:
@@ -62,12 +62,12 @@ class Inbox:
                 self._changed.notify_all()
 
     def forget(self) -> None:
-        """Forget what waits."""
+        """Forget the waiting ones."""
         with self._changed:
             self._pending.clear()
 
     def clear(self) -> None:
-        """Forget what waits, and return when what was on its way has arrived."""
+        """Forget the waiting ones, and return when the write under way has arrived."""
         with self._changed:
             self._pending.clear()
             self._changed.wait_for(lambda: not self._busy or self._closed)
@@ -115,7 +115,7 @@ class Inbox:
         return True
 
     def _again(self, numbers: Mapping[str, Any], tried: int) -> int:
-        """Have it written again: it is still what is wanted, but for what has come since."""
+        """Let it be written again: it is still wanted, except values with a newer set-point."""
         with self._changed:
             if tried >= TRIES or self._closed or not self._current():
                 return 0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A robot as ROS sees it: its messages and topics, frozen, the same for ROS 1, DDS and ROS 2.
 
-`mapping.plan_interface` makes it from a spec; a generated package carries it as a literal.
+`mapping.plan_interface` makes it from a spec. A generated package has it as a literal.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ class Constant:
 
 @dataclass(frozen=True)
 class Field:
-    """A field of a message; `count` 0 is one value, else that many in an array. `type` is a ROS primitive, or
-    the name of a message of the same package for a packed value, whose attributes are then `members`."""
+    """A field of a message. `count` 0 is one value, otherwise an array has that many. `type` is a ROS
+    primitive, or the name of a message of the same package for a packed value, whose attributes are then
+    `members`."""
 
     name: str
     type: str
@@ -63,7 +64,7 @@ class Topic:
 
     `form` is "record" (a message of the package), "scalar" (std_msgs), "joints" (sensor_msgs/JointState) or
     "twist" (geometry_msgs/Twist; `axes` says where each path goes). `queue` messages are kept for a slow
-    reader; `reliable` is for ROS 2. `packed`: a scalar that is the raw number of packed bits.
+    reader. `reliable` is for ROS 2. `packed`: a scalar that is the raw number of packed bits.
     """
 
     name: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which values of an instance are joints: told by `@ros(type="JointState", ..)`, or by units and names."""
+"""Which values of an instance are joints, by `@ros(type="JointState", ..)` or by units and names."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PARTS = ("position", "velocity", "effort")
 
 @dataclass(frozen=True)
 class JointValues:
-    """A joint and its values: what is measured, and what is set, by part ("position", ..)."""
+    """A joint with its measured values and its set-points, by part ("position", ..)."""
 
     name: str
     measured: dict[str, Element] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class JointValues:
 
 
 def factor(element: Element) -> float:
-    """Return what turns a value into rad, m, rad/s, m/s, N·m or N; 1 for a unit we do not know."""
+    """Return the factor from a value to rad, m, rad/s, m/s, N·m or N. 1 for an unknown unit."""
     return _UNITS.get(element.unit, ("", 1.0))[1]
 
 

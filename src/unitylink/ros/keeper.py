@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The link of a node: opened when the device is there, told of when layer 2 has lost it and has it back."""
+"""The link of a node: opens it when the device is there, and follows its loss and return in layer 2."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ CHECK_S = 0.1  # how soon a loss is noticed
 
 
 class Session(Protocol):
-    """What a node does on a link."""
+    """The work of a node on a link."""
 
     def forget(self) -> None:
         """Forget the commands that wait: the line is gone."""
         ...
 
     def stale(self) -> bool:
-        """Whether the device may not hold any more what was written to it. Raises LinkError."""
+        """Whether the device may no longer hold what was written to it. Raises LinkError."""
         ...
 
     def renew(self) -> None:
@@ -36,10 +36,11 @@ class Session(Protocol):
 class LinkKeeper:
     """Keep a session on a link: `connect()` opens one, `begin(link, again)` makes the session.
 
-    Layer 2 opens a lost line again (`reconnect=1`). Here is what it cannot know: the device may be absent at
-    the beginning, and what comes back is made safe before commands are taken. A link that has ended for good
-    (another device, a URL that cannot be opened again) is opened anew as at the beginning. `say(level,
-    message)` hears of every change. What no waiting can mend (a URL, a spec) ends the keeper: `failure`.
+    Layer 2 opens a lost line again (`reconnect=1`). This class does the rest: the device may be absent at the
+    beginning, and a device that comes back is made safe before commands are taken. A link that has ended for
+    good (another device, a URL that cannot be opened again) is opened anew as at the beginning. `say(level,
+    message)` hears of every change. An error that waiting cannot mend (a URL, a spec) ends the keeper:
+    `failure`.
     """
 
     def __init__(

@@ -13,7 +13,7 @@ DEVICE_S = 10.0  # with one that waits for an answer of the device: the link end
 
 
 class Life:
-    """What the threads of a node show of themselves; each is judged by the time of its last sign.
+    """The signs of life of a node's threads. Each is judged by the time of its last sign.
 
     A thread with a loop calls `beat` in each turn, to its end: one that has died or hangs turns no more. Who
     is called from elsewhere does its work within `work`. `patience_s` is how long a sign holds (s).
@@ -21,10 +21,10 @@ class Life:
 
     def __init__(self, patience_s: float = PATIENCE_S) -> None:
         self.patience_s = patience_s
-        self._signs: dict[int, tuple[str, float, float]] = {}  # of threads: what they do, since when, until
+        self._signs: dict[int, tuple[str, float, float]] = {}  # by thread: its task, since when, until when
 
     def beat(self, what: str, most_s: float = 0.0) -> None:
-        """Show that the calling thread works; it has to again within `most_s`, or the usual time."""
+        """Show that the calling thread works. It must do so again within `most_s`, or the usual time."""
         now_s = time.monotonic()
         self._signs[threading.get_ident()] = what, now_s, now_s + max(most_s, self.patience_s)
 
@@ -33,16 +33,16 @@ class Life:
         self._signs.pop(threading.get_ident(), None)
 
     def work(self, what: str, most_s: float = 0.0) -> Work:
-        """Return a context manager for what has to end, within `most_s` or the usual time."""
+        """Return a context manager for a task that must end within `most_s`, or the usual time."""
         return Work(self, what, most_s)
 
     def doing(self) -> str:
-        """Say what the calling thread was last known to do. "" where nothing is expected of it."""
+        """Return the last known task of the calling thread. "" where nothing is expected of it."""
         sign = self._signs.get(threading.get_ident())
         return sign[0] if sign is not None else ""
 
     def trouble(self) -> str:
-        """Say what stands still. "" where all works."""
+        """Return what stands still, or "" if all works."""
         now_s = time.monotonic()
         for what, since_s, until_s in list(self._signs.values()):
             if now_s > until_s:
@@ -51,7 +51,7 @@ class Life:
 
 
 class Work:
-    """Something that a thread does: within the block it has to be done, and what was before goes on after."""
+    """A task of a thread. It must end within its block. After that the task before it goes on."""
 
     __slots__ = ("_life", "_most_s", "_outer", "_what")
 
@@ -72,8 +72,8 @@ class Work:
 class Watch:
     """Look after a node's life in a thread of its own, which never waits for anything else.
 
-    While all works `alive` is called; `hangs(trouble)` is called when something stands still, and again with
-    "" when it works again.
+    While all threads work, `alive` is called. `hangs(trouble)` is called when one stands still, and with ""
+    when it works again.
     """
 
     def __init__(self, life: Life, alive: Callable[[], None], hangs: Callable[[str], None]) -> None:

@@ -30,8 +30,9 @@ COMMANDED = ("WRITE", "READWRITE")
 
 
 def plan_interface(spec: Spec, root: str | None = None, *, standard: bool = False) -> Interface:
-    """Return the interface of a public constructor (of the only one); with `standard` of messages alone that
-    every ROS has, for tools that know no generated package.
+    """Return the interface of a public constructor, by default the only one.
+
+    With `standard` it has only messages that every ROS has, for tools without the generated package.
 
     Raises BindingError where two names of the spec are one in ROS, an `@ros(..)` is wrong, or the constructor
     needs more than one link.

@@ -6,7 +6,7 @@ from __future__ import annotations
 import keyword
 import re
 
-# What a field may not be called: words of the languages that messages are compiled to, and our own fields.
+# Names that a field may not have: words of the languages of compiled messages, and our own fields.
 _CPP = """
 alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class
 co_await co_return co_yield compl concept const const_cast consteval constexpr constinit continue decltype

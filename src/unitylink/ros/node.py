@@ -30,9 +30,11 @@ COMPLAIN_EVERY_S = 1.0
 
 @dataclass(frozen=True)
 class Options:
-    """What a user sets: `command_timeout_s` without a command makes the robot safe (0: never); `deadman_s`
-    without a sign of life from the node makes the gateware do so by itself (0: never); `safe_at_exit`
-    writes the safe values when the node ends; `armed` False takes no commands before `arm` was called."""
+    """The options of a user.
+
+    After `command_timeout_s` without a command the node makes the robot safe (0: never). After `deadman_s`
+    without a sign of life from the node the gateware does so (0: never). `safe_at_exit` writes the safe
+    values when the node ends. With `armed` False no commands are taken before `arm` was called."""
 
     command_timeout_s: float = 0.0
     deadman_s: float = 1.0
@@ -44,7 +46,7 @@ class Options:
 class RobotNode:
     """Connect a robot to a plane of messages, from construction until `close`.
 
-    `connect()` opens the link and `build(link)` makes the robot's values on it. Raises nothing when there is
+    `connect()` opens the link and `build(link)` makes the robot's values on it. It does not raise if there is
     no device: the node waits for it, and says so.
     """
 
@@ -96,7 +98,7 @@ class RobotNode:
 
     @property
     def session(self) -> RobotSession | None:
-        """What is there while the link is up and the device fit for commands."""
+        """The session, while the link is up and the device ready for commands."""
         return self._session if self.keeper.up.is_set() else None
 
     # What its threads show
@@ -122,7 +124,7 @@ class RobotNode:
 
     @property
     def state(self) -> str:
-        """In a sentence: what hangs, or how the link does."""
+        """A sentence: what hangs, or the state of the link."""
         return self.hanging or self.keeper.state
 
     # What ROS brings
@@ -149,7 +151,7 @@ class RobotNode:
         self.complain(why)
 
     def undecodable(self, topic: str, error: Exception) -> None:
-        """Refuse what has come on a topic and is no message of its type."""
+        """Refuse bytes on a topic that are not a message of its type."""
         self._refuse(f"{topic}: what came is no message of its type: {error}")
 
     def complain(self, message: str) -> None:
@@ -184,7 +186,7 @@ class RobotNode:
         return self._with(act)
 
     def arm(self, on: bool) -> tuple[bool, str]:
-        """Take commands from now on; without `on` take none any more, and write the safe values."""
+        """Take commands from now on. Without `on` take none any more, and write the safe values."""
         if on:
             if self.hanging:
                 return False, self.hanging
@@ -208,7 +210,7 @@ class RobotNode:
         return (True, message, values, texts) if done else (False, message, [], [])
 
     def write(self, names: Sequence[str], values: Sequence[float]) -> tuple[bool, str]:
-        """Write values by their paths; where it is armed."""
+        """Write values by their paths, if the node is armed."""
         if not self.armed:
             return False, "the robot is not armed (service arm); nothing was written"
         return self._with(lambda session: write_values(session.tree, names, values))
@@ -219,7 +221,7 @@ class RobotNode:
         return health(self, self.session)
 
     def close(self) -> None:
-        """End the link; before that write the safe values, if the options say so and a command had come."""
+        """End the link. Before that write the safe values, if the options say so and a command had come."""
         session = self.session
         if session is not None and self.options.safe_at_exit and self.accepted:
             try:

@@ -24,7 +24,7 @@ Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw n
 
 
 class _Routes:
-    """Where the values of one publish go; `masks` and `signs` make numbers of their words."""
+    """The topics for the values of one publish. `masks` and `signs` make numbers of their words."""
 
     def __init__(self, values: Sequence[ReadValue[Any]], routes: list[Route]) -> None:
         self.values = values  # kept alive: they are known by their identity

@@ -34,26 +34,27 @@ Refuse = Callable[[str, Exception], None]  # topic, why
 
 
 def log_refused(topic: str, error: Exception) -> None:
-    """Say in the log that something on a topic was no message of its type."""
+    """Log that bytes on a topic were not a message of its type."""
     _log.warning("%s: what came is no message of its type: %s", topic, error)
 
 
 @dataclass(frozen=True)
 class Port:
-    """Where messages of one topic go; `wanted` says whether anybody listens, so that none is made in vain."""
+    """The port for messages of one topic. `wanted` says whether there is a reader, so that none is made in
+    vain."""
 
     send: Callable[[Any], object]
     wanted: Callable[[], bool]
 
 
 class Plane(Protocol):
-    """A front end. Types are named as ROS 1 does, `sensor_msgs/JointState`; those of the robot's own package
-    `scara_unitylink/JointFeedback`. Its threads show to `life` that they work."""
+    """A front end. Types have names as in ROS 1: `sensor_msgs/JointState`, and
+    `scara_unitylink/JointFeedback` of the robot's own package. Its threads show to `life` that they work."""
 
     life: Life
 
     def maker(self, type_name: str, fields: Sequence[str]) -> Callable[..., Any]:
-        """Return what makes a message of the values of its fields, in order."""
+        """Return a function that makes a message of the values of its fields, in order."""
         ...
 
     def header(self, time_s: float, frame: str) -> Any:
@@ -67,13 +68,13 @@ class Plane(Protocol):
     def advertise(self, topic: Topic) -> Port: ...
 
     def gathered(self) -> AbstractContextManager[None]:
-        """Within it, what this thread publishes may be sent together; all of it is sent when it ends."""
+        """Within it, the publishes of this thread may be sent together. All are sent when it ends."""
         ...
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
-        """Call `take(message)` for what comes; where more comes than is taken the newest wins.
+        """Call `take(message)` for each message. If they come too fast, the newest wins.
 
-        `refuse(topic, error)` for what is no message of its type.
+        `refuse(topic, error)` is called for bytes that are not a message of its type.
         """
         ...
 

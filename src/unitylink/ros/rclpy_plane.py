@@ -17,7 +17,7 @@ from .plane import SERVICE_FIELDS, Port, Refuse, log_refused
 
 
 class RclpyPlane:
-    """Carries messages by a node of rclpy; names are relative to the node's namespace."""
+    """Carries messages by a node of rclpy. Names are relative to the node's namespace."""
 
     def __init__(self, node: Any, interface: Interface) -> None:
         self._node = node
@@ -58,7 +58,7 @@ class RclpyPlane:
         return nullcontext()  # each message goes by itself
 
     def subscribe(self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused) -> None:
-        del refuse  # rclpy hands on what it can read, with a replacement for what is no text
+        del refuse  # rclpy replaces what is not text, and hands on the rest
         profile = self._profile(1, topic.reliable)
 
         def work(message: Any) -> None:

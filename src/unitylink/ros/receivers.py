@@ -16,7 +16,8 @@ Read = Callable[[Any], dict[str, Any]]  # message -> value by path
 
 
 def receiver(interface: Interface, topic: Topic) -> Read:
-    """Return what reads a topic's messages; it raises ValueRangeError for one that makes no sense."""
+    """Return a function that reads a topic's messages. It raises ValueRangeError for one that makes no
+    sense."""
     if topic.form == SCALAR:
         path = topic.paths[0]
         return lambda message: {path: message.data}

@@ -80,7 +80,7 @@ class RospyPlane:
     def subscribe(
         self, topic: Topic, take: Callable[[Any], None], refuse: Refuse = log_refused, *, depth: int = 1
     ) -> None:
-        del refuse  # rospy hands on what it can read, with a replacement for what is no text
+        del refuse  # rospy replaces what is not text, and hands on the rest
 
         def work(message: Any) -> None:
             with self.life.work("the thread that takes messages"):
@@ -101,7 +101,7 @@ class RospyPlane:
 
 
 def main(interface: Interface, robot: Callable[[Link], Node], connect: Callable[..., Link]) -> int:
-    """Run a generated package's node, and return its exit code; errors are told in a line."""
+    """Run a generated package's node, and return its exit code. An error is printed in a line."""
     try:
         return run(interface, robot, connect)
     except UnityLinkError as error:

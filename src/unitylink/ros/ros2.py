@@ -34,7 +34,8 @@ Connect = Callable[..., "Link"]  # as unitylink.connect
 
 
 def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequence[str] | None = None) -> int:
-    """Run a generated package's node. Return the exit code. `--dds` does without rclpy where it is installed.
+    """Run a generated package's node. Return the exit code. `--dds` does without rclpy even if it is
+    installed.
 
     Parameters are given as ROS 2 does: `--ros-args -p link:=serial:/dev/ttyUSB0 -r __ns:=/left`.
     """
@@ -53,7 +54,7 @@ def main(interface: Interface, robot: Build, connect: Connect, arguments: Sequen
 
 
 def parse(arguments: Sequence[str], namespace: str) -> tuple[Parameters, str]:
-    """Read what follows `--ros-args`: `-p NAME:=VALUE` and `-r __ns:=NAMESPACE`.
+    """Read the arguments after `--ros-args`: `-p NAME:=VALUE` and `-r __ns:=NAMESPACE`.
 
     >>> parameters, namespace = parse(["-p", "link:=tcp://127.0.0.1:5555", "-p", "armed:=false"], "/scara")
     >>> parameters.link, parameters.armed, namespace

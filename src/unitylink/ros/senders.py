@@ -14,7 +14,7 @@ JOINT_STATE = ("header", "name", "position", "velocity", "effort")
 
 
 def sender(interface: Interface, topic: Topic, plane: Plane) -> Send:
-    """Advertise a topic and return what publishes on it."""
+    """Advertise a topic and return the function that publishes on it."""
     port = plane.advertise(topic)
     if topic.form == SCALAR:
         return _scalar(topic, plane, port)
@@ -44,7 +44,7 @@ def _record(interface: Interface, topic: Topic, plane: Plane, port: Port) -> Sen
 
     def send(time_s: float, numbers: Sequence[Any]) -> None:
         nonlocal sequence
-        sequence = sequence + 1 & 0xFFFFFFFF  # counts what was published, heard or not
+        sequence = sequence + 1 & 0xFFFFFFFF  # counts all publishes, with or without a reader
         if wanted():
             put(make(header(time_s, frame), sequence, *(numbers if pack is None else pack(numbers))))
 
@@ -58,7 +58,7 @@ def _plain(field: Field) -> bool:
 def packer(
     interface: Interface, fields: Sequence[Field], plane: Plane
 ) -> Callable[[Sequence[Any]], list[Any]]:
-    """Return what makes the values of a message's fields, arrays and packed values among them."""
+    """Return a function that makes the values of a message's fields, also of arrays and packed values."""
     inner = {message.name: message for message in interface.messages}
     makers = [
         plane.maker(f"{interface.package}/{field.type}", [one.name for one in inner[field.type].fields])
@@ -88,7 +88,7 @@ def _joints(topic: Topic, plane: Plane, port: Port) -> Send:
     columns = []
     for part in ("position", "velocity", "effort"):
         column = [(getattr(joint, part), getattr(joint, f"{part}_factor")) for joint in topic.joints]
-        whole = all(at >= 0 for at, _ in column)  # where a joint lacks what others have it gets a NaN
+        whole = all(at >= 0 for at, _ in column)  # a joint without a part that others have gets a NaN
         some = any(at >= 0 for at, _ in column)
         columns.append((column if some else [], whole))
     nan = float("nan")

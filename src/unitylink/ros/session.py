@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 class RobotSession:
-    """A robot on one link, from its first connection on; the line may go and come back below it.
+    """A robot on one link, from its first connection on. The line may be lost and come back.
 
-    `again`: this node had another link before, so what is behind this one is made safe first.
+    `again`: this node had another link before, so the device is made safe first.
     """
 
     def __init__(self, node: RobotNode, link: Link, tree: Node, *, again: bool) -> None:
@@ -66,14 +66,14 @@ class RobotSession:
         return f"safe values written: {', '.join(names)}" if names else ""
 
     def _make_fit(self, old: bool) -> None:
-        """Arm a gateware that has tripped, where the node is armed; then write the safe values."""
+        """If the node is armed, arm a gateware that has tripped. Then write the safe values."""
         if self.guard.tripped and self._node.armed:
             self.guard.arm()
             self._say(1, "the dead-man had tripped and made the outputs safe; they are armed again")
         self._generation = self.link.generation  # a loss from here on: all of it once more
         if self.guard.tripped:
             self._say(1, "the dead-man has tripped: the outputs are safe until the service arm is called")
-        elif old:  # before anything else: what it was told before the loss is old
+        elif old:  # first of all, because commands before the loss are old
             self.tree.apply_safe()
             said = self.said_safe() or "the spec gives no SAFE values, so its outputs stay as they are"
             self._say(1, f"the device is back; {said}; commands of before are forgotten")
@@ -102,7 +102,7 @@ class RobotSession:
     # Asked by the inbox
 
     def _current(self) -> bool:
-        """Whether the device is the one that was made fit, and holds what was written since."""
+        """Whether the device is the one that was made ready, and holds what was written since."""
         return self.link.generation == self._generation and self.link.up
 
     def _silent(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The messages of ROS 2 which a node uses, for a DDS without ROS; as their packages define them."""
+"""The messages of ROS 2 that a node uses, as their packages define them, for a DDS without ROS."""
 
 from __future__ import annotations
 

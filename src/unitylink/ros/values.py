@@ -12,7 +12,7 @@ from unitylink.layer4_data import ClearValue, Node, PulseValue, ReadValue, Value
 
 
 def read_values(tree: Node, names: Sequence[str], values: list[float], texts: list[str]) -> str:
-    """Append each value as a number and as text with its unit; of packed bits the number is the raw one."""
+    """Append each value as a number and as text with its unit. The number of packed bits is the raw one."""
     found = [(_named(tree, name), name) for name in names]
     for value, name in found:
         if not isinstance(value, ReadValue):
@@ -24,7 +24,7 @@ def read_values(tree: Node, names: Sequence[str], values: list[float], texts: li
 
 
 def write_values(tree: Node, names: Sequence[str], values: Sequence[float]) -> str:
-    """Write WRITEs together, PULSEs and W1Cs one by one after them; all are checked before."""
+    """Write WRITEs together, then PULSEs and W1Cs one by one. All are checked before."""
     if len(names) != len(values) or not names:
         raise ValueRangeError(f"{len(names)} names and {len(values)} values; nothing was written")
     writes: dict[str, Any] = {}
@@ -60,7 +60,7 @@ def _named(tree: Node, name: str) -> Value[Any]:
 
 
 def _number(value: Value[Any], given: float) -> Any:
-    """A service carries float64 only; what the spec has as whole numbers must be whole."""
+    """A service carries float64 only. Whole numbers of the spec must be whole here too."""
     real = value.quantity.scaled or value.quantity.type.kind == "float"
     if real:
         return given

@@ -25,7 +25,7 @@ FramedSide = Callable[["Link"], Callable[[], object]]
 
 
 def against_bare(run: Run, url: str, protocol: str, side: Side) -> Comparison:
-    """Measure what `side` makes of a link of `protocol` to the pty at `url`.
+    """Measure `side` on a link of `protocol` to the pty at `url`.
 
     The bare program holds a descriptor of the pty that was opened before the link took the port.
     """
@@ -39,7 +39,7 @@ def against_bare(run: Run, url: str, protocol: str, side: Side) -> Comparison:
 
 
 def against_same_bytes(run: Run, configuration: dict[str, int], side: FramedSide) -> Comparison:
-    """Measure what `side` makes of a framed link against a bare program that sends and awaits the same bytes.
+    """Measure `side` on a framed link, against a bare program that sends and awaits the same bytes.
 
     A trace of a link tells what it says, from its first byte to the request that is measured. The bare
     program says the same to a twin of its own, in a session of its own: the ids count on, the rest stays.

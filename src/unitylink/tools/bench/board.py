@@ -2,7 +2,7 @@
 """The twin in a process of its own: `python -m unitylink.tools.bench.board ENDPOINT CONFIGURATION`.
 
 CONFIGURATION is a JSON object of `BoardConfiguration` fields. Prints the URL, serves until standard input
-ends. Word n of its memory holds FIRST_VALUE + n, so that a reader can tell whether it got what it asked for.
+ends. Word n of its memory holds FIRST_VALUE + n, so that a reader can check its words.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
 
 `exchange` names the words each time, `cycle` has named them once: an exchange group.
 
-The bare program sends and awaits the bytes that the link sends and awaits, made before its clock starts: the
-ratio is what the host's stack costs. Beside it stands the distance to a minimal echo: HELLO, which every
-device answers and which changes nothing in the session that is open.
+The bare program sends and awaits the same bytes as the link, made before its clock starts. So the ratio is
+the cost of the host's stack. Beside it stands the distance to a minimal echo: HELLO, which every device
+answers and which changes nothing in the session that is open.
 """
 
 from __future__ import annotations

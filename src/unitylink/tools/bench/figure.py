@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A figure: what was asked, what was measured, how it was measured."""
+"""A figure: its limit, its measured value, and how it was measured."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from unitylink.errors import UnityLinkError
 class Figure:
     """One measured figure.
 
-    `limit` is what was asked, an upper bound if `at_most`, else a lower one. `details` are the absolute
+    `limit` is the required value, an upper bound if `at_most`, else a lower one. `details` are the absolute
     numbers behind it, name (with unit) to value. `complaint` says why the number does not count (messages
     were lost, the source fell behind): such a figure is not met whatever its number. A `difference` is one of
     two measurements, which differ by chance, too: where a run is short it may come out below zero.
@@ -35,13 +35,13 @@ class Figure:
 
     @property
     def met(self) -> bool:
-        """Tell whether the figure reaches what was asked."""
+        """Tell whether the figure reaches its limit."""
         within = self.measured <= self.limit if self.at_most else self.measured >= self.limit
         return within and not self.complaint
 
     @property
     def asked(self) -> str:
-        """Return what was asked, as text."""
+        """Return the limit, as text."""
         return f"{'<=' if self.at_most else '>='} {number(self.limit)} {self.unit}"
 
     def to_json(self) -> dict[str, object]:
@@ -61,7 +61,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Run:
-    """What a figure needs to know of the run it is part of.
+    """The run of a figure.
 
     `quick` asks for the short form: it shows that the measurement works, its numbers are worth little.
     """
@@ -76,12 +76,12 @@ class Run:
 
     @property
     def build(self) -> Path:
-        """The folder for what the bench makes."""
+        """The folder for files of the bench."""
         return self.checkout / "build" / "bench"
 
 
 class BenchError(UnityLinkError):
-    """A measurement could not be made; the message says what is missing or went wrong."""
+    """A measurement could not be made. The message says what is missing or went wrong."""
 
 
 def number(value: float) -> str:

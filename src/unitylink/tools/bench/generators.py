@@ -58,7 +58,8 @@ def _outputs() -> str:
 
 
 def _command(folder: Path, registers: int) -> list[str]:
-    """Write a spec of so many registers. Return the command that makes everything of it, but for where to."""
+    """Write a spec of so many registers. Return the command that makes everything of it, without the output
+    folder."""
     spec = folder / "flat.ul"
     spec.write_text(flat_spec(registers), encoding="utf-8")
     return [sys.executable, "-m", "unitylink", "generate", str(spec), "--only", ",".join(ARTEFACTS)]

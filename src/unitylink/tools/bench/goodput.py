@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What gets through a line that loses frames, against ideal selective repeat on the same line.
+"""The throughput of a line that loses frames, against ideal selective repeat on the same line.
 
 On a virtual clock (`native/src/faults/goodput.hpp`), so that the same seed gives the same rate. The ideal
 knows of a loss when the answer would have come, sends that frame next, and waits for its window only.
@@ -48,7 +48,7 @@ POSTS = Traffic("posts of 32 words", "posts", 32)
 
 @dataclass(frozen=True)
 class Point:
-    """Words a second, and what the ideal would get through."""
+    """Words a second, and the words a second of the ideal."""
 
     words_per_s: float
     ideal_words_per_s: float
@@ -60,7 +60,7 @@ class Point:
 
 
 def goodput(traffic: Traffic, lose: float, *, words: int, seed: int = 1) -> Point:
-    """Return what gets through where `lose` of the frames are lost, each way.
+    """Return the throughput if `lose` of the frames are lost, each way.
 
     Raises BenchError if a word was not written once and in order, or not read as it is.
     """
@@ -125,13 +125,13 @@ def _ideal_messages_per_s(
 
 
 def measure(run: Run) -> Figure:
-    """Measure acknowledged requests; the worst kind counts."""
+    """Measure acknowledged requests. The worst kind counts."""
     shares = {traffic.name: _share(run, traffic) for traffic in REQUESTS}
     return _figure("goodput", "acknowledged requests", min(shares.values()), shares)
 
 
 def measure_posts(run: Run) -> Figure:
-    """Measure posts, which are executed in order: what is behind a lost one is sent again."""
+    """Measure posts, which are executed in order: those behind a lost one are sent again."""
     return _figure("posts-loss", POSTS.name, _share(run, POSTS), {})
 
 

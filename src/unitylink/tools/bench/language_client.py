@@ -41,7 +41,7 @@ class LanguageClient:
             raise
 
     def request(self, method: str, parameters: object) -> Any:
-        """Send a request and return its result; BenchError where the server answers with an error."""
+        """Send a request and return its result. BenchError if the server answers with an error."""
         self._id += 1
         self._send({"id": self._id, "method": method, "params": parameters})
         while True:
@@ -82,7 +82,7 @@ class LanguageClient:
             self.notifications.append(message)
 
     def close(self) -> None:
-        """End the server as the protocol says; BenchError if it does not end well."""
+        """End the server as the protocol says. BenchError if it does not end well."""
         self.request("shutdown", None)
         self.notify("exit", None)
         assert self._process.stdin is not None and self._process.stdout is not None

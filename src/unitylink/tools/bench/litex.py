@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """LiteX: our reads against LiteX's CommUART, each over a pty to an instant device in another process.
 
-LiteX's side is its own released client in an environment of its own; the far end of its protocol is a small
-C++ program (`bench/native/bench_uartbone.cpp`), ours is the twin with a clock fast enough to be instant too.
+LiteX's side is its own released client in an environment of its own. The far end of its protocol is a small
+C++ program (`bench/native/bench_uartbone.cpp`). Ours is the twin, with a clock fast enough to be instant too.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CLOCK_HZ = 1_000_000_000
 
 
 def environment(run: Run) -> Path:
-    """Return the Python that has LiteX; make it the first time."""
+    """Return the Python that has LiteX. Make it the first time."""
     folder = run.build / "litex"
     python = folder / "bin" / "python"
     stamp = folder / f".litex-{RELEASE}"

@@ -82,7 +82,7 @@ class Silence(BenchError):
 
 
 class Process:
-    """A process that answers lines with lines; it ends when its standard input does.
+    """A process that answers lines with lines. It ends when its standard input does.
 
     >>> with Process(["cat"]) as cat:
     ...     cat.ask("1 2")
@@ -107,7 +107,7 @@ class Process:
         self._listener.start()
 
     def _listen(self) -> None:
-        """Keep the last lines of stderr; a process whose stderr nobody reads would stop at a full pipe."""
+        """Keep the last lines of stderr. If nobody read it, the process would stop at a full pipe."""
         assert self._process.stderr is not None
         with self._process.stderr as stderr:
             while line := stderr.readline(_LINE_CHARACTERS):
@@ -115,7 +115,7 @@ class Process:
                     self._said.append(line.rstrip())
 
     def line(self, patience_s: float = PATIENCE_S) -> str:
-        """Return the next line the process prints; Silence after `patience_s`."""
+        """Return the next line that the process prints. Silence after `patience_s`."""
         assert self._process.stdout is not None
         ready, _, _ = select.select([self._process.stdout], [], [], patience_s)
         if not ready:
@@ -175,9 +175,9 @@ class Process:
 
 
 def twin(endpoint: str, **configuration: int) -> Process:
-    """Start the twin in a process of its own; its first line is the URL to connect to.
+    """Start the twin in a process of its own. Its first line is the URL to connect to.
 
-    `configuration` are fields of `BoardConfiguration`; addresses have 16 bits, as those of a TosNet board.
+    `configuration` are fields of `BoardConfiguration`. Addresses have 16 bits, as those of a TosNet board.
     """
     options = {"address_bits": 16, **configuration}
     return Process([sys.executable, "-m", "unitylink.tools.bench.board", endpoint, json.dumps(options)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes: what it costs to decode, check and drain a stream of them, and how fast callbacks are called.
+"""Publishes: the cost of decoding, checking and draining a stream, and the rate of callbacks.
 
 The source is another process and numbers every message, so that a lost or doubled one cannot hide.
 """
@@ -31,12 +31,12 @@ DRAIN_S = 0.02
 RING = 1 << 16
 FLOOD_PER_SECOND = 1_000_000
 PACED_PER_SECOND = 525_000
-PTY_BAUD = 100_000_000  # what a pty would have to be called for the stream to fit
+PTY_BAUD = 100_000_000  # the nominal rate of a pty for which the stream fits
 
 
 @dataclass(frozen=True)
 class Source:
-    """A stream: its rate, and the words of a message; lines of one word where it is classic."""
+    """A stream: its rate, and the words of a message. A classic one has lines of one word."""
 
     bits_per_second: int
     words: int = 1
@@ -54,7 +54,7 @@ FRAMED = Source(320_000_000, words=16, framed=True)
 
 @dataclass(frozen=True)
 class Stream:
-    """What was seen of a stream in one window after another."""
+    """The measurements of a stream, window by window."""
 
     cpu_percent: float  # of one core, user and system, all threads; median of the windows
     mbit_per_second: float  # of messages that arrived
@@ -173,11 +173,11 @@ class Counter:
 
 
 def count_callbacks(run: Run, per_second: int) -> tuple[float, Counter]:
-    """Return callbacks per second and the callback, for a stream of so many messages per second."""
+    """Return callbacks per second and the callback, for a stream of a given rate."""
     counter = Counter()
     with subscription(run, "tcp", Source(per_second * MESSAGE_BYTES * 8)) as stream:
         stream.on_publish(counter)
-        time.sleep(0.1 if run.quick else 0.5)  # the ring's backlog from before is no sustained rate
+        time.sleep(0.1 if run.quick else 0.5)  # the ring's earlier backlog is not a sustained rate
         calls, start = counter.calls, time.perf_counter()
         time.sleep(0.3 if run.quick else 3.0)
         rate = (counter.calls - calls) / (time.perf_counter() - start)
@@ -187,8 +187,8 @@ def count_callbacks(run: Run, per_second: int) -> tuple[float, Counter]:
 def measure_callbacks(run: Run) -> Figure:
     """Measure how many Python callbacks a second a stream makes, one for each message.
 
-    The source offers twice what is asked; what a link cannot call back for, it passes over. Offered a little
-    more than what is asked, it must pass over nothing.
+    The source offers twice the required rate. The link skips what it cannot call back for. At a little more
+    than the required rate it must skip nothing.
     """
     rate, flooded = count_callbacks(run, FLOOD_PER_SECOND)
     paced_rate, paced = count_callbacks(run, PACED_PER_SECOND)

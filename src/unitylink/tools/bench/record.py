@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Record: what `unitylink record` costs beside 18 joints that are published 1000 times a second."""
+"""Record: the cost of `unitylink record` for 18 joints that are published 1000 times a second."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _cpu_s() -> float:
 
 
 def _record(url: str, folder: Path, duration_s: float) -> tuple[float, dict[str, Any]]:
-    """Record for so long. Return the processor time of that process in s, and what it says."""
+    """Record for so long. Return the processor time of that process in s, and its output."""
     command = [
         sys.executable,
         "-m",

@@ -46,7 +46,7 @@ class Report:
 
     @property
     def met(self) -> bool:
-        """Tell whether every figure was measured and reaches what was asked."""
+        """Tell whether every figure was measured and reaches its limit."""
         return not self.failures and all(figure.met for figure in self.figures)
 
     HEADERS = ("figure", "asked", "measured", "met")
@@ -89,7 +89,7 @@ class Report:
         }
 
     def write(self, path: Path) -> None:
-        """Save the report as JSON; whole or not at all."""
+        """Save the report as JSON, whole or not at all."""
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = path.with_name(path.name + ".part")
         draft.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")

@@ -24,12 +24,12 @@ LOOPBACK = (
 
 
 def folder_of(run: Run) -> Path:
-    """Return where the benches of ROS keep what they make."""
+    """Return the folder for files of the ROS benches."""
     return run.checkout / "build" / "ros-bench"
 
 
 def _environment(run: Run) -> str:
-    """Return the Python that has rospy and this checkout; make it the first time."""
+    """Return the Python that has rospy and this checkout. Make it the first time."""
     with alone(folder_of(run)) as folder:
         python = folder / "env" / "bin" / "python3"
         stamp = folder / "env" / ".made"
@@ -44,7 +44,7 @@ def _environment(run: Run) -> str:
 
 @contextmanager
 def plane(run: Run, name: str) -> Iterator[list[str]]:
-    """Make the surroundings of a plane; give the command that workers begin with."""
+    """Make the surroundings of a plane. Yield the first words of the workers' command."""
     if name == "dds":
         os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(1 + os.getpid() % 230)}
         yield [sys.executable, "-m", WORKER, name]
@@ -104,7 +104,7 @@ def compared(name: str, title: str, limit: float, reached: list[float], ceilings
 def _compare(
     run: Run, name: str, *, title: str, which: str, bare: tuple[str, str], ours: tuple[str, str]
 ) -> Figure:
-    """Measure by turns, so that what else the machine does meets both; who is first changes."""
+    """Measure in turns, so that other work of the machine hits both. The order changes."""
     rates: dict[tuple[str, str], list[float]] = {bare: [], ours: []}
     with plane(run, which) as command:
         for number in range(run.rounds(5)):
@@ -147,7 +147,7 @@ def measure_dds_in(run: Run) -> Figure:
 
 
 def delay_us(run: Run, command: list[str], giver: str) -> float:
-    """Return the median time in which what a giver publishes arrives."""
+    """Return the median time from a publish of the giver to its arrival."""
     with Process([*command, "pong"]) as taking, Process([*command, giver]) as giving:
         taking.line()
         giving.line()

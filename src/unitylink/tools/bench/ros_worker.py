@@ -100,7 +100,7 @@ def node(plane: Any, spec: Spec, base_hz: int, plant: Plant | None = None) -> Ro
 
 
 def now_us() -> int:
-    """Return the time by a clock that all processes share, as what a word holds."""
+    """Return the time by a clock that all processes share, as a word."""
     return time.monotonic_ns() // 1000 & 0xFFFFFFFF
 
 
@@ -110,9 +110,7 @@ def every(period_s: float, act: Callable[[], None]) -> None:
     def run() -> None:
         due = time.perf_counter()
         while True:
-            due = max(
-                due + period_s, time.perf_counter() - 0.1
-            )  # what was missed for long is not made up for
+            due = max(due + period_s, time.perf_counter() - 0.1)  # long gaps are not made up for
             time.sleep(max(0.0, due - time.perf_counter()))
             act()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The generated node in C++, against a bare publisher of roscpp: what arrives at the same subscriber."""
+"""The generated node in C++, against a bare publisher of roscpp, at the same subscriber."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _make(*command: str | Path) -> None:
 
 
 def _build(run: Run, spec: Spec, python: str) -> tuple[Path, Path]:
-    """Return the generated node and the bare peer, compiled; what is there already is not made again."""
+    """Return the generated node and the bare peer, compiled. Existing files are not made again."""
     folder = folder_of(run) / "workspace"
     prefix, peer = folder / "unitylink", folder / "ros_peer"
     with alone(folder):

@@ -14,7 +14,7 @@ CLOCK_HZ = 1_000_000_000  # more than any machine does: the board runs as fast a
 
 
 def measure(run: Run) -> Figure:
-    """Measure the figure; the first time the design is compiled."""
+    """Measure the figure. The first time the design is compiled."""
     from unitylink import _native
     from unitylink.layer2_message import Link
     from unitylink.simulate.rtl import build_model, design_of, rtl_configuration

@@ -31,8 +31,8 @@ def flat_spec(statements: int) -> str:
 def as_installed() -> dict[str, str]:
     """Return an environment in which Python keeps its byte code, in the user's cache.
 
-    An installed package comes with byte code; a checkout whose user has Python write none would compile the
-    library at each start.
+    An installed package comes with byte code. A checkout without byte code would compile the library at each
+    start.
     """
     environment = dict(os.environ)
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -67,7 +67,7 @@ def measure_check(run: Run) -> Figure:
 
 
 def measure_import(run: Run) -> Figure:
-    """Measure a Python that imports the library and ends; beside it one that imports what opens a link."""
+    """Measure a Python that imports the library and ends, and one that imports the parts that open a link."""
 
     def python(code: str) -> float:
         def call() -> None:

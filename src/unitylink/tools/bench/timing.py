@@ -22,7 +22,7 @@ class Comparison:
     high: float
 
     def told_us(self, ours: str, theirs: str) -> dict[str, float]:
-        """Return what a figure tells beside its ratio: both sides in us, and the quartiles.
+        """Return the details of a figure beside its ratio: both sides in us, and the quartiles.
 
         >>> Comparison(30_000, 20_000, 1.5, 1.4, 1.6).told_us("read", "bare")
         {'read us': 30.0, 'bare us': 20.0, 'quartile low': 1.4, 'high': 1.6}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trace: what `?trace=FILE` costs a reader, with and without taking turns on one board.
+"""Trace: the cost of `?trace=FILE` for a reader. Links with and without it take turns on one board.
 
-Two boards would not do: where the machine places their processes makes more of a difference than the trace.
+Two boards would not do, because the placement of their processes makes more difference than the trace.
 """
 
 from __future__ import annotations
