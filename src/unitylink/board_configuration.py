@@ -276,7 +276,8 @@ def _publishing_of(spec: Spec) -> dict[str, Any]:
 
 
 def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
-    """Return the FIFOs of a spec. The event of one drives the group that is published on its `arrival`."""
+    """Return the FIFOs of a spec. The event of a FIFO triggers the group that is published on its
+    `arrival`."""
     arrivals = {
         (device.root, group.event): group.number
         for device in spec.devices

@@ -16,7 +16,7 @@ def told_baud_hz(spec: Spec) -> int | None:
 
 
 def check_line(clock_hz: int, baud_hz: int) -> None:
-    """Raise BoardError where the UART cannot make `baud_hz` of the design's clock."""
+    """Raise BoardError if the UART cannot make `baud_hz` from the design's clock."""
     if baud_hz * CLOCKS_A_BIT > clock_hz:
         raise BoardError(
             f"{baud_hz:,} baud needs a clock of {baud_hz * CLOCKS_A_BIT / 1e6:.6g} MHz and the design has "

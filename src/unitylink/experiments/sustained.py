@@ -13,8 +13,8 @@ from typing import Any
 
 from .publish_limits import framed_link_hz, link_hz
 
-FACTORS = (1.0, 2.0)  # of the ideal link, upwards while all comes through
-LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # and downwards from where not even that does
+FACTORS = (1.0, 2.0)  # rates relative to the ideal link, tried upwards while nothing is lost
+LESS = (0.95, 0.7, 0.5, 0.25, 0.1)  # tried downwards if even the first of them loses publishes
 LINK_HZ = {"classic": link_hz, "framed": framed_link_hz}
 _CLOCK_HZ = 1_000_000_000
 _FRAME_BYTES_MOST = 1200  # holds 255 words in a long frame

@@ -288,7 +288,7 @@ def _expression(value: Cpp, raw: Cpp, quantity: Quantity, packed: bool = False) 
 
 
 def _asks_for_frames(element: Element) -> str:
-    """Return why a value is refused on a link that has fallen back to the classic protocol. "" where not."""
+    """Return why a value is refused on a link that has fallen back to the classic protocol, or ""."""
     if element.access == "PULSE":
         return f"{element.path} is a PULSE"
     written = element.access in ("WRITE", "READWRITE")

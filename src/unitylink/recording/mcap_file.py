@@ -120,7 +120,7 @@ class McapWriter:
             channel, (template, in_order) = known
             values: tuple[Any, ...] = tuple(sample.values.values())
             if not _NUMBERS.issuperset(map(type, values)) or not all(map(math.isfinite, values)):
-                values = tuple(map(_json, values))  # other numbers are their own JSON
+                values = tuple(map(_json, values))  # other numbers need no change for JSON
             message = template % in_order(values)
             time_ns = round(sample.time_s * 1e9)
             before = self._file.size_bytes

@@ -37,7 +37,7 @@ class Life:
         return Work(self, what, most_s)
 
     def doing(self) -> str:
-        """Return the last known task of the calling thread. "" where nothing is expected of it."""
+        """Return the last known task of the calling thread, or "" without one."""
         sign = self._signs.get(threading.get_ident())
         return sign[0] if sign is not None else ""
 

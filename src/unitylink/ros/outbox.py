@@ -124,7 +124,7 @@ class _Join:
         key = tuple(paths)
 
         def take(time_s: float, numbers: Sequence[Any]) -> None:
-            if self._period_s:  # a part of the tick before has lost its company
+            if self._period_s:  # values of the tick before whose other part was lost
                 for other in [k for k, (t, _) in self._parts.items() if time_s - t > self._period_s / 2]:
                     del self._parts[other]
             self._parts[key] = (time_s, numbers)

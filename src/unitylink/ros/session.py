@@ -61,7 +61,7 @@ class RobotSession:
             raise
 
     def said_safe(self) -> str:
-        """Say which values are safe ones, as they are written. "" where the spec gives none."""
+        """Return a sentence about the SAFE values that are written, or "" if the spec has none."""
         names = [v.path for v in self.tree if v.quantity.safe is not None and v.writable]
         return f"safe values written: {', '.join(names)}" if names else ""
 

@@ -37,7 +37,7 @@ def check_model(resolver: Resolver, links: Mapping[str, Link], reporter: Reporte
 
 
 def _check_overlaps(placed: Sequence[Placed], reporter: Reporter) -> None:
-    """One diagnostic for each pair of statements: an expansion copied whole is one mistake."""
+    """One diagnostic for each pair of statements, because a copied expansion is one mistake."""
     first: dict[tuple[_Device, int], list[Placed]] = {}
     pairs: dict[tuple[str, int, int], tuple[Placed, Placed, int]] = {}
     for one in placed:

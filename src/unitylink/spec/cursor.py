@@ -11,7 +11,7 @@ from .source import Source
 from .syntax import Name
 
 _WITHIN = ("READ", "WRITE", "signed", "ID", "CRC", "PUBLISH", "CTRL", "COMM", "BASE")  # no member's beginning
-_AHEAD = 64  # tokens looked ahead, so that a text of open brackets does not take its length's square
+_AHEAD = 64  # most tokens looked ahead; without a limit the time for many open brackets would be quadratic
 LINK_KINDS = ("TOSNET", "MEMORY", "DOUBLE_BUFFER", "FIFO")
 ACCESS_WORDS = ("READ", "WRITE", "READWRITE", "W1C", "PULSE", "READCLEAR")
 
@@ -274,10 +274,11 @@ class Cursor:
             self.i += 1
 
     def _goes_on(self, inside: bool, wrong: bool) -> bool:
-        """Does the member go on behind this `;` or `}` in its line? Then it is the mistake, and no end.
+        """Return whether the member goes on after this `;` or `}` in its line. Then that mark is the mistake.
 
-        `inside` brackets all but the beginning of something else goes on; `wrong` says that this token was
-        not expected: then what cannot begin anything does.
+        `inside` brackets everything belongs to the member, except the beginning of a constructor. `wrong`
+        says that this token was not expected. Then a token that cannot begin anything belongs to the member
+        too.
         """
         i = self.i + 1
         kind = self.kinds[i]

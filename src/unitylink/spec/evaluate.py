@@ -24,7 +24,7 @@ MAX_SHIFT = 64
 
 @dataclass(frozen=True)
 class RunTime:
-    """The value of a run-time parameter: which parameter of the public constructor it is."""
+    """The value of a run-time parameter: the parameter of the public constructor behind it."""
 
     name: str
 

@@ -109,7 +109,7 @@ def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Ga
 def _latency(
     gateware: _Gateware, kind: _Kind, others: Counter[_Kind], baud_hz: int, read_many: int
 ) -> Latency:
-    """Find the time in which all that goes before has gone. None if the next is due before that."""
+    """Find the time that all earlier publishes and requests take. None if the next is due before that."""
     period_s, words, message_bytes = kind
     own_clocks = words * (constants.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
     own_s = (message_bytes + UART_FIFO_BYTES) * BITS_PER_BYTE / baud_hz + own_clocks / gateware.clock_hz

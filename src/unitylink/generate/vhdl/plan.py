@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the templates lay out: every decision about a generated design, taken."""
+"""The plan of a generated design: every decision, for the templates to lay out."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Wire:
     read: int | None
     write: int | None
     pulse: bool = False  # the user's logic sees it for one clock
-    taken: bool = False  # reading it clears it: the user's logic hears of that
+    taken: bool = False  # reading it clears it, and the user's logic is told
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Port:
-    """A port of a component or a link's slave as one of the design; `pin`: it leaves the chip."""
+    """A port of a component or a link's slave, as a port of the design. `pin`: it leaves the chip."""
 
     name: str
     direction: str

@@ -65,7 +65,7 @@ def word_map(spec: Spec, configuration: BoardConfiguration | None = None) -> Wor
 
 @dataclass(frozen=True)
 class PlacedComponent:
-    """A component of the gateware library and where it stands in the spec."""
+    """A component of the gateware library and its place in the spec."""
 
     root: str
     local: str  # its path below the root

@@ -212,7 +212,7 @@ class _Module:
         return f"({each} & {whole} | ~{each} & {other})"
 
     def _place(self, bits: Bits) -> str | None:
-        """Return one bit, moved to its place, if each of `bits` is set when a number is that of its place."""
+        """Return a shift of one bit, if each of `bits` is set exactly when a number equals its place."""
         terms = [self._terms(name) for name in bits]
         common = frozenset.intersection(*terms)
         numbers = {name for name, _, _ in terms[0] - common}

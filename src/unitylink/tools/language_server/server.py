@@ -50,7 +50,7 @@ class Server(LanguageServer):
         self.documents: dict[str, Document] = {}
 
     def update(self, uri: str, version: int | None) -> None:
-        """Take a new text in and tell its diagnostics."""
+        """Take a new text and publish its diagnostics."""
         text = self.workspace.get_text_document(uri)
         codec, before = self.workspace.position_codec, self.documents.get(uri)
         document = Document(text.source, _file(uri), codec, before, self._opened(uri))
