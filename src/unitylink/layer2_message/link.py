@@ -154,8 +154,7 @@ class Link(Line):
 
         On a framed link it takes one message each way if the device's buffers allow that. It is executed
         exactly once. On a classic link it is write_many and read_many. `atomic` holds the bus from the first
-        word to the last: DeviceMismatch if that is not possible. OutcomeUnknown: the device was reset
-        meanwhile.
+        word to the last, or raises DeviceMismatch. OutcomeUnknown: the device was reset meanwhile.
 
             link.exchange([0x10, 0x11], writes=[(0x20, 5), (0x21, 6)])
         """
@@ -291,12 +290,10 @@ class Link(Line):
         """Let the device publish the words at `addresses` together.
 
         It does so every `divisor` base periods, or with `on_event` when the group's event input says so.
-        `verify` reads each address once before, because 2012 gateware never stops publishing an address where
-        nothing answers. Use False if reading has an effect. `ring` publishes are kept until they are fetched.
-        If more come, the newest win. `group` asks for one certain group of the device. `on_event` may need
-        that, because each group has its own event input.
-
-        Raises DeviceMismatch if the device has no group left, or none so large, or if the line is too slow.
+        `verify` first reads each address once, because 2012 gateware never stops publishing an address where
+        nothing answers. Use False if reading has an effect. `ring` publishes wait to be fetched. If more
+        come, the newest win. `group` asks for one certain group, as `on_event` may need: each has its own
+        event input. DeviceMismatch: no group is left, or none so large, or the line is too slow.
         """
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
@@ -307,8 +304,8 @@ class Link(Line):
     def now_s(self) -> float:
         """Return the time of publishes and deadlines: `time.monotonic()` on a real board.
 
-        On a `sim:` or `rtl:` link it is robot time. Robot time waits while this machine is too busy to run
-        the virtual boards of the process. So the boards stay together (docs/rtl-simulation.md).
+        On a `sim:` or `rtl:` link it is robot time, which waits while this machine is too busy to run the
+        virtual boards of the process (docs/rtl-simulation.md).
         """
         return self._native.now_s()
 
@@ -384,9 +381,7 @@ class Link(Line):
     def check_spec(self, spec: str, hashes: Sequence[int]) -> None:
         """Raise DeviceMismatch if the gateware was built from another spec than `spec` with `hashes`.
 
-        Gateware that cannot say passes, see `unverified`. With `spec_hash=any` in the URL all gateware
-        passes, which is logged. Objects of a spec and the command line call this by themselves
-        (`unitylink.wire_hash`).
+        Gateware that cannot say passes, see `unverified`. With `spec_hash=any` all passes, which is logged.
         """
         self.unverified = checked_spec(self._native, self.url, spec, hashes)
 
