@@ -152,7 +152,7 @@ class Link(Line):
     ) -> Words:
         """Do `writes` (address, value), then `reads`, and return the words read.
 
-        On a framed link it takes one message each way if the device's buffers allow that. It is executed
+        On a framed link it takes one message each way if the device's buffers allow that, and is executed
         exactly once. On a classic link it is write_many and read_many. `atomic` holds the bus from the first
         word to the last, or raises DeviceMismatch. OutcomeUnknown: the device was reset meanwhile.
 
@@ -175,10 +175,10 @@ class Link(Line):
     def batch(self, *, atomic: bool = False) -> Batch:
         """Return a context manager that collects operations and does them in order at its end.
 
-        `atomic` holds the bus from the first to the last, in one message: DeviceMismatch if that is not
-        possible. No operation of a message begins before the whole message has been checked. An operation
-        finds what those before it have written. All else that an atomic batch reads is of one moment, if the
-        gateware freezes its registers while the bus is held.
+        `atomic` holds the bus from first to last, in one message, or raises DeviceMismatch. No operation of a
+        message begins before all of it has been checked. An operation finds what those before it have
+        written. All else that an atomic batch reads is of one moment, if the gateware freezes its registers
+        while the bus is held.
 
             with link.batch() as batch:
                 batch.write(0x20, 5)
@@ -349,8 +349,7 @@ class Link(Line):
         """Let the device make its outputs safe after `silence_s` without a sign of life. 0: never.
 
         The URL option is `deadman`. The link gives signs of life by itself as long as this program runs.
-        After a trip every write is DeadManTripped until `arm()`. DeviceMismatch if the gateware has no
-        dead-man.
+        After a trip every write is DeadManTripped until `arm()`. DeviceMismatch: the gateware has none.
         """
         self._native.set_dead_man(silence_s, timeout_s)
 
