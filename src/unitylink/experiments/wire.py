@@ -28,8 +28,8 @@ from collections import deque
 from typing import Protocol
 
 _CHUNK = 65536
-# A message on a pty ends after so long, or when the other side or a command comes: some clients write one in
-# pieces, and a fault is to meet the whole, but not what is sent again because of it.
+# A message on a pty ends after this time, or when the other side sends or a command comes. Some clients write
+# one message in pieces. A fault must hit the whole message, but not its repetition.
 _QUIET_S = 0.02
 FAULTS = ("flip", "cut", "lose", "late")
 

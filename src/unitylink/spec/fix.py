@@ -15,7 +15,7 @@ from .compile import Result, compile_text
 from .diagnostics import Diagnostic, Edit
 
 _ROUNDS = 20  # a fix may bring another mistake to light
-_TRIALS = 50  # diagnostics whose fixes are tried one by one, where all together did not help
+_TRIALS = 50  # diagnostics whose fixes are tried one by one, if all together did not help
 _LAST_SYNTAX_CODE = "UL019"
 
 

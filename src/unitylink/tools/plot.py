@@ -244,6 +244,6 @@ def _draw_terminal(series: AllSeries, title: str, *, clear: bool) -> None:
     plotext.title(title)
     plotext.xlabel("s")
     picture = plotext.build().rstrip("\n")
-    if clear:  # over the last one, and in one piece: Ctrl-C leaves a whole picture
+    if clear:  # replaces the last picture in one step, so that Ctrl-C leaves a whole one
         picture = "\x1b[H" + picture.replace("\n", "\x1b[K\n") + "\x1b[J"
     click.echo(picture)

@@ -42,5 +42,5 @@ class Names:
 
 
 def identifier(text: str) -> str:
-    """Return the name `text` has where nothing else is."""
+    """Return `text` as a name of VHDL, if no other thing has that name."""
     return Names().claim(text)
