@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tarfile
 from pathlib import Path
 
@@ -45,13 +46,21 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def fresh(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with an environment in `venv`, in which the wheel is installed."""
+    """A folder with the wheel in it; what it depends on is in the environment of the tests."""
     folder = tmp_path_factory.mktemp("fresh")
-    call(sys.executable, "-m", "venv", "venv", cwd=folder)
     (wheel,) = wheels.glob("*.whl")
-    none = "/bin/false"  # for whoever would like to compile
-    call("venv/bin/pip", "install", "--quiet", wheel, cwd=folder, CC=none, CXX=none, CMAKE=none)
+    options = ("--quiet", "--no-deps", "--no-index", "--target", folder)
+    call(sys.executable, "-m", "pip", "install", *options, wheel, cwd=folder)
     return folder
+
+
+# Without `site`, which would put the checkout before it.
+INSTALLED = (sys.executable, "-S", "-m", "unitylink")
+
+
+def only(fresh: Path) -> dict[str, str]:
+    """Return the environment in which Python finds what is installed there, and not the checkout."""
+    return {"PYTHONPATH": os.pathsep.join((str(fresh), sysconfig.get_path("purelib")))}
 
 
 @pytest.fixture(scope="module")
@@ -90,15 +99,23 @@ class TestWheel:
         assert "share/tools/wireshark/unitylink.lua" in listed
 
     def test_its_metadata_say_whose_it_is_and_what_it_is_for(self, fresh: Path) -> None:
-        said = call("venv/bin/pip", "show", "--verbose", "unitylink", cwd=fresh)
+        (metadata,) = fresh.glob("unitylink-*.dist-info/METADATA")
+        said = metadata.read_text("utf-8")
         assert "Author: The Unity-Link authors" in said and "Typing :: Typed" in said
-        assert re.search(r"Project-URLs:\n +\S.*https://", said)
-        assert str(fresh / "venv") in call("venv/bin/unitylink", "--version", cwd=fresh)
+        assert re.search(r"^Project-URL: .*https://", said, re.M)
+        assert str(fresh) in call(*INSTALLED, "--version", cwd=fresh, **only(fresh))
 
     def test_what_needs_a_checkout_is_no_command_of_a_wheel(self, fresh: Path) -> None:
-        assert "\n  bench " not in call("venv/bin/unitylink", "--help", cwd=fresh)
-        tried = ["venv/bin/unitylink", "bench"]
-        done = subprocess.run(tried, cwd=fresh, capture_output=True, text=True, timeout=60, check=False)
+        assert "\n  bench " not in call(*INSTALLED, "--help", cwd=fresh, **only(fresh))
+        done = subprocess.run(
+            [*INSTALLED, "bench"],
+            cwd=fresh,
+            env={**os.environ, **only(fresh)},
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
         assert done.returncode == 2 and "needs a checkout of the source" in done.stderr
 
     def test_the_first_hour_goes_as_written(self, wheels: Path, tmp_path: Path) -> None:
@@ -110,9 +127,8 @@ class TestWheel:
         assert written == shown, "docs/first-hour.md is not what tools/docs/first_hour.py writes"
 
     def test_its_gateware_is_a_board_too(self, fresh: Path) -> None:
-        (share,) = fresh.glob("venv/lib/*/site-packages/unitylink/share")
-        link = f"rtl:{share}/examples/hello_led/hello_led.ul"
-        assert "uptime_ms" in call("venv/bin/unitylink", "read", link, "*", cwd=fresh)
+        link = f"rtl:{fresh}/unitylink/share/examples/hello_led/hello_led.ul"
+        assert "uptime_ms" in call(*INSTALLED, "read", link, "*", cwd=fresh, **only(fresh))
 
     def test_the_sdist_has_what_the_build_needs(self, wheels: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
@@ -134,7 +150,7 @@ class TestWheel:
         assert not [name for name in names if name.startswith(("tests/", "build/", ".venv/"))]
 
     @pytest.mark.long  # all that it compiles is in it, byte by byte: the test above
-    def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, fresh: Path) -> None:
+    def test_the_sdist_builds_with_a_compiler_alone(self, wheels: Path, tmp_path: Path) -> None:
         (sdist,) = wheels.glob("*.tar.gz")
         # The core's sources are those of this checkout, byte by byte, which were compiled to run this test.
         compiled = ROOT / (ROOT / ".venv" / ".compiled").read_text("utf-8").strip()
@@ -144,10 +160,9 @@ class TestWheel:
             "cmake.define.CMAKE_CXX_FLAGS_DEBUG": "-O0",
         }
         options = [f"--config-settings={name}={value}" for name, value in settings.items()]
-        call(
-            "venv/bin/pip", "install", "--quiet", "--no-deps", "--force-reinstall", *options, sdist, cwd=fresh
-        )
-        assert "classic" in call("venv/bin/unitylink", "--version", cwd=fresh)
+        call(sys.executable, "-m", "venv", "venv", cwd=tmp_path)
+        call("venv/bin/pip", "install", "--quiet", *options, sdist, cwd=tmp_path)
+        assert "classic" in call("venv/bin/unitylink", "--version", cwd=tmp_path)
 
 
 class TestCore:

@@ -160,8 +160,8 @@ def list_figures(rtl: Any) -> dict[str, int]:
     read, written = wait(18, 0) - wait(8, 0), wait(0, 18) - wait(0, 8)
     assert read % 10 == written % 10 == 0
     return {
-        "list, a word read": read // 10,
-        "list, a word written": written // 10,
+        "list, each word read": read // 10,
+        "list, each word written": written // 10,
         "list of 18 reads and 18 writes, last byte in to first out": wait(18, 18),
     }
 
@@ -196,8 +196,8 @@ def test_figures_are_those_of_the_page_and_in_budget(rtl: Any) -> None:
     } == told
     assert told["read, last byte in to first out"] <= 12
     assert told["period of pipelined reads"] <= 20
-    assert told["list, a word read"] <= 8, "as the classic read-many"
-    assert told["list, a word written"] <= 10
+    assert told["list, each word read"] <= 8, "as the classic read-many"
+    assert told["list, each word written"] <= 10
     assert told["period of posts"] <= len(ask(p.REQUEST_KIND_POST, (1, 2), (0x20, 2), (1, 4)))
 
 

@@ -25,7 +25,7 @@ from unitylink.simulate.rtl import compile_netlist
 from unitylink.simulate.rtl.verilog import either_edge_will_do
 
 TOP = "lockstep_design"
-CLOCKS = 10_000
+CLOCKS = 6_000
 CONFIGURATIONS: list[dict[str, Any]] = [
     {},
     {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},

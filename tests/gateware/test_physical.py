@@ -59,7 +59,7 @@ def test_spi_slave_netlist(ghdl: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("clock_hz", "baud_hz", "rounds"), [(50_000_000, 3_000_000, 10), (1_000_000, 125_000, 20)]
+    ("clock_hz", "baud_hz", "rounds"), [(50_000_000, 3_000_000, 5), (1_000_000, 125_000, 12)]
 )
 def test_rs485(ghdl: Any, clock_hz: int, baud_hz: int, rounds: int) -> None:
     ghdl.run("rs485_tb", clock_hz=clock_hz, baud_hz=baud_hz, rounds=rounds, seed=rounds)

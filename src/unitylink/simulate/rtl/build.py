@@ -153,7 +153,7 @@ def compile_netlist(
             ],
             folder,
         )
-        level = "-O2" if fast else "-O0"
+        level = "-O1" if fast else "-O0"
         _compile(folder, level, _kind(verilog, top), top, library, tools=tools, say=say)
 
 
