@@ -109,10 +109,10 @@ def test_timeout_says_what_how_often_and_how_long(link: Link, device: Any) -> No
     with pytest.raises(
         LinkTimeout, match=r"read of 0x88 unanswered after 3 attempts in .* ms; the device last"
     ) as caught:
-        link.read(0x88, timeout_s=0.002)
+        link.read(0x88, timeout_s=0.05)  # each; so long that a busy machine sends all three
     error = caught.value
     assert (error.address, error.attempts) == (0x88, 3)
-    assert error.elapsed_s >= 0.006
+    assert error.elapsed_s >= 0.15
     assert str(error.with_item("j1.cpos")).startswith("j1.cpos: read of 0x88")
     device.intercept = lambda command, data: None
     assert link.read(0x88) == device.memory[0x88]
