@@ -18,7 +18,7 @@ PARITIES = ["none", "even", "odd"]
     ids=["8 clocks a bit", "8.3", "16.7", "104.2"],
 )
 def test_uart_rx(ghdl: Any, parity: str, clock_hz: int, baud_hz: int) -> None:
-    size = 12 if baud_hz == 9_600 else 60
+    size = 8 if baud_hz == 9_600 else 40
     ghdl.run("uart_rx_tb", parity=parity, clock_hz=clock_hz, baud_hz=baud_hz, bytes=size)
 
 
@@ -37,7 +37,7 @@ def test_uart_tx(ghdl: Any, parity: str, stop_bits: int, clock_hz: int, baud_hz:
 @pytest.mark.parametrize("parity", PARITIES)
 @pytest.mark.parametrize("baud_hz", [1_000_000, 3_000_000])
 def test_uart_both_ways_and_errors_in_their_place(ghdl: Any, parity: str, baud_hz: int) -> None:
-    ghdl.run("uart_tb", parity=parity, baud_hz=baud_hz, bytes=100 if baud_hz == 1_000_000 else 300)
+    ghdl.run("uart_tb", parity=parity, baud_hz=baud_hz, bytes=60 if baud_hz == 1_000_000 else 200)
 
 
 @pytest.mark.parametrize("depth", [2, 16])

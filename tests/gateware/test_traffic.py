@@ -141,8 +141,8 @@ def compare(exchanges: Sequence[Any], twin: Sequence[bytes], rtl: Sequence[bytes
 def test_messages(rtl: Any, generics: dict[str, Any]) -> None:
     configuration = bench(generics)
     traffic = Traffic(configuration, seed=1)
-    exchanges = [spoken(traffic.message()) for _ in range(150)] + [
-        spoken(traffic.damaged()) for _ in range(150)
+    exchanges = [spoken(traffic.message()) for _ in range(90)] + [
+        spoken(traffic.damaged()) for _ in range(90)
     ]
     compare(exchanges, play_on_twin(configuration, exchanges), rtl(configuration, exchanges))
 

@@ -46,7 +46,7 @@ class Peer:
     def __init__(self) -> None:
         rclpy.init()
         self.node: Node = rclpy.create_node("peer")
-        self.kept: list[Any] = []  # publishers, whose messages are still on their way
+        self.publishers: dict[str, Any] = {}
 
     def until(self, holds: Any) -> None:
         deadline = self.node.get_clock().now().nanoseconds + int(PATIENCE_S * 1e9)
@@ -62,8 +62,9 @@ class Peer:
         return [plain(message) for message in found[:count]]
 
     def pub(self, topic: str, type: str, fields: dict[str, Any]) -> Any:
-        publisher = self.node.create_publisher(kind(type, "msg"), topic, 1)
-        self.kept.append(publisher)
+        if topic not in self.publishers:
+            self.publishers[topic] = self.node.create_publisher(kind(type, "msg"), topic, 1)
+        publisher = self.publishers[topic]
         self.until(lambda: publisher.get_subscription_count() > 0)
         publisher.publish(fill(kind(type, "msg")(), fields))
         return publisher.get_subscription_count()

@@ -76,6 +76,19 @@ class Peer:
         return json.loads(answer)
 
 
+def publish_until(
+    device: Board, arrived: dict[int, int], peer: Peer, *commands: tuple[str, str, dict[str, Any]]
+) -> None:
+    """Publish until it arrives: DDS loses what is sent before the reader knows the publisher."""
+    for _ in range(300):
+        if {address: device.registers[address] for address in arrived} == arrived:
+            return
+        for topic, kind, fields in commands:
+            peer("pub", topic=f"/rig/{topic}", type=kind, fields=fields)
+        peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+    raise AssertionError("the commands have not arrived")
+
+
 @contextmanager
 def running(environment: dict[str, str], *command: str | Path, log: Path) -> Iterator[subprocess.Popen[str]]:
     """Start a node; interrupt it at the end, as Ctrl-C does, and see that it ends well."""
@@ -132,15 +145,18 @@ def test_the_generated_node_on_rclpy(
         (slow,) = peer("echo", topic="/rig/slow", type="std_msgs/UInt16")
         assert slow == {"data": 7}
 
-        commanded = {"name": ["j_1"], "position": [0.5], "velocity": [2.0]}
-        peer("pub", topic="/rig/joint_commands", type="sensor_msgs/JointState", fields=commanded)
-        twist = {"linear": {"x": 1.5}, "angular": {"z": -2.0}}
-        peer("pub", topic="/rig/cart/cmd_vel", type="geometry_msgs/Twist", fields=twist)
-        duty = {"mode": 0, "duty": [0.1, 0.2, 0.3]}
-        peer("pub", topic="/rig/command", type="rig_unitylink/RigCommand", fields=duty)
+        wrong = {"name": ["nobody"], "position": [0.5], "velocity": []}
+        commands = [
+            ("joint_commands", "sensor_msgs/JointState", wrong),  # a warning, after what the node informed of
+            (
+                *("joint_commands", "sensor_msgs/JointState"),
+                {"name": ["j_1"], "position": [0.5], "velocity": [2.0]},
+            ),
+            ("cart/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 1.5}, "angular": {"z": -2.0}}),
+            ("command", "rig_unitylink/RigCommand", {"mode": 0, "duty": [0.1, 0.2, 0.3]}),
+        ]
         arrived = {0x1A: 500, 0x1B: 200, 0x8: 0x3FC00000, 0x9: 0xC0000000, 0x4: 1, 0x5: 2, 0x6: 3}
-        while {address: device.registers[address] for address in arrived} != arrived:
-            peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+        publish_until(device, arrived, peer, *commands)
 
         read = peer("call", service="/rig/read", type="rig_unitylink/Read", fields={"names": ["j[0].pos"]})
         assert (read["success"], read["values"], read["texts"]) == (True, [0.5], ["0.5 rad"])
@@ -189,7 +205,5 @@ def test_the_node_on_dds_is_seen_by_ros_2(
         assert topics["/rig/joint_commands"] == ["sensor_msgs/msg/JointState"]
         assert topics["/rig/slow"] == ["std_msgs/msg/UInt16"] and topics["/rig/cart/cmd_vel"]
         fields = {"name": ["j_0"], "position": [-0.5]}
-        peer("pub", topic="/rig/joint_commands", type="sensor_msgs/JointState", fields=fields)
-        while device.registers[0x12] != 0xFE0C:
-            peer("echo", topic="/rig/joint_states", type="sensor_msgs/JointState")
+        publish_until(device, {0x12: 0xFE0C}, peer, ("joint_commands", "sensor_msgs/JointState", fields))
     assert device.registers[0x12] == 250, "safe at the end"

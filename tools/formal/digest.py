@@ -28,7 +28,7 @@ _WORDS_ONLY = ("what", "not_proven", "quick")  # of a row: they change no questi
 def digest(block: Block) -> str:
     """Return 16 hex digits over all VHDL that `block` is made of, its row, and how it is asked.
 
-    Comments and blanks do not count. The versions of the solvers do not either: what one proves, holds.
+    Comments, docstrings and blanks do not count. Nor do the versions of the solvers: what one proves, holds.
     """
     said = hashlib.sha256()
     for part in (_row(block), *map(plain_text, sources_of(block)), *map(_python, _ASKS)):
@@ -48,7 +48,14 @@ def stale(blocks: tuple[Block, ...], record: Mapping[str, Mapping[str, object]])
 
 @cache
 def _python(path: Path) -> str:
-    return ast.dump(ast.parse(path.read_text(encoding="utf-8")))
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            and ast.get_docstring(node) is not None
+        ):
+            del node.body[0]
+    return ast.dump(tree)
 
 
 def _row(block: Block) -> str:

@@ -82,7 +82,13 @@ class RclpyPlane:
 
     def say(self, level: int, message: str) -> None:
         logger = self._node.get_logger()
-        (logger.info, logger.warning, logger.error)[level](message)
+        # A line each: rclpy raises where one line logs with another severity than the time before.
+        if level == 0:
+            logger.info(message)
+        elif level == 1:
+            logger.warning(message)
+        else:
+            logger.error(message)
 
     def _profile(self, depth: int, reliable: bool) -> Any:
         policy = self._qos.ReliabilityPolicy
