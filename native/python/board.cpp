@@ -59,18 +59,20 @@ struct SettingReader {
   [[nodiscard]] nb::object attribute(const char* name) const { return from.attr(name); }
 };
 
+// The addresses of an attribute, in its order.
+std::vector<std::uint32_t> addresses_of(nb::handle object, const char* name) {
+  std::vector<std::uint32_t> result;
+  for (nb::handle address : nb::object(object.attr(name))) {
+    result.push_back(word_of(address, name));
+  }
+  return result;
+}
+
 }  // namespace
 
 std::unique_ptr<RtlDevice> make_rtl_device(nb::handle model, const DeviceConfiguration& configuration) {
-  const auto addresses = [&model](const char* name) {
-    std::vector<std::uint32_t> result;
-    for (nb::handle address : nb::object(model.attr(name))) {
-      result.push_back(word_of(address, name));
-    }
-    return result;
-  };
   const auto library = nb::cast<std::string>(model.attr("library"));
-  RtlWords words{addresses("read_addresses"), addresses("write_addresses")};
+  RtlWords words{addresses_of(model, "read_addresses"), addresses_of(model, "write_addresses")};
   std::string problem;
   try {
     return std::make_unique<RtlDevice>(library, std::move(words), configuration);
@@ -94,14 +96,6 @@ DeviceConfiguration configuration_of(nb::handle object) {
     for (nb::handle range : list) {
       result.push_back({word_of(nb::object(range[0]), name), word_of(nb::object(range[1]), name)});
     }
-    return result;
-  };
-  const auto addresses = [](nb::handle list, const char* name) {
-    std::vector<std::uint32_t> result;
-    for (nb::handle address : list) {
-      result.push_back(word_of(nb::object(nb::borrow(address)), name));
-    }
-    std::sort(result.begin(), result.end());
     return result;
   };
   DeviceConfiguration result;
@@ -132,8 +126,10 @@ DeviceConfiguration configuration_of(nb::handle object) {
   for (nb::handle safe : nb::object(object.attr("safe_words"))) {
     result.safe_words.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
   }
-  result.flag_words = addresses(object.attr("flag_words"), "flag_words");
-  result.strobe_words = addresses(object.attr("strobe_words"), "strobe_words");
+  result.flag_words = addresses_of(object, "flag_words");
+  result.strobe_words = addresses_of(object, "strobe_words");
+  std::sort(result.flag_words.begin(), result.flag_words.end());
+  std::sort(result.strobe_words.begin(), result.strobe_words.end());
   if (const std::string problem = result.problem(); !problem.empty()) {
     raise_error("ValueRangeError", "board configuration: " + problem);
   }

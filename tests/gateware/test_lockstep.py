@@ -183,7 +183,7 @@ class Lockstep:
 
     def compare(self, verilog: str, clocks: int) -> tuple[list[str], list[str]]:
         library = self.folder / f"model_{len(list(self.folder.glob('*.so')))}.so"
-        compile_netlist(verilog, TOP, library, fast=False)  # for so few clocks
+        compile_netlist(verilog, TOP, library)
         told = {"address_width": 8, "data_width": 32, "protocol": "classic", **self.generics}
         kind = Requests if told["protocol"] == "classic" else Frames
         requests = kind(1, told["address_width"], told["data_width"])

@@ -80,14 +80,16 @@ void RtlDevice::reset() {
   hold_reset();
   input_ = PhysicalReceiver(configuration_);
   output_ = PhysicalTransmitter(configuration_);
-  for (std::size_t index = 0; index < seen_.size(); ++index) {
-    seen_[index] = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
-  }
+  remember();
 }
 
 void RtlDevice::observe(std::function<void(std::uint32_t, std::uint32_t)> on_change) {
   on_change_ = std::move(on_change);
   seen_.assign(write_addresses_.size(), 0);
+  remember();
+}
+
+void RtlDevice::remember() {
   for (std::size_t index = 0; index < seen_.size(); ++index) {
     seen_[index] = model_->get_word(state_.get(), static_cast<std::uint32_t>(index));
   }

@@ -66,6 +66,7 @@ class RtlDevice final : public ServedDevice {
   void step();
   void give(std::uint32_t index, std::uint32_t value);
   void hold_reset();
+  void remember();
   void look();
   [[nodiscard]] bool has_failed() const noexcept;
 

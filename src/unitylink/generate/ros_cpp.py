@@ -288,11 +288,8 @@ def _expression(value: Cpp, raw: Cpp, quantity: Quantity, packed: bool = False) 
 
 
 def _asks_for_frames(element: Element) -> str:
-    """Return why a value is refused on a link that has fallen back to the classic protocol, or ""."""
-    if element.access == "PULSE":
-        return f"{element.path} is a PULSE"
-    written = element.access in ("WRITE", "READWRITE")
-    return f"{element.path} has a SAFE value" if written and Quantity.of(element).safe is not None else ""
+    reason = Quantity.of(element).asks_for_frames(element.access)
+    return f"{element.path} {reason}" if reason else ""
 
 
 def _unit(link: LinkBinding) -> Cpp:

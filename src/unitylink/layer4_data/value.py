@@ -69,10 +69,9 @@ class Value(Generic[T]):
                 f"{path} lies at {address:#06x}, beyond the {configuration.address_bytes} address byte(s) of "
                 f"{hardware.link.url}: this is not the board the spec is for"
             )
-        if hardware.link.notice and (quantity.safe is not None or self.access == "PULSE"):
-            what = "is a PULSE" if self.access == "PULSE" else "has a SAFE value"
+        if hardware.link.notice and (reason := quantity.asks_for_frames(self.access)):
             raise DeviceMismatch(
-                f"{path} {what}, which asks for the framed protocol, and {hardware.link.url} has fallen "
+                f"{path} {reason}, which asks for the framed protocol, and {hardware.link.url} has fallen "
                 f"back to the classic one: {hardware.link.notice}. Use gateware that speaks frames, or add "
                 "protocol=classic to the URL where that is what you want"
             )

@@ -90,11 +90,9 @@ class LinkKeeper:
             self.up.clear()
             self.ended.set()
 
-    def _become(self, level: int, state: str, *, up: bool = False) -> None:
-        changed, self.state = state != self.state, state
-        if up:  # before it is said, which may take a while: who hears it may send a command
-            self.up.set()
-        if changed:
+    def _become(self, level: int, state: str) -> None:
+        if state != self.state:
+            self.state = state
             self._say(level, state)
 
     def _keep(self, link: Link, session: Session) -> None:
@@ -121,7 +119,8 @@ class LinkKeeper:
             session.close()
 
     def _rise(self, link: Link) -> None:
-        self._become(0, f"connected to {link.url}", up=True)
+        self.up.set()  # before it is said, which may take a while: who hears it may send a command
+        self._become(0, f"connected to {link.url}")
 
     def _fall(self, session: Session, reason: str) -> None:
         if self.up.is_set():

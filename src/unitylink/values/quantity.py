@@ -42,6 +42,16 @@ class Quantity:
         """Return whether values are floats made from whole raw numbers."""
         return self.type.kind in ("fixed", "ufixed") or self.scale != 1 or self.offset != 0
 
+    def asks_for_frames(self, access: str) -> str:
+        """Return why a value is refused on a link that has fallen back to the classic protocol, or "".
+
+        >>> Quantity(safe=0).asks_for_frames("WRITE")
+        'has a SAFE value'
+        """
+        if access == "PULSE":
+            return "is a PULSE"
+        return "has a SAFE value" if self.safe is not None else ""
+
     def text(self, value: Any) -> str:
         """Return the value for people, with its unit."""
         shown = format_value(value)

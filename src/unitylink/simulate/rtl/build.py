@@ -127,12 +127,8 @@ def compile_netlist(
     *,
     tools: _Tools | None = None,
     say: Progress | None = None,
-    fast: bool = True,
 ) -> None:
-    """Make the shared library of the netlist `verilog` of `top`. Raises ToolError.
-
-    Without `fast` it is compiled in a third of the time, and runs ten times slower.
-    """
+    """Make the shared library of the netlist `verilog` of `top`. Raises ToolError."""
     tools = tools if tools is not None else _Tools()
     say = say if say is not None else _silent
     with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:
@@ -153,8 +149,7 @@ def compile_netlist(
             ],
             folder,
         )
-        level = "-O1" if fast else "-O0"
-        _compile(folder, level, _kind(verilog, top), top, library, tools=tools, say=say)
+        _compile(folder, _kind(verilog, top), top, library, tools=tools, say=say)
 
 
 def _kind(verilog: str, top: str) -> list[str]:
@@ -169,7 +164,7 @@ def _kind(verilog: str, top: str) -> list[str]:
 
 
 def _compile(
-    folder: Path, level: str, kind: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
+    folder: Path, kind: Sequence[str], top: str, library: Path, *, tools: _Tools, say: Progress
 ) -> None:
     include = tools.verilator_include()
     flags = [*_COMPILE, *kind, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
@@ -181,11 +176,11 @@ def _compile(
         often = small if path.stat().st_size < _SMALL_BYTES else large
         (rarely if re.search("Slow|Syms|ConstPool", path.name) else often).append(path)
     # Code that runs only once need not be fast, and most of a small file's time goes into the headers.
-    jobs = [(path, level) for path in large]
-    for name, paths, chosen in (("clock", small, level), ("others", rarely, "-O0")):
+    jobs = [(path, "-O1") for path in large]
+    for name, paths, level in (("clock", small, "-O1"), ("others", rarely, "-O0")):
         joined = folder / f"{name}.cpp"
         joined.write_text("".join(f'#include "{path}"\n' for path in paths), encoding="utf-8")
-        jobs.append((joined, chosen))
+        jobs.append((joined, level))
     done = 0
 
     def compile_one(job: tuple[Path, str]) -> str:
