@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the application layer without publishing, 8-bit addresses and data, read-many up to two words: any requests, one
--- after the other, with any number of data bytes, on a bus that answers within two clocks, as it likes.
+-- Properties of the application layer without publishing. Addresses and data have 8 bits, and read-many reads at most two
+-- words.
+-- z3 sends any requests, one after the other, with any number of data bytes. The bus answers within two clocks, in any way.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -17,12 +18,12 @@ entity application_formal is
   port (
     clk        : in std_ulogic;
     reset      : in std_ulogic;
-    arrives    : in std_ulogic;                    -- a request, if none stands
-    command    : in command_t;                     -- what it asks
-    error      : in std_ulogic;                    -- it is a datalink error instead
+    arrives    : in std_ulogic;                    -- a request arrives, if none is waiting
+    command    : in command_t;                     -- the command of the request
+    error      : in std_ulogic;                    -- the item is a datalink error instead
     checked    : in std_ulogic;
-    bytes      : in natural range 0 to 3;          -- how many data bytes it has
-    data       : in byte_t;                        -- the next of them
+    bytes      : in natural range 0 to 3;          -- number of its data bytes
+    data       : in byte_t;                        -- the next data byte
     response   : in bii_response_t;
     word_ready : in std_ulogic
   );
@@ -30,7 +31,7 @@ end entity;
 
 architecture properties of application_formal is
 
-  constant steps_most : positive := 21;  -- of any request, not counting those in which datalink or bus make it wait
+  constant steps_most : positive := 21;  -- steps of any request, without those in which datalink or bus make it wait
 
   signal request  : request_t;
   signal stands   : std_ulogic := '0';
@@ -41,21 +42,21 @@ architecture properties of application_formal is
   signal word                       : word_t;
 
   signal begun   : std_ulogic := '0';
-  signal left    : natural range 0 to 3 := 0;      -- data bytes not taken
+  signal left    : natural range 0 to 3 := 0;      -- data bytes not taken yet
   signal opened  : std_ulogic := '0';              -- the command has been taken
-  signal had     : natural range 0 to 3 := 0;      -- data bytes the request came with
-  signal waited  : natural range 0 to 2 := 0;      -- clocks of this access
+  signal had     : natural range 0 to 3 := 0;      -- data bytes of the request
+  signal waited  : natural range 0 to 2 := 0;      -- clocks of this access so far
 
-  signal said      : std_ulogic;                   -- a word goes out
+  signal said      : std_ulogic;                   -- a word is sent
   signal kind      : std_ulogic_vector(2 downto 0);
   signal talking   : std_ulogic := '0';            -- a reply has begun and is not over
-  signal spoken    : natural range 0 to 2 := 0;    -- its words so far, 2: or more
-  signal refusing  : std_ulogic := '0';            -- it has an error mark
-  signal accesses  : natural range 0 to 3 := 0;    -- of this request, 3: or more
-  signal troubled  : std_ulogic := '0';            -- one of them failed
+  signal spoken    : natural range 0 to 2 := 0;    -- words of the reply so far; 2 means two or more
+  signal refusing  : std_ulogic := '0';            -- the reply has an error mark
+  signal accesses  : natural range 0 to 3 := 0;    -- accesses of this request; 3 means three or more
+  signal troubled  : std_ulogic := '0';            -- one of the accesses failed
   signal steps     : natural range 0 to steps_most + 1 := 0;
 
-  signal reads, writes, reads_many, tells, known : std_ulogic;  -- the request that stands
+  signal reads, writes, reads_many, tells, known : std_ulogic;  -- kind of the request in hand
 
   function to_bit(value : boolean) return std_ulogic is
   begin
@@ -90,7 +91,7 @@ begin
   tells      <= to_bit(unsigned(request.command) = command_read_configuration) and not request.error;
   known      <= reads or writes or reads_many or tells;
 
-  -- As request_buffer hands them on.
+  -- Requests as request_buffer passes them on.
   requests : process (clk) is
   begin
     if rising_edge(clk) then
@@ -162,56 +163,56 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A command is one of those the recogniser gives; datalink errors and publishes come otherwise.
+  -- A command is one that the recogniser gives. Datalink errors and publishes come on other ways.
   command_is_one : assume always unsigned(command) < command_spelling;
 
   -- The bus answers within two clocks.
   bus_answers : assume always bii.valid = '0' or response.done = '1' or waited < 2;
 
-  -- Replies have one head and one tail, with the rest between them.
+  -- A reply has one head, then its other words, then one tail.
   head_first : assert always begun = '0' or said = '0' or (kind = word_head) = (talking = '0');
 
-  -- Nothing is said without a request.
+  -- There is no reply without a request.
   no_reply_unasked : assert always begun = '0' or word_valid = '0' or request.valid = '1';
 
-  -- A request is done with the last word of its reply, and not without.
+  -- A request is done with the last word of its reply, and at no other time.
   done_with_the_tail : assert always begun = '0' or request_done = (said and to_bit(kind = word_tail));
 
-  -- Every request is answered, whatever it asks and however many bytes it has, within so many steps.
+  -- Every request is answered within a fixed number of steps, whatever it asks and however many bytes it has.
   always_answers : assert always begun = '0' or steps <= steps_most;
 
-  -- An unknown command, an error of the datalink, or a request about the core itself opens no bus cycle.
+  -- No bus cycle is opened for an unknown command, a datalink error, or a request about the core itself.
   no_bus_unless_asked : assert always begun = '0' or bii.valid = '0' or reads = '1' or writes = '1' or reads_many = '1';
 
-  -- Nor does a request that came with too few bytes for its first access.
+  -- No bus cycle is opened for a request with too few bytes for its first access.
   no_bus_with_bytes_missing : assert always begun = '0' or bii.valid = '0' or
                               (reads = '1' and had >= 1) or (writes = '1' and had >= 2) or (reads_many = '1' and had >= 2);
 
-  -- A read reads once, a write writes once, a read-many reads as many words as it may.
+  -- A read makes one access, a write makes one, and a read-many makes one for each word that it may read.
   accesses_counted : assert always begun = '0' or
                      ((bii.valid = '0' or bii.write = writes) and (reads_many = '1' or bii.valid = '0' or accesses = 0) and
                       (bii.valid = '0' or accesses < 2));
 
-  -- An unknown command is answered with an error mark, right after the head.
+  -- The reply to an unknown command has an error mark right after the head.
   unknown_is_refused : assert always begun = '0' or said = '0' or request.error = '1' or known = '1' or spoken /= 1 or
                        kind = word_error;
 
-  -- A read or write that fails, or lacks bytes, has an error mark in its reply; one that goes well has none.
+  -- The reply has an error mark if the read or write fails or lacks bytes. It has none if the access succeeds.
   failures_are_told : assert always begun = '0' or request_done = '0' or (reads = '0' and writes = '0') or
                       refusing = (troubled or to_bit(had < 1) or to_bit(writes = '1' and had < 2));
 
-  -- A reply that succeeds has done its access.
+  -- A reply without an error mark means that the access was made.
   success_is_real : assert always begun = '0' or request_done = '0' or (reads = '0' and writes = '0') or refusing = '1' or
                     accesses = 1;
 
-  -- A datalink error is told with a question mark as the head.
+  -- The reply to a datalink error has a question mark as its head.
   error_is_told : assert always begun = '0' or said = '0' or spoken /= 0 or
                   (request.error = '1') = (word(7 downto 0) = x"3F");
 
-  -- A reset lets go of the bus at once.
+  -- A reset releases the bus at once.
   reset_is_idle : assert always reset = '1' -> next (bii.valid = '0' and bii.block_hold = '0');
 
   -- A read is answered.

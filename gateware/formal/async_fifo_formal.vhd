@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of async_fifo, between two clocks that come as z3 likes. Order: any one word is followed by its number.
+-- Properties of async_fifo, between two clocks with any timing that z3 chooses. The order is checked by following any one word
+-- by its number.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -22,7 +23,7 @@ end entity;
 
 architecture properties of async_fifo_formal is
 
-  subtype number_t is unsigned(3 downto 0); -- of a word modulo 16; never more than depth + 1 are inside
+  subtype number_t is unsigned(3 downto 0); -- of a word modulo 16; at most depth + 1 words are inside
 
   signal write_ready, read_valid : std_ulogic;
   signal read_data               : std_ulogic_vector(0 downto 0);
@@ -69,16 +70,16 @@ begin
 
   inside <= came - went;
 
-  -- As many words are inside as came in less those that left: never more than the depth and one.
+  -- The words inside are those that came in less those that left. There are never more than depth + 1.
   never_overflows : assert always inside <= depth + 1;
 
   -- It offers a word only if there is one.
   never_underflows : assert always read_valid = '1' -> inside /= 0;
 
-  -- No word is lost, doubled or changed: the one on offer is the next that came.
+  -- No word is lost, doubled or changed: the word on offer is the next in the order of arrival.
   order_kept : assert always read_valid = '1' and marked = '1' and went = follow and inside <= 8 -> read_data = word;
 
-  -- All places taken.
+  -- All places are taken.
   full : cover {inside = depth + 1};
 
   -- A word has come through.

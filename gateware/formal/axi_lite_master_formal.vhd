@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the AXI4-Lite master, with slaves that take their time on every channel, or for ever.
+-- Properties of the AXI4-Lite master. The slaves delay every channel by any number of clocks, or for ever.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,13 +25,13 @@ architecture properties of axi_lite_master_formal is
   signal m2s      : axi_lite_m2s_t;
   signal hold     : std_ulogic;
   signal begun    : std_ulogic := '0';
-  signal over     : std_ulogic;  -- a response is taken from the bus
+  signal over     : std_ulogic;  -- a response is accepted from the bus
 
-  -- The slave: what it has taken and not answered.
+  -- The slave: what it has accepted and not yet answered.
   signal address_taken, data_taken, read_taken : std_ulogic := '0';
 
-  signal owed    : std_ulogic := '0';  -- an access is on the bus, or its response to come
-  signal current : std_ulogic := '0';  -- it is that of the request which stands
+  signal owed    : std_ulogic := '0';  -- an access is on the bus, or its response is still to come
+  signal current : std_ulogic := '0';  -- it belongs to the request in hand
   signal begins  : std_ulogic;
   signal waiting : natural range 0 to timeout_clocks + 1 := 0;
 
@@ -96,33 +96,34 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment, with its slaves.
+  -- The design and its slaves are reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A slave answers a write once it has its address and its data, and until the answer is taken.
+  -- A slave answers a write only once it has both address and data. It holds the answer until it is accepted.
   write_answer : assume always s2m.bvalid = '0' or (address_taken = '1' and data_taken = '1');
 
-  -- It answers a read once it has its address.
+  -- A slave answers a read only once it has its address.
   read_answer : assume always s2m.rvalid = '0' or read_taken = '1';
 
-  -- A write address stands, and does not change, until it is taken.
+  -- A write address stays the same until it is accepted.
   write_address_stands : assert always m2s.awvalid = '1' and s2m.awready = '0' and reset = '0' ->
                          next (m2s.awvalid = '1' and m2s.awaddr = prev(m2s.awaddr));
 
-  -- So does a word to write.
+  -- A word to write stays the same until it is accepted.
   write_data_stands : assert always m2s.wvalid = '1' and s2m.wready = '0' and reset = '0' ->
                       next (m2s.wvalid = '1' and m2s.wdata = prev(m2s.wdata) and m2s.wstrb = prev(m2s.wstrb));
 
-  -- So does a read address.
+  -- A read address stays the same until it is accepted.
   read_address_stands : assert always m2s.arvalid = '1' and s2m.arready = '0' and reset = '0' ->
                         next (m2s.arvalid = '1' and m2s.araddr = prev(m2s.araddr));
 
-  -- One access at a time: no address or word goes out while the slave has one of its kind, or of the other.
+  -- There is one access at a time. An address or word is not sent while the slave still holds one of the same channel, or of
+  -- the other kind of access.
   one_access : assert always (m2s.awvalid = '0' or (address_taken = '0' and read_taken = '0' and m2s.arvalid = '0')) and
                (m2s.wvalid = '0' or (data_taken = '0' and read_taken = '0')) and
                (m2s.arvalid = '0' or (read_taken = '0' and address_taken = '0' and data_taken = '0'));
 
-  -- A new access is the one that is asked for: its kind, its address in bytes, its word.
+  -- A new access has the kind, the byte address and the word of the request.
   asks_what_was_asked : assert always begun = '0' or begins = '0' or
                         (m2s.awvalid = request.write and m2s.wvalid = request.write and m2s.arvalid = not request.write and
                          m2s.awaddr(5 downto 2) = request.address(3 downto 0) and
@@ -130,13 +131,13 @@ begin
                          (request.write = '0' or m2s.wdata(7 downto 0) = request.data(7 downto 0)) and
                          m2s.wstrb = "0001");
 
-  -- A request is done after the clocks of the time-out and one at most.
+  -- A request is done at most one clock after the clocks of the timeout.
   always_ends : assert always waiting <= timeout_clocks;
 
-  -- It ends as silent after the time-out only.
+  -- A request ends with `silent` only after the timeout.
   silent_in_time : assert always begun = '0' or response.done = '0' or response.status /= silent or waiting = timeout_clocks;
 
-  -- A response that comes late is thrown away, not taken for that of another access.
+  -- A late response is dropped. It is never used for another access.
   late_response_is_dropped : assert always response.done = '0' or response.status = silent or (over = '1' and current = '1');
 
   -- The user gets the word and the status of the response.
@@ -147,10 +148,10 @@ begin
   -- `hold` is high while a request stands.
   hold_with_request : assert always request.valid = '0' or hold = '1';
 
-  -- An access is given up.
+  -- An access times out.
   silent_seen : cover {response.done = '1' and response.status = silent};
 
-  -- Its response comes while the next request waits.
+  -- The late response comes while the next request waits.
   late_seen : cover {over = '1' and current = '0' and request.valid = '1'};
 
   -- A read is done.

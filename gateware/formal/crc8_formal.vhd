@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the checksum of the classic datalink, for all sums and all data at once: it is a function without memory.
+-- Properties of the checksum of the classic datalink, for all sums and all data at once. It is a function without memory.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,7 +23,7 @@ architecture properties of crc8_formal is
     return next_checksum("crc8", 7, sum, data);
   end function;
 
-  -- Division by x8 + x2 + x + 1, one bit of the message after the other, as the textbook has it.
+  -- Division by x8 + x2 + x + 1, one bit after the other, as textbooks show it.
   function serial(sum : byte_t; data : byte_t) return byte_t is
     variable rest : byte_t := sum;
     variable top  : std_ulogic;
@@ -35,7 +35,7 @@ architecture properties of crc8_formal is
     return rest;
   end function;
 
-  signal both : byte_t;  -- how sums of messages that differ differ
+  signal both : byte_t;  -- difference of the sums of two different messages
 
 begin
 
@@ -43,22 +43,22 @@ begin
 
   both <= parallel(sum, data) xor parallel(other, data xor change);
 
-  -- A byte at once gives what its bits give one by one.
+  -- The parallel function of a byte gives the same sum as its bits one by one.
   parallel_is_serial : assert always parallel(sum, data) = serial(sum, data);
 
   -- The sum of a difference is the difference of the sums.
   linear : assert always both = parallel(sum xor other, change);
 
-  -- A message and its own sum together sum up to zero.
+  -- A message followed by its own sum has the sum zero.
   residue_is_zero : assert always parallel(sum, sum) = x"00";
 
-  -- A sum that is wrong stays wrong, whatever comes: no byte hides an error before it.
+  -- A wrong sum stays wrong whatever byte follows, so no byte hides an earlier error.
   error_stays : assert always sum = other or change /= x"00" or both /= x"00";
 
-  -- A byte that is wrong makes the sum wrong, whichever and however many of its bits.
+  -- A wrong byte makes the sum wrong, for any number of wrong bits in any place.
   error_counts : assert always sum /= other or change = x"00" or both /= x"00";
 
-  -- One zero sum out of many.
+  -- A sum of zero is reached.
   zero_sum : cover {parallel(sum, data) = x"00" and data /= x"00"};
 
 end architecture;

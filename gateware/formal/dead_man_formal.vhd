@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the dead-man, whatever happens around it: signs of life come or stay away at any clock, the applications ask
--- of the bus what they like when they like, or stand still for ever, with the bus held or not, and the bus refuses, or is
--- silent. A tick comes every 4 clocks; there are two safe values; an access takes up to 3 clocks.
+-- Properties of the dead-man under all conditions. Signs of life come or stay away at any clock. The applications ask the bus
+-- for anything at any time, or stop for ever, with the bus held or not. The bus may refuse an access or stay silent. A tick
+-- comes every 4 clocks, there are two safe values, and an access takes up to 3 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -18,7 +18,7 @@ entity dead_man_formal is
     reset    : in std_ulogic;
     request  : in dead_man_request_t;
     asked    : in bii_request_t;
-    response : in bii_response_t     -- of the bus
+    response : in bii_response_t     -- the answer of the bus
   );
 end entity;
 
@@ -29,11 +29,11 @@ architecture properties of dead_man_formal is
   constant access_most  : positive := 3;
   constant values       : safe_values_t(0 to 1) := ((address => x"00000001", value => x"00000005"),
                                                     (address => x"00000002", value => x"0000000A"));
-  -- From a trip to the end of the last safe write: the access that was on the bus, then each with a clock before it; and the
-  -- first clock of the first one was before the trip.
+  -- Clocks from a trip to the end of the last safe write. First the access that was on the bus ends. Then come the safe writes,
+  -- each with a clock before it. The first clock of the first safe write was before the trip.
   constant written_most : positive := (values'length + 1) * (access_most + 1) - 2;
 
-  -- From an answer to the next tick, and all values anew; they may just have begun.
+  -- Clocks from an answer to the end of the next tick's writes. The writes before them may just have begun.
   constant heard_most   : positive := period + 2 * written_most;
 
   signal begun    : std_ulogic := '0';
@@ -42,25 +42,25 @@ architecture properties of dead_man_formal is
   signal answered : bii_response_t;
   signal bii      : bii_request_t;
 
-  -- The moment.
-  signal watched  : std_ulogic := '0';                                    -- it was started, and nothing has ended that
+  -- Time.
+  signal watched  : std_ulogic := '0';                                    -- it was started, and still counts
   signal limit    : natural range 0 to ticks_most := 0;
-  signal since    : natural range 0 to period * ticks_most + 1 := 0;      -- clocks behind the last sign of life
-  signal may_arm  : std_ulogic;                                           -- a session has begun with the trip or since
+  signal since    : natural range 0 to period * ticks_most + 1 := 0;      -- clocks since the last sign of life
+  signal may_arm  : std_ulogic;                                           -- a session has begun with the trip or after it
   signal renewed, renewed_before : std_ulogic := '0';
   signal tripped_before, armed_before, commanded_before : std_ulogic := '0';
 
-  -- The bus. What the applications ask has the highest bit of its address set, which the bus does not look at.
+  -- The bus. Requests of the applications are marked by the highest bit of the address. The bus ignores this bit.
   signal waited   : natural range 0 to access_most := 0;        -- clocks of this access so far
-  signal theirs   : std_ulogic;                                 -- it is one of the applications
-  signal earlier  : std_ulogic := '0';                          -- and began before the trip
+  signal theirs   : std_ulogic;                                 -- the access belongs to an application
+  signal earlier  : std_ulogic := '0';                          -- and it began before the trip
   signal ends     : std_ulogic;
-  signal asked_on : std_ulogic := '0';                          -- what is asked has been on the bus
+  signal asked_on : std_ulogic := '0';                          -- the request of the applications has been on the bus
   signal is_safe  : std_ulogic_vector(values'range);            -- which safe write is on the bus
-  signal made     : std_ulogic_vector(values'range) := "00";    -- which are made, since an application wrote
-  signal answers  : std_ulogic_vector(values'range) := "00";    -- and answered
-  signal behind   : natural range 0 to written_most := 0;       -- clocks behind the trip
-  signal heard    : natural range 0 to heard_most := 0;         -- and of no value without an answer
+  signal made     : std_ulogic_vector(values'range) := "00";    -- safe writes made since an application last wrote
+  signal answers  : std_ulogic_vector(values'range) := "00";    -- safe writes answered
+  signal behind   : natural range 0 to written_most := 0;       -- clocks since the trip
+  signal heard    : natural range 0 to heard_most := 0;         -- clocks since the trip, or since a safe write had no answer
 
   function to_bit(what : boolean) return std_ulogic is
   begin
@@ -171,83 +171,85 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- No more ticks than are counted here.
+  -- There are no more ticks than this file counts.
   few_ticks : assume always unsigned(request.ticks) <= ticks_most;
 
-  -- What is asked stands until it is done, as applications are proven.
+  -- A request stays the same until it is done. This is proven for the applications.
   asked_stands : assume always asked.valid = '1' and answered.done = '0' and reset = '0' ->
                  next (asked.valid = '1' and asked.write = prev(asked.write) and asked.address = prev(asked.address) and
                        (asked.write = '0' or asked.data = prev(asked.data)));
 
-  -- One access follows another after a clock without, as applications are proven.
+  -- At least one clock without a request lies between two accesses. This is proven for the applications.
   asked_ends : assume always asked.valid = '1' and answered.done = '1' -> next (asked.valid = '0');
 
-  -- A reset is one of the applications, too.
+  -- A reset also resets the applications.
   asked_is_reset : assume always reset = '1' -> next (asked.valid = '0');
 
-  -- The mark of what the applications ask.
+  -- Requests of the applications have the mark.
   asked_is_marked : assume always asked.address(31) = '1';
 
-  -- Every access ends in time, as bus masters are proven.
+  -- Every access ends in time. This is proven for bus masters.
   bus_answers : assume always waited < access_most - 1 or bii.valid = '0' or response.done = '1';
 
-  -- It trips at the tick that makes the silence too long, and never later.
+  -- The dead-man trips at the tick at which the silence is too long, and never later.
   trips_in_time : assert always begun = '1' and watched = '1' and tripped = '0' -> since <= period * limit - 1;
 
-  -- Nor earlier than one tick before, unless it is told to.
+  -- It trips at most one tick earlier than that, unless `trip` asks for it.
   trips_for_a_reason : assert always begun = '1' and tripped = '1' and tripped_before = '0' and reset = '0' ->
                        commanded_before = '1' or since >= period * (limit - 1) + 1;
 
-  -- It is `running` whenever it was started, and nothing has ended that.
+  -- `running` is high from the start until something ends the watch.
   runs : assert always begun = '1' and watched = '1' -> state.running = '1' or tripped = '1';
 
-  -- Only `arm` ends a trip, and only in another session, but for a reset.
+  -- Only `arm` or a reset ends a trip. `arm` works only in another session.
   trip_stays : assert always begun = '1' and tripped_before = '1' and tripped = '0' -> armed_before = '1';
 
-  -- It is told as it is.
+  -- The reported state is the state of the output.
   told : assert always begun = '1' -> state.tripped = tripped;
 
-  -- From the trip on no write of an application begins on the bus, also none that it had decided on before.
+  -- After the trip no write of an application begins on the bus. This includes writes that an application had decided on
+  -- before.
   only_safe_writes : assert always begun = '1' and tripped = '1' and bii.valid = '1' and bii.write = '1' ->
                      or is_safe = '1' or earlier = '1';
 
-  -- All safe values are written in time, whatever the applications do, or fail to do.
+  -- All safe values are written in time, whatever the applications do or fail to do.
   all_safe_in_time : assert always begun = '1' and tripped = '1' and behind = written_most -> and made = '1';
 
-  -- One that nobody answered is written anew, until all are answered.
+  -- A safe write without an answer is repeated until all are answered.
   all_answered : assert always begun = '1' and tripped = '1' and heard = heard_most -> and answers = '1';
 
-  -- While they are, nothing holds the bus.
+  -- Nothing holds the bus while safe values are written.
   hold_ends : assert always begun = '1' and tripped = '1' and made /= "11" -> bii.block_hold = '0';
 
-  -- An application's access is answered by the bus, if it was there; or else it is a write behind a trip, and `denied`.
+  -- The answer to an application's access comes from the bus if the access was there. Otherwise the access is a write after a
+  -- trip, and the answer is `denied`.
   answered_by_the_bus : assert always begun = '1' and asked.valid = '1' and answered.done = '1' ->
                         (ends = '1' and answered.status = response.status and answered.data = response.data and
                          bii.write = asked.write and bii.address(1 downto 0) = asked.address(1 downto 0)) or
                         (asked.write = '1' and tripped = '1' and asked_on = '0' and answered.status = denied);
 
-  -- Nothing is answered that was not asked.
+  -- There is no answer without a request.
   answers_what_is_asked : assert always begun = '1' and answered.done = '1' -> asked.valid = '1';
 
-  -- A trip while a write of an application is on the bus.
+  -- A trip comes while a write of an application is on the bus.
   earlier_seen : cover {begun = '1' and tripped = '1' and earlier = '1' and bii.write = '1'};
 
-  -- All is written.
+  -- All safe values are written.
   written_seen : cover {begun = '1' and tripped = '1' and and made = '1'};
 
-  -- As late as may be.
+  -- The last safe write comes as late as possible.
   latest_seen : cover {begun = '1' and tripped = '1' and behind = written_most - 1 and nand made = '1'};
 
   -- A write is denied.
   denied_seen : cover {begun = '1' and answered.done = '1' and answered.status = denied};
 
-  -- A value that nobody answered is, later.
+  -- A value that had no answer is answered later.
   again_seen : cover {begun = '1' and tripped = '1' and heard > 1 and behind = written_most and and answers = '1'};
 
-  -- Armed, and running again.
+  -- The dead-man is armed, and runs again.
   armed_seen : cover {begun = '1' and armed_before = '1' and tripped_before = '1' and tripped = '0'};
 
 end architecture;

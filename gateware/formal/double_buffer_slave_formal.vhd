@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the double buffer. Any one word is followed in both banks by a reference that swaps them at a commit; as
--- it may be any word, all of them change in the same clock, and a reader never has words of two moments.
+-- Properties of the double buffer. A reference follows any one word in both banks, and swaps them at a commit. The word may be
+-- any, so all words change in the same clock, and a reader never gets words of two moments.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,12 +32,12 @@ architecture properties of double_buffer_slave_formal is
   signal begun, asked     : std_ulogic := '0';
   signal answered, whole  : std_ulogic;
 
-  signal visible, hidden  : std_ulogic_vector(7 downto 0) := (others => '0');  -- the word, as it must be
+  signal visible, hidden  : std_ulogic_vector(7 downto 0) := (others => '0');  -- expected values of the followed word
   signal commits          : unsigned(7 downto 0) := (others => '0');
   signal bus_expected     : std_ulogic_vector(7 downto 0) := (others => '0');  -- what the access must read
   signal user_expected    : std_ulogic_vector(7 downto 0) := (others => '0');
-  signal user_reads       : std_ulogic := '0';  -- that word
-  signal swaps            : std_ulogic := '0';  -- committed must tell it
+  signal user_reads       : std_ulogic := '0';  -- a read of that word
+  signal swaps            : std_ulogic := '0';  -- `committed` must be high
 
 begin
 
@@ -90,39 +90,40 @@ begin
     end if;
   end process;
 
-  -- Once, when the design wakes up: a later reset makes the first bank visible and keeps both, which has no moment to speak of.
+  -- One reset, at power-up. A later reset makes the first bank visible and keeps both banks. That is no commit, so this file
+  -- excludes it.
   reset_first : assume always begun /= reset;
 
-  -- Nothing comes while the design wakes up.
+  -- There is no access during power-up.
   quiet_first : assume always begun = '1' or (m2s.cyc = '0' and user_write_valid = '0');
 
-  -- One word is followed, whichever.
+  -- The followed word is any, and stays the same.
   one_is_watched : assume always reset = '0' or reset = '1' -> next (watched = prev(watched));
 
-  -- The FPGA reads the visible word of the moment in which it asked; every word changes with the commit and not before.
+  -- The FPGA reads the word that was visible when it asked. All words change with the commit and not before.
   user_never_mixed : assert always begun = '0' or user_reads = '0' or user_read_data = user_expected;
 
-  -- So does the bus, and the number of commits behind the words.
+  -- The bus also reads such words, and the number of their commits.
   bus_never_mixed : assert always begun = '0' or s2m.ack = '0' or m2s.we = '1' or
                     (unsigned(m2s.adr) /= watched and unsigned(m2s.adr) /= words) or s2m.dat(7 downto 0) = bus_expected;
 
-  -- The FPGA is told of each commit, in the clock from which its reads see it.
+  -- Each commit is reported to the FPGA, in the first clock in which its reads see it.
   commit_is_told : assert always begun = '0' or committed = swaps;
 
-  -- In a block of the bus the FPGA writes nothing, so that the block sees one moment.
+  -- The FPGA writes nothing during a block of the bus, so the block sees one moment.
   block_sees_one_moment : assert always m2s.cyc = '0' or user_write_ready = '0';
 
-  -- What is out of range, or a write of a part of a word, is refused and changes nothing.
+  -- An address out of range, or a write of part of a word, is refused and changes nothing.
   refused_rightly : assert always answered = '0' or
                     (s2m.err = '1') = (unsigned(m2s.adr) > words or (m2s.we = '1' and whole = '0'));
 
   -- An access takes two clocks.
   two_clocks : assert always asked = '0' or m2s.stb = '0' or answered = '1';
 
-  -- A word of the PC becomes visible to the FPGA.
+  -- A word from the PC becomes visible to the FPGA.
   seen_by_user : cover {user_reads = '1' and user_read_data = x"A5" and commits = 1};
 
-  -- A word of the FPGA is read by the bus after a commit.
+  -- A word from the FPGA is read by the bus after a commit.
   seen_by_bus : cover {s2m.ack = '1' and m2s.we = '0' and unsigned(m2s.adr) = watched and
                        s2m.dat(7 downto 0) = x"5A" and commits = 1};
 

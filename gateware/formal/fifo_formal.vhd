@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the fifo. Order: any one word is followed from its coming to its leaving.
+-- Properties of the fifo. The order is checked by following any one word from its arrival to its departure.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -29,7 +29,7 @@ architecture properties of fifo_formal is
 
   signal count       : natural range 0 to depth + 1 := 0;  -- words that came in and have not left
 
-  -- The word that is followed, if it is inside, and how many are ahead of it.
+  -- The followed word: whether it is inside, and how many words are ahead of it.
   signal inside : std_ulogic := '0';
   signal ahead  : natural range 0 to depth := 0;
   signal word   : std_ulogic_vector(width - 1 downto 0);
@@ -49,7 +49,7 @@ begin
   load  <= read_valid and read_ready;
 
   follow : process (clk) is
-    variable left : natural range 0 to depth + 1;  -- words inside but the one that comes
+    variable left : natural range 0 to depth + 1;  -- words inside, without the one that comes
   begin
     if rising_edge(clk) then
       begun <= '1';
@@ -79,32 +79,32 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- As many words are inside as came in less those that left: never more than the depth and one.
+  -- The words inside are those that came in less those that left. There are never more than depth + 1.
   never_overflows : assert always count <= depth + 1 and (store = '0' or load = '1' or count <= depth);
 
   -- It offers a word only if there is one.
   never_underflows : assert always begun = '1' and read_valid = '1' -> count > 0;
 
-  -- It refuses a word only when it is full, with the depth and one inside.
+  -- It refuses a word only when it is full, with depth + 1 words inside.
   takes_while_room : assert always begun = '1' and write_ready = '0' -> count = depth + 1;
 
-  -- What leaves is what came in, in the order of coming: a word with none before it is the one on offer.
+  -- Words leave in the order of arrival: a word with none before it is the one on offer.
   order_kept : assert always inside = '1' and ahead = 0 and read_valid = '1' -> read_data = word;
 
-  -- A word is on offer until it is taken, and does not change.
+  -- The word on offer stays the same until it is taken.
   offer_stands : assert always read_valid = '1' and read_ready = '0' and reset = '0' ->
                  next (read_valid = '1' and read_data = prev(read_data));
 
-  -- A word in an empty fifo is on offer two clocks after it came.
+  -- A word that enters an empty fifo is on offer two clocks later.
   falls_through : assert always store = '1' and count = 0 and reset = '0' -> next (reset = '0' -> next (read_valid = '1'));
 
-  -- All places taken.
+  -- All places are taken.
   full : cover {write_ready = '0' and read_valid = '1' and count = depth + 1};
 
-  -- In and out at once, while it is full.
+  -- A full fifo takes a word in and gives one out in the same clock.
   flows : cover {load = '1' and store = '1' and count = depth};
 
 end architecture;

@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed application with its program: any frames, one after the other, on a bus that answers as it likes and
--- to a transmitter that stalls as it likes. 8-bit address and data, without lists and groups.
+-- Properties of the framed application with its program. z3 sends any frames, one after the other. The bus answers in any way,
+-- and the transmitter stalls at any time. Address and data have 8 bits. There are no lists and no groups.
 --
--- What it remembers is left out: the words of its memory have any value whenever they are looked at, but for its constants, so
--- an epoch that is loaded is any; a session may be open when it wakes up; what goes through the memory ends anywhere; the reply
--- cache says of an id whatever it likes, but the same while it is in work; the clock turns at any time. The instructions come
--- from the position that the sequencer decides (frame_sequencer_formal proves that they are the same).
+-- The state memory of the application is left out. A word of it has any value at each look, except for its constants. So a
+-- loaded epoch has any value, a session may be open at power-up, and what goes through the memory may end anywhere.
+--
+-- The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at any time.
+-- Instructions come from the position that the sequencer decides. frame_sequencer_formal proves that they are the same.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,18 +26,18 @@ entity frame_application_formal is
   port (
     clk             : in std_ulogic;
     reset           : in std_ulogic;
-    arrives         : in std_ulogic;              -- a frame, if none stands
+    arrives         : in std_ulogic;              -- a frame arrives, if none is waiting
     entry_in        : in entry_t;
     chained_in      : in std_ulogic;
     barrier_in      : in std_ulogic;
-    length_in       : in unsigned(3 downto 0);    -- of its payload
-    data            : in byte_t;                  -- the next byte of it
+    length_in       : in unsigned(3 downto 0);    -- length of its payload
+    data            : in byte_t;                  -- the next byte of the payload
     may_begin       : in std_ulogic;
     receive_overrun : in std_ulogic;
     reply_ready     : in std_ulogic;
     reply_idle      : in std_ulogic;
     response        : in bii_response_t;
-    -- What is seen of the design.
+    -- Observed signals of the design.
     instruction     : in frame_instruction_t;
     finishes        : in std_ulogic;
     jump            : in std_ulogic;
@@ -48,7 +49,7 @@ entity frame_application_formal is
     word_index      : in unsigned(7 downto 0);
     remember        : in std_ulogic;
     status_out      : in std_ulogic_vector(3 downto 0);
-    -- … of what is left out and has any value, but for what is assumed.
+    -- Signals of parts that are left out. They have any value that the assumptions allow.
     word            : in word32_t;
     fresh           : in std_ulogic;              -- new_id
     repeated        : in std_ulogic;
@@ -78,7 +79,7 @@ architecture properties of frame_application_formal is
   subtype constants_t is natural range word_zero to word_defined;
 
   signal begun   : std_ulogic := '0';  -- the reset of power-up is over
-  signal started : std_ulogic := '0';  -- and so is what the program does behind it
+  signal started : std_ulogic := '0';  -- and so is the start of the program after it
 
   signal request : frame_request_t;
   signal stands  : std_ulogic := '0';
@@ -97,23 +98,23 @@ architecture properties of frame_application_formal is
   -- The work in hand.
   signal begins    : std_ulogic;
   signal entry     : natural range 0 to 31 := 0;
-  signal frame     : std_ulogic := '0';             -- it is one
-  signal had_id    : std_ulogic := '0';             -- and long enough for an id
+  signal frame     : std_ulogic := '0';             -- the work is a frame
+  signal had_id    : std_ulogic := '0';             -- and long enough to have an id
   signal dones     : natural range 0 to 2 := 0;
   signal kinds     : natural range 0 to 2 := 0;
   signal kind      : byte_t := (others => '0');
-  signal given     : std_ulogic := '0';             -- of the payload in hand: its kind
-  signal begun_payload : std_ulogic := '0';         -- and some of its bytes
+  signal given     : std_ulogic := '0';             -- the kind of the payload in hand was sent
+  signal begun_payload : std_ulogic := '0';         -- and some of its bytes were
   signal accesses  : natural range 0 to 2 := 0;
-  signal trouble   : natural range 0 to 2 := 0;     -- of its access: it failed, nobody answered
+  signal trouble   : natural range 0 to 2 := 0;     -- its access: 1 failed, 2 had no answer
   signal memories  : natural range 0 to 2 := 0;     -- how often its id was remembered
   signal remembered : std_ulogic_vector(3 downto 0) := "0000";
   signal judgements : natural range 0 to 3 := 0;    -- how often the cache was asked
-  signal judged    : std_ulogic := '0';             -- the cache has called its id new
+  signal judged    : std_ulogic := '0';             -- the cache has called the id new
   signal judged_id : std_ulogic_vector(15 downto 0) := (others => '0');
-  signal other     : std_ulogic := '1';             -- in the clock before, the cache was busy with something else
+  signal other     : std_ulogic := '1';             -- the cache was busy with something else in the clock before
   signal id_before : std_ulogic_vector(15 downto 0) := (others => '0');
-  signal routine   : std_ulogic := '0';             -- called, and not returned from
+  signal routine   : std_ulogic := '0';             -- a routine was called and has not returned
   signal calls, returns, judges, with_id, at_rest, epoch_may_change : std_ulogic;
 
   function to_bit(value : boolean) return std_ulogic is
@@ -124,7 +125,7 @@ architecture properties of frame_application_formal is
     return '0';
   end function;
 
-  -- GHDL 2.0 takes only so many terms as PSL.
+  -- GHDL 2.0 accepts only a limited number of terms in PSL, so the others are VHDL.
   function holds(what : boolean) return boolean is
   begin
     return what;
@@ -160,7 +161,7 @@ begin
   request.length  <= resize(length, 8);
   request.missing <= to_bit(length = taken);
 
-  -- As frame_receiver hands them on.
+  -- Requests as frame_receiver passes them on.
   requests : process (clk) is
   begin
     if rising_edge(clk) then
@@ -184,7 +185,7 @@ begin
     end if;
   end process;
 
-  -- What the memory looks at, and what the cache has said of the id in work.
+  -- Which word the memory reads, and what the cache has said of the id in work.
   note_before : process (clk) is
   begin
     if rising_edge(clk) then
@@ -219,7 +220,7 @@ begin
         begun_payload <= begun_payload or reply.put;
       end if;
       if reply.restart = '1' and given = '1' then
-        given <= '1';  -- the bytes are forgotten, not the kind
+        given <= '1';  -- the bytes are dropped, the kind stays
       end if;
       if reply.kind = '1' then
         kind <= reply.data;
@@ -284,86 +285,87 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- Constants of the memory are what they are.
+  -- Constants of the memory have their values.
   constants_are : assume always holds(looked_at < constants_t'low or looked_at > constants_t'high or word = content(looked_at));
 
-  -- The cache says the same of an id while it is in work, and not both new and repeated.
+  -- The cache gives the same verdict on an id while it is in work. The verdict is never both new and repeated.
   verdict_stands : assume always holds((fresh and repeated) = '0' and (begins_before = '1' or begun = '0' or
                    verdict_before = fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count)));
 
-  -- An epoch stands until another one is loaded; a session may be open when the design wakes up.
+  -- An epoch stays the same until another one is loaded. A session may be open at power-up.
   epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
 
-  -- The receiver tells what it may: a request in a session only, what is dropped without payload.
+  -- The receiver passes on only what it may. Requests come only in a session, and dropped frames have no payload.
   frames_are_frames : assume always arrives = '1' -> holds(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
                       (unsigned(entry_in) > 15 or in_session = '1') and (unsigned(entry_in) < entry_check or length_in = 0));
 
-  -- The transmitter is idle until it is given something.
+  -- The transmitter stays idle until it gets something to send.
   idle_stands : assume always reply_idle = '1' and (reply.kind or reply.put or reply.finish) = '0' and reset = '0' ->
                 next (reply_idle = '1');
 
-  -- A frame in work is done when the work is.
+  -- A frame in work is marked as done when the work ends.
   done_once : assert always at_rest = '1' and frame = '1' -> dones = 1;
 
-  -- It is done once, and nothing else is.
+  -- It is marked as done once, and no other frame is.
   nothing_done_else : assert always begun = '1' and request_done = '1' -> stands = '1' and frame = '1' and dones = 0;
 
-  -- It is the end of the work in hand.
+  -- Marking a frame as done ends the work in hand.
   done_ends : assert always begun = '1' and request_done = '1' and reset = '0' -> next (busy = '0');
 
-  -- What is said to the transmitter is what it may rely on.
+  -- Commands to the transmitter keep the rules on which it relies.
   says_one_thing : assert always begun = '1' -> one_thing(reply, given, reply_ready);
 
-  -- Every answer that is begun is ended, once, before anything else begins: publish, request and tick never share the transmitter.
+  -- Every answer that begins also ends, once, before anything else begins. So publishes, replies and ticks never share the
+  -- transmitter.
   answer_ends : assert always at_rest = '1' -> given = '0' and begun_payload = '0';
 
-  -- There is one answer to a frame.
+  -- A frame has one answer.
   one_answer : assert always begun = '1' and reply.kind = '1' -> kinds = 0;
 
-  -- A request with an id that is new or repeated is answered.
+  -- A request whose id is new or repeated is answered.
   answered : assert always at_rest = '1' and with_id = '1' and had_id = '1' and
              (fresh = '1' or repeated = '1') -> kinds = 1;
 
-  -- Nothing is said to what was dropped, to a post, or without a frame.
+  -- There is no answer to a dropped frame, to a post, or without a frame.
   silent_else : assert always begun = '1' and reply.kind = '1' -> holds(frame = '1' and
                 (with_id = '1' or entry = entry_hello or entry = entry_open or entry = entry_session));
 
-  -- An answer is of the kind that belongs to the frame.
+  -- The kind of the answer belongs to the kind of the frame.
   kind_belongs : assert always begun = '1' and reply.kind = '1' -> holds(
                  (with_id = '1' and reply.data(7 downto 4) = x"C") or
                  (entry = entry_hello and unsigned(reply.data) = device_kind_hello_c) or
                  (entry = entry_open and unsigned(reply.data) = device_kind_open_c) or
                  (entry = entry_session and unsigned(reply.data) = device_kind_closed_c));
 
-  -- The bus is opened in a session only, once, for a READ or WRITE whose id is new, or a POST.
+  -- The bus is opened only in a session, and once. This happens for a READ or WRITE whose id is new, or for a POST.
   opened_if_asked : assert always begun = '1' and bii.valid = '1' -> holds(in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
                     ((entry = request_kind_read_c mod 16 and fresh = '1' and bii.write = '0') or
                      (entry = request_kind_write_c mod 16 and fresh = '1' and bii.write = '1') or
                      (entry = request_kind_post_c mod 16 and bii.write = '1')));
 
-  -- Never with the bus held.
+  -- The bus is never opened with a hold.
   bus_not_held : assert always begun = '1' -> bii.block_hold = '0';
 
-  -- The work in hand waits for its access.
+  -- The work in hand does not end before its access.
   awaited : assert always begun = '1' and busy = '0' -> bii.valid = '0';
 
-  -- An id is judged when the cache has looked at it.
+  -- The verdict on an id is used only after the cache has looked at this id.
   judged_in_time : assert always begun = '1' and judges = '1' -> id = id_before and other = '0' and instruction(do_before) = '0';
 
-  -- It is remembered once, and only if the cache has called it new, as its proof assumes.
+  -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
 
-  -- Nor does the program go around: no id is judged more than twice.
+  -- The program does not loop: no id is judged more than twice.
   judged_twice_most : assert always begun = '1' -> judgements <= 2;
 
-  -- What was executed well is remembered, with the status that its answer tells, which is that of the bus.
+  -- An access that succeeded is remembered with the status of the bus, which is also in its answer.
   executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble = 0 ->
                            holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
 
-  -- What the bus refused, or nobody answered, is remembered with that status, too.
+  -- An access that the bus refused or did not answer is remembered with that status, too.
   failure_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble /= 0 ->
                           holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
 
@@ -371,19 +373,19 @@ begin
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and
                            (entry = request_kind_read_c mod 16 or entry = request_kind_write_c mod 16) -> accesses = 1;
 
-  -- The epoch changes with an OPEN or CLOSE in hand, and while nothing is on its way, as receiver and transmitter assume.
+  -- The epoch changes only during an OPEN or CLOSE, and only while nothing is being sent. Receiver and transmitter assume this.
   epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch_may_change = '1' or epoch = epoch_before);
 
-  -- The program never leaves its instructions, and its first ones are for a reset.
+  -- The program never leaves its instructions. After a reset it starts at the first ones.
   in_program : assert always begun = '1' -> or instruction;
 
-  -- A routine is called from outside of one, and returned from once.
+  -- A routine is not called from within a routine, and returns once.
   one_routine : assert always begun = '1' -> (calls = '0' or routine = '0') and (returns = '0' or routine = '1');
 
-  -- None is left open behind the work.
+  -- No routine is open at the end of the work.
   routine_ends : assert always begun = '1' and busy = '0' -> routine = '0';
 
-  -- Nothing is stored where constants or the description are, by an instruction that names the place.
+  -- No instruction that names its place stores where the constants or the description are.
   constants_stand : assert always begun = '1' and finishes = '1' and instruction(store_f) /= store_nothing and instruction(do_pointer) = '0' -> holds(
                     not (to_integer(word_index) < control_frames_c) and
                     not (to_integer(word_index) >= constants_t'low and to_integer(word_index) <= constants_t'high));

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of frame_dispatcher: what the framed application begins, and that nothing waits for room but what needs it.
+-- Properties of frame_dispatcher: what the framed application begins, and that only work that needs room waits for room.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -13,9 +13,9 @@ entity frame_dispatcher_formal is
     clk             : in std_ulogic;
     reset           : in std_ulogic;
     turned          : in std_ulogic;
-    tripped         : in std_ulogic;  -- the dead-man has, and it is not counted
+    tripped         : in std_ulogic;  -- the dead-man has tripped, and the trip is not yet counted
     publish         : in std_ulogic;
-    room            : in std_ulogic;  -- for a whole payload
+    room            : in std_ulogic;  -- there is room for a whole payload
     receive_overrun : in std_ulogic;
     publish_overrun : in std_ulogic;
     frame_valid     : in std_ulogic;
@@ -30,7 +30,7 @@ architecture properties of frame_dispatcher_formal is
   signal pending, begins : std_ulogic;
   signal entry   : entry_t;
   signal kind    : natural range 0 to 31;
-  signal post    : std_ulogic;         -- the frame is one, and needs no room
+  signal post    : std_ulogic;         -- the frame is a post, which needs no room
   signal line_overran : std_ulogic := '0';
 
 begin
@@ -58,39 +58,39 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The receiver tells frames, not what only the dispatcher knows.
+  -- The receiver gives only frames. Other entries come from the dispatcher alone.
   frames_are_frames : assume always unsigned(frame_entry) < entry_trip;
 
-  -- A trip is counted before any frame or publish begins, so that no host is told less than there was.
+  -- A trip is counted before any frame or publish begins, so the count that a host reads is never too low.
   trip_before_frames : assert always begun = '1' and tripped = '1' -> pending = '1' and
                        (kind = entry_trip or kind = entry_half_turn or kind = entry_receive_overrun or kind = entry_publish_overrun);
 
-  -- A publish begins only where it can go out whole.
+  -- A publish begins only if there is room for all of it.
   publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish -> publish = '1' and room = '1';
 
-  -- With room it goes before every frame.
+  -- If there is room, a publish goes before every frame.
   publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' -> not (kind < 16);
 
-  -- Without room it keeps no post waiting.
+  -- Without room, a publish does not make a post wait.
   post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> pending = '1';
 
-  -- An overrun of the line is told, and nothing else is taken for one.
+  -- An overrun of the line is reported, and nothing else is reported as one.
   overrun_is_told : assert always begun = '1' and kind = entry_receive_overrun and pending = '1' -> line_overran = '1';
 
-  -- It is not forgotten before it is told.
+  -- An overrun is kept until it is reported.
   overrun_waits : assert always begun = '1' and line_overran = '1' -> pending = '1' and
                   (kind = entry_receive_overrun or kind = entry_half_turn);
 
   -- Nothing begins without a cause.
   has_a_cause : assert always begun = '1' and pending = '1' and kind < entry_trip -> frame_valid = '1';
 
-  -- A publish that is due lets a post begin.
+  -- A post begins while a publish is due.
   post_seen : cover {begun = '1' and begins = '1' and publish = '1' and kind = 4};
 
-  -- And begins itself.
+  -- A publish begins.
   publish_seen : cover {begun = '1' and begins = '1' and kind = entry_publish};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed protocol's verify buffer, on any bytes: what it hands on against what the bytes say. The check is
--- computed anew, bit by bit; any one frame is followed from its closing 00 until it is done.
+-- Properties of the framed protocol's verify buffer, on any bytes. They compare what it passes on with the bytes that came. The
+-- check is computed again here, bit by bit. Any one frame is followed from its closing 00 until it is done.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -29,35 +29,35 @@ architecture properties of frame_receiver_formal is
 
   constant request_max : positive := 2;
   constant ring_bytes  : positive := 32;
-  constant waiting_most : positive := 17;  -- frames that stand behind each other
+  constant waiting_most : positive := 17;  -- frames that wait behind each other
 
   signal begun       : std_ulogic := '0';  -- the reset of power-up is over
   signal frame_ready : std_ulogic;
   signal request     : frame_request_t;
   signal entry       : natural range 0 to 31;
-  signal comes, ends : std_ulogic;         -- a byte, the end of a frame that has any
+  signal comes, ends : std_ulogic;         -- a byte comes; a frame that has bytes ends
   signal epoch_before : crc16_t;
 
-  -- The frame that comes in: its last three bytes, and what those before them say.
+  -- The incoming frame: its last three bytes, and what is known of the bytes before them.
   signal last_1, last_2, last_3 : byte_t;
   signal bytes       : natural range 0 to 4 := 0;
   signal outside     : std_ulogic := '0';
   signal crc         : crc16_t;
-  signal headed      : std_ulogic := '0';  -- the kind is among those before
-  signal coded       : std_ulogic := '0';  -- and a code
+  signal headed      : std_ulogic := '0';  -- the kind has come
+  signal coded       : std_ulogic := '0';  -- and a code byte after it
   signal run         : natural range 0 to 255 := 0;
-  signal closed      : std_ulogic := '1';  -- the block before has no zero behind it
+  signal closed      : std_ulogic := '1';  -- the block before has no zero at its end
   signal size        : natural range 0 to 255 := 0;
-  signal right       : std_ulogic;         -- the check is, and no block is cut
+  signal right       : std_ulogic;         -- the check is right, and no block is cut short
   signal waiting     : natural range 0 to waiting_most + 1 := 0;
 
-  -- The frame that is followed.
+  -- The followed frame.
   signal followed    : std_ulogic := '0';
   signal ahead       : natural range 0 to waiting_most := 0;
   signal was_right, was_outside, was_in_session : std_ulogic;
   signal was_size    : natural range 0 to 255;
   signal taken       : natural range 0 to 255 := 0;
-  signal rewound     : std_ulogic := '0';  -- since the frame stands
+  signal rewound     : std_ulogic := '0';  -- since the frame was passed on
 
 begin
 
@@ -164,45 +164,45 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- Only a frame that stands is done.
+  -- Only a frame that was passed on is marked as done.
   done_when_valid : assume always done = '1' -> request.valid = '1';
 
-  -- The epoch changes with an OPEN or CLOSE in hand, or with a reset.
+  -- The epoch changes only during an OPEN or CLOSE, or with a reset.
   epoch_stands : assume always begun = '1' -> epoch = epoch_before or reset = '1' or
                  (request.valid = '1' and (entry = entry_open or entry = request_kind_close_c mod 16));
 
-  -- Nothing is handed on before its check was right and its blocks ended: neither HELLO nor OPEN nor a request.
+  -- Nothing is passed on before its check was right and its blocks were complete. This holds for HELLO, OPEN and requests.
   checked_before_handed_on : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
                              entry < entry_check -> was_right = '1';
 
-  -- A request of a session is handed on in one only; HELLO and OPEN are what they say.
+  -- A request of a session is passed on only in a session. HELLO and OPEN are passed on as such.
   session_only : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry < entry_check ->
                  (was_outside = '1' or was_in_session = '1') and
                  (was_outside = '0' or entry = entry_hello or entry = entry_open) and
                  (was_outside = '1' or not (entry >= entry_hello));
 
-  -- Its payload is as long as its blocks say, and no longer than a request may be.
+  -- The payload is as long as its blocks say, and not longer than a request may be.
   length_is_told : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
                    entry < entry_check -> to_integer(request.length) = was_size and
                    (was_outside = '1' or was_size <= request_max);
 
-  -- What is dropped has no payload.
+  -- A dropped frame has no payload.
   dropped_is_empty : assert always begun = '1' and request.valid = '1' and entry >= entry_check -> request.length = 0;
 
-  -- A frame whose check is wrong is told, once, as one that is dropped.
+  -- A frame with a wrong check is reported once, as a dropped frame.
   wrong_is_dropped : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and was_right = '0' ->
                      entry >= entry_check;
 
-  -- As many frames stand as have ended and are not done: none is lost, none comes twice, none of itself.
+  -- As many frames wait as have ended and are not done. None is lost, doubled or invented.
   none_lost : assert always begun = '1' and request.valid = '1' -> waiting > 0;
 
-  -- Behind a rewind, the bytes that are left are those not taken.
+  -- After a rewind, the bytes left are those not taken since.
   left_is_right : assert always begun = '1' and request.valid = '1' and rewound = '1' -> to_integer(request.left) + taken = to_integer(request.length);
 
-  -- A request stands.
+  -- A request is passed on.
   good_seen : cover {begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry = 2 and request.length = 1};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- That the instruction which stands is the one at the position that was decided, whatever is done, jumped or reset. The proof
--- of frame_application takes its instructions from there: a position has 8 bits, an instruction 80.
+-- Property of the sequencer: the current instruction is the one at the decided position, after any step, jump or reset. The
+-- proof of frame_application uses this to take its instructions from the position, which has 8 bits instead of 80.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +21,7 @@ entity frame_sequencer_formal is
     entry     : in entry_t;
     operation : in std_ulogic_vector(3 downto 0);
     size      : in unsigned(2 downto 0);
-    -- What is seen of the design.
+    -- Observed signals of the design.
     steps     : in std_ulogic;
     position  : in unsigned(7 downto 0)
   );
@@ -29,7 +29,7 @@ end entity;
 
 architecture properties of frame_sequencer_formal is
 
-  -- A program of which each instruction differs from all others, and does everything in one place or another.
+  -- A program in which each instruction differs from all others, and each field is used somewhere.
   function numbered return frame_program_t is
     variable program : frame_program_t(0 to 255);
   begin
@@ -67,19 +67,19 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The instruction is that of the position which was decided last.
+  -- The instruction is the one at the last decided position.
   instruction_is_there : assert always begun = '1' -> instruction = program(to_integer(position_now));
 
-  -- It starts at the beginning.
+  -- After a reset it starts at position 0.
   starts_at_zero : assert always reset = '1' -> next (position_now = 0);
 
-  -- It goes on only when all that the instruction does is done.
+  -- It goes to the next instruction only when all parts of the current one are done.
   steps_when_done : assert always begun = '1' and steps = '1' -> act = '1' and (last = '1' or jump = '1');
 
-  -- Some way is gone.
+  -- It reaches the second half of the program.
   goes_on : cover {begun = '1' and reset = '0' and steps = '1' and position_now > 128};
 
 end architecture;

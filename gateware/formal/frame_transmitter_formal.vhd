@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed protocol's transmitter, on any payloads and any stalls: what leaves is a frame. The check is computed
--- anew, bit by bit.
+-- Properties of the framed protocol's transmitter, on any payloads and any stalls: its output consists of whole frames. The
+-- check is computed again here, bit by bit.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,14 +34,14 @@ architecture properties of frame_transmitter_formal is
   signal tx_data, data_before : byte_t;
   signal epoch_before : crc16_t;
   signal stalled      : std_ulogic := '0';  -- a byte was offered and not taken
-  signal given        : std_ulogic := '0';  -- the kind of the payload in hand
+  signal given        : std_ulogic := '0';  -- the kind of the payload in hand was sent
   signal goes         : std_ulogic;
 
-  -- The frame that leaves.
+  -- The outgoing frame.
   signal bytes        : natural range 0 to 4 := 0;
   signal last_1, last_2, last_3 : byte_t;
-  signal crc          : crc16_t;             -- of all but the last three
-  signal checked      : std_ulogic;          -- which are its check
+  signal crc          : crc16_t;             -- of all bytes but the last three
+  signal checked      : std_ulogic;          -- the last three bytes are their check
 
 begin
 
@@ -98,29 +98,31 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The program does one thing at a time, gives a device's kind once a payload, and waits while the transmitter is not ready.
+  -- The program does one thing at a time. It gives the kind once for each payload, and waits while the transmitter is not
+  -- ready.
   one_thing_at_a_time : assume always one_thing(reply, given, ready);
 
-  -- The epoch changes while nothing is on its way.
+  -- The epoch changes only while nothing is being sent.
   epoch_stands : assume always begun = '1' -> epoch = epoch_before or reset = '1' or (idle = '1' and given = '0');
 
-  -- A 00 ends a frame, and stands nowhere else in it.
+  -- The byte 00 ends a frame, and stands nowhere else in it.
   zero_ends : assert always begun = '1' and tx_valid = '1' -> (tx_data = x"00" and tx_last = '1') or
               (tx_data /= x"00" and tx_last = '0');
 
-  -- A frame begins with a kind of the device.
+  -- A frame begins with a kind that a device may send.
   kind_first : assert always begun = '1' and tx_valid = '1' and bytes = 0 -> tx_data(7 downto 5) = "110";
 
-  -- It ends with the check of all before it, from the epoch of the session, or FFFF outside of one.
+  -- A frame ends with the check of all bytes before it. The check starts from the epoch of the session, or from FFFF outside a
+  -- session.
   check_is_right : assert always begun = '1' and tx_valid = '1' and tx_last = '1' -> checked = '1';
 
-  -- A byte on offer stands until it is taken.
+  -- A byte on offer stays the same until it is taken.
   offer_stands : assert always begun = '1' and stalled = '1' and reset = '0' -> tx_valid = '1' and tx_data = data_before;
 
-  -- A frame leaves whole.
+  -- A whole frame is sent.
   frame_seen : cover {begun = '1' and goes = '1' and tx_last = '1'};
 
 end architecture;

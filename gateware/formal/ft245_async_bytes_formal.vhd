@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- That ft245_async keeps every byte, with a chip that gives, takes and waits as z3 likes. Order: any one byte of each way is
--- followed by its number. A clock is 20 ns here; flags answer at once, as early as they may and within what the design waits for.
+-- Property of ft245_async: it keeps every byte, with a chip that gives, takes and waits at any time. The order is checked by
+-- following any one byte each way by its number. A clock is 20 ns here. The flags change at once, as early as the datasheet and
+-- the waits of the design allow.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,14 +13,14 @@ entity ft245_async_bytes_formal is
   port (
     clk          : in std_ulogic;
     reset        : in std_ulogic;
-    chip_has     : in std_ulogic; -- another byte for the FPGA
-    chip_takes   : in std_ulogic; -- room for another byte of the FPGA
+    chip_has     : in std_ulogic; -- the chip has another byte for the FPGA
+    chip_takes   : in std_ulogic; -- the chip has room for another byte from the FPGA
     data_to_fpga : in std_ulogic_vector(7 downto 0);
     rx_ready     : in std_ulogic;
     tx_valid     : in std_ulogic;
     tx_data      : in std_ulogic_vector(7 downto 0);
     tx_last      : in std_ulogic;
-    follow_in    : in unsigned(2 downto 0);  -- numbers of the bytes that are followed
+    follow_in    : in unsigned(2 downto 0);  -- numbers of the followed bytes
     follow_out   : in unsigned(2 downto 0)
   );
 end entity;
@@ -36,11 +37,11 @@ architecture properties of ft245_async_bytes_formal is
   signal rd_before, wr_before          : std_ulogic := '1';
   signal siwu_before, drive_before     : std_ulogic := '1';
   signal data_before                   : std_ulogic_vector(7 downto 0);
-  signal read_rest, write_rest         : natural range 0 to 2 := 0; -- clocks a flag stays away after a byte: 49 ns
-  signal letting_go                    : std_ulogic := '0'; -- the chip may still drive
-  signal read_age, write_age           : natural range 0 to 3 := 0; -- clocks of a strobe
+  signal read_rest, write_rest         : natural range 0 to 2 := 0; -- clocks that a flag stays inactive after a byte: 49 ns
+  signal letting_go                    : std_ulogic := '0'; -- the chip may still be driving
+  signal read_age, write_age           : natural range 0 to 3 := 0; -- clocks of a strobe so far
 
-  -- Numbers of bytes modulo 8; never more than 6 are on their way.
+  -- Numbers of bytes modulo 8; at most 6 are on their way.
   signal read, delivered, said, written : unsigned(2 downto 0) := "000";
   signal in_marked, out_marked          : std_ulogic := '0';
   signal chip_byte                      : std_ulogic_vector(7 downto 0); -- while rd_n was low
@@ -62,7 +63,7 @@ begin
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => '0');
 
-  -- The flags go away at once: rxf_n behind the end of rd_n, txe_n behind the beginning of wr_n.
+  -- The flags become inactive at once: rxf_n at the end of rd_n, txe_n at the start of wr_n.
   rxf_n <= '0' when offers = '1' and not (rd_n = '1' and rd_before = '0') else '1';
   txe_n <= '0' when has_room = '1' and not (wr_n = '0' and wr_before = '1') else '1';
 
@@ -142,10 +143,10 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and not again: a reset may cost a byte.
+  -- The design is reset at power-up, and not again, because a reset may lose a byte.
   reset_first : assume always begun = not reset;
 
-  -- The bytes that are followed are the same all the time.
+  -- The numbers of the followed bytes stay the same.
   numbers_stand : assume always begun = '1' -> number_in = follow_in and number_out = follow_out;
 
   -- The chip holds its byte while rd_n is low.
@@ -161,25 +162,25 @@ begin
   strobes_last : assert always begun = '1' -> (rd_n = '0' or rd_before = '1' or read_age = 2) and
                  (wr_n = '0' or wr_before = '1' or write_age = 2) and (rd_n = '1' or wr_n = '1');
 
-  -- The bus is never driven from both sides: not while rd_n is low, and not in the clock behind it.
+  -- The bus is never driven from both sides. The FPGA does not drive while rd_n is low, nor in the clock after that.
   one_driver : assert always begun = '1' and data_drive = '1' -> rd_n = '1' and letting_go = '0';
 
-  -- Data are driven and stand from the clock before wr_n falls to the clock behind its end.
+  -- Data are driven and stable from the clock before wr_n falls to the clock after it rises.
   data_stand : assert always begun = '1' and (wr_n = '0' or wr_before = '0') ->
                data_drive = '1' and drive_before = '1' and data_out = data_before;
 
-  -- No byte to the chip is lost, doubled or changed: the one that is written is the next that was said.
+  -- No byte to the chip is lost, doubled or changed: the byte written is the next one sent.
   written_in_order : assert always begun = '1' and wr_n = '0' and wr_before = '1' -> written /= said and
                      (out_marked = '0' or written /= follow_out or data_out = out_byte);
 
-  -- No byte of the chip is lost, doubled or changed: the one on offer is the next that was read.
+  -- No byte from the chip is lost, doubled or changed: the byte on offer is the next one read.
   read_in_order : assert always begun = '1' and rx_valid = '1' -> delivered /= read and
                   (in_marked = '0' or delivered /= follow_in or rx_data = in_byte);
 
-  -- siwu_n falls behind the end of a message, and the strobe is over.
+  -- siwu_n falls only after the end of a message, when the strobe is over.
   sends_behind_messages : assert always begun = '1' and siwu_n = '0' and siwu_before = '1' -> owed = '1';
 
-  -- A byte has gone each way.
+  -- One byte is passed each way.
   both_ways : cover {begun = '1' and written = 1 and delivered = 1};
   -- The end of a message makes the chip send.
   sent : cover {begun = '1' and siwu_n = '0'};

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the FT245 asynchronous interface at 50 MHz, with a chip whose flags do as they like.
+-- Properties of the FT245 asynchronous interface at 50 MHz, with a chip whose flags change at any time.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,11 +32,11 @@ architecture properties of ft245_async_formal is
 
   signal was_rd_n, was_wr_n, was_siwu_n, was_drive : std_ulogic := '1';  -- one clock ago
   signal was_data     : std_ulogic_vector(7 downto 0) := (others => '0');
-  signal rd_low       : natural range 0 to 3 := 0;   -- clocks it is low so far
+  signal rd_low       : natural range 0 to 3 := 0;   -- clocks for which it has been low
   signal wr_low       : natural range 0 to 3 := 0;
   signal siwu_low     : natural range 0 to 15 := 0;
   signal ends         : std_ulogic := '0';           -- the end of a message was taken
-  signal after_reset  : std_ulogic := '1';           -- what one clock ago was, a reset cut short
+  signal after_reset  : std_ulogic := '1';           -- a reset cut short what went on one clock ago
 
 begin
 
@@ -81,30 +81,30 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- It never reads and writes at once.
+  -- It never reads and writes at the same time.
   one_strobe : assert always begun = '0' or rd_n = '1' or wr_n = '1';
 
-  -- It drives the data for writing only: never while the chip does, nor in the clock after.
+  -- It drives the data only for a write. It never drives while the chip does, nor in the clock after.
   never_both_drive : assert always begun = '0' or drive = '0' or (rd_n = '1' and (after_reset = '1' or was_rd_n = '1'));
 
-  -- It drives while it writes, and before and after it for a clock at least, the same byte all the time.
+  -- It drives the same byte during a write, and for at least one clock before and after.
   byte_stands : assert always begun = '0' or after_reset = '1' or (wr_n = '1' and was_wr_n = '1') or
                 (drive = '1' and was_drive = '1' and data_out = was_data);
 
-  -- Each strobe is low for two clocks at least, 30 ns rounded up.
+  -- Each strobe is low for at least two clocks: 30 ns, rounded up.
   strobes_long_enough : assert always begun = '0' or after_reset = '1' or
                         ((was_rd_n = '1' or rd_n = '0' or rd_low >= 2) and (was_wr_n = '1' or wr_n = '0' or wr_low >= 2));
 
   -- SIWU# falls only if the end of a message has been taken.
   flushes_ends_only : assert always begun = '0' or siwu_n = '1' or after_reset = '1' or ends = '1';
 
-  -- It stays low for 13 clocks, 250 ns rounded up.
+  -- SIWU# stays low for 13 clocks: 250 ns, rounded up.
   flush_long_enough : assert always begun = '0' or after_reset = '1' or was_siwu_n = '1' or siwu_n = '0' or siwu_low >= 13;
 
-  -- A byte is read behind one that was written.
+  -- A byte is read after one was written.
   both_ways_seen : cover {rx_valid = '1' and ends = '1' and siwu_low > 0};
 
   -- SIWU# falls.

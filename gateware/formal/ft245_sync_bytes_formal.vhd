@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- That ft245_sync keeps every byte, against the chip of ft245_sync_formal. The bits of a byte are alike here: all eight are
--- followed at the price of one.
+-- Property of ft245_sync: it keeps every byte, against the chip of ft245_sync_formal. All bits of a byte are equal here, so
+-- that all eight are followed at the cost of one.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -16,7 +16,7 @@ entity ft245_sync_bytes_formal is
     colour_in    : in std_ulogic; -- each bit of the byte from the chip, if there is one
     rx_ready     : in std_ulogic;
     tx_valid     : in std_ulogic;
-    colour_out   : in std_ulogic; -- … of the byte to it
+    colour_out   : in std_ulogic; -- each bit of the byte to the chip
     mark_in      : in std_ulogic; -- follow this byte
     mark_out     : in std_ulogic
   );
@@ -32,7 +32,7 @@ architecture properties of ft245_sync_bytes_formal is
   signal data_to_fpga, tx_data                : std_ulogic_vector(7 downto 0);
   signal data_out, rx_data                    : std_ulogic_vector(7 downto 0);
   signal rx_valid, tx_ready                   : std_ulogic;
-  signal reads, writes, says, takes           : std_ulogic; -- a byte moves: on the bus, and of the streams
+  signal reads, writes, says, takes           : std_ulogic; -- a byte moves, on the bus or on a stream
   signal offered                              : std_ulogic; -- a byte to the chip is on the bus
 
   signal read_some, wrote_some                : std_ulogic := '0';
@@ -68,23 +68,24 @@ begin
     end if;
   end process;
 
-  -- The memory of four, its output register, and the byte on its way into the memory: five, for a burst ends before all are full.
+  -- At most five bytes: four in the memory, one in its output register, one on its way into the memory. A burst ends before all
+  -- places are taken.
   to_fpga : entity work.order_view
     generic map (most => 5)
     port map (
       clk => clk, reset => reset, comes => reads, came => data_to_fpga, mark => mark_in,
       offered => rx_valid, goes => takes, word => rx_data);
 
-  -- The memory of four, its output register, and the byte on the bus.
+  -- Four bytes in the memory, one in its output register, and one on the bus.
   to_chip : entity work.order_view
     generic map (most => 6)
     port map (
       clk => clk, reset => reset, comes => says, came => tx_data, mark => mark_out,
       offered => offered, goes => writes, word => data_out);
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A byte each way.
+  -- One byte is passed each way.
   both_ways : cover {begun = '1' and read_some = '1' and wrote_some = '1'};
 end architecture;

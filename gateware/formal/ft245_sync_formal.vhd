@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of ft245_sync against a chip whose flags and data are what z3 likes in every clock, as they may be: what it
--- counts as read or written is what the datasheet says, a byte in each clock in which flag and strobe are both low. The
--- streams are on the chip's clock here; between two clocks async_fifo has a proof of its own.
+-- Properties of ft245_sync. The chip's flags and data have any value in every clock that the datasheet allows. A byte is read
+-- or written in each clock in which flag and strobe are both low, as the datasheet says. The streams run on the chip's clock
+-- here. The crossing to another clock is async_fifo, which has a proof of its own.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -42,7 +42,7 @@ begin
 
   default clock is rising_edge(clk);
 
-  -- The last byte of a message says so in its top bit: the chip's side need not remember which it was.
+  -- The top bit of a byte marks the last byte of a message. So the chip's side need not remember which byte was the last.
   dut : entity work.ft245_sync
     generic map (rx_depth => 4, tx_depth => 4, burst_clocks => burst_clocks, si_ns => 40)
     port map (
@@ -82,27 +82,27 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The bus is never driven from both sides: not while oe_n is low, nor in the clock behind or before.
+  -- The bus is never driven from both sides. The FPGA does not drive while oe_n is low, nor in the clock after.
   one_driver : assert always begun = '1' and data_drive = '1' -> oe_n = '1' and oe_before = '1';
-  -- … the other way around, so that there is a clock of nobody's between the two.
+  -- oe_n is not low while the FPGA drives, nor in the clock after. So nobody drives for one clock between the two.
   turns_around : assert always begun = '1' and oe_n = '0' -> data_drive = '0' and drive_before = '0';
 
-  -- The chip drives in every clock in which a byte is read, and in the one before.
+  -- The chip drives in every clock in which a byte is read, and in the clock before.
   reads_what_is_driven : assert always begun = '1' and rd_n = '0' -> oe_n = '0' and oe_before = '0' and wr_n = '1';
 
   -- The FPGA drives while it writes.
   writes_what_it_drives : assert always begun = '1' and wr_n = '0' -> data_drive = '1';
 
-  -- A byte for which the chip has no room stands until it is taken, or the FPGA lets it wait.
+  -- A byte for which the chip has no room stays the same until it is taken, or until the FPGA ends the write.
   refused_stands : assert always begun = '1' and refused = '1' and wr_n = '0' -> data_out = data_before;
 
-  -- siwu_n falls behind the last byte of a message that the chip took, and for nothing else.
+  -- siwu_n falls only after the chip has taken the last byte of a message.
   sends_behind_messages : assert always begun = '1' and siwu_n = '0' and siwu_before = '1' -> owed = '1';
 
-  -- A byte each way.
+  -- One byte is passed each way.
   both_ways : cover {begun = '1' and read_some = '1' and wrote_some = '1'};
   -- The end of a message makes the chip send.
   sent : cover {begun = '1' and siwu_n = '0'};

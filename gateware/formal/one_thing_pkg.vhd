@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What the framed transmitter may rely on: its proof assumes it, and that of frame_application asserts it.
+-- The rules on which the framed transmitter relies. Its proof assumes them, and the proof of frame_application asserts them.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -9,8 +9,8 @@ use work.frame_pkg.all;
 
 package one_thing_pkg is
 
-  -- One thing at a time, a device's kind once a payload, not later than its end, and nothing while the transmitter is not
-  -- ready. given: the payload in hand has its kind.
+  -- The program does one thing at a time. It gives the kind once for each payload, not after the payload's end, and nothing
+  -- while the transmitter is not ready. `given` is high once the payload in hand has its kind.
   function one_thing(reply : frame_reply_t; given : std_ulogic; ready : std_ulogic) return boolean;
 
 end package;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of receive_buffer: bytes and errors leave in the order in which they came.
+-- Properties of receive_buffer: bytes and errors leave in the order of arrival.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,7 +28,7 @@ architecture properties of receive_buffer_formal is
   signal rx_data                      : std_ulogic_vector(7 downto 0);
   signal rx_error                     : receive_error_t;
   signal comes, told, offered, goes   : std_ulogic;
-  signal came, item                   : std_ulogic_vector(10 downto 0); -- the error above the byte; of an error, no byte
+  signal came, item                   : std_ulogic_vector(10 downto 0); -- the error above the byte; an error has no byte
 
 begin
 
@@ -61,17 +61,17 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- An error is no byte.
+  -- A byte and an error are never given out in the same clock.
   never_both : assert always begun = '1' -> rx_valid = '0' or told = '0';
 
-  -- A byte is on offer until it is taken, and does not change; nothing is told meanwhile.
+  -- A byte on offer stays the same until it is taken. No error is reported in that time.
   byte_stands : assert always begun = '1' and rx_valid = '1' and rx_ready = '0' and reset = '0' ->
                 next (rx_valid = '1' and rx_data = prev(rx_data));
 
-  -- An error is told.
+  -- An error is reported.
   error_seen : cover {begun = '1' and rx_valid = '0' and rx_error = "101"};
 
 end architecture;

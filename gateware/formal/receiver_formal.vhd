@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the classic deframer, decoder and receiver together, on any bytes: its events against what the bytes say.
+-- Properties of the classic deframer, decoder and receiver together, on any bytes. They compare its events with the bytes that
+-- came.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,20 +32,20 @@ architecture properties of receiver_formal is
   signal receive   : receive_t;
   signal told     : receive_event_t;
   signal begun     : std_ulogic := '0';
-  signal taken     : std_ulogic;          -- a character
-  signal troubled  : std_ulogic := '0';   -- a physical error has come and was not told
+  signal taken     : std_ulogic;          -- a character was taken
+  signal troubled  : std_ulogic := '0';   -- a physical error came and is not yet reported
 
-  -- The message as the bytes and events say it.
-  signal underway     : std_ulogic := '0';   -- begun and not over
+  -- The message, rebuilt from the bytes and the events.
+  signal underway     : std_ulogic := '0';   -- a message has begun and not ended
   signal colon_met : std_ulogic := '0';
   signal star_met  : std_ulogic := '0';
   signal checked   : std_ulogic := '0';
   signal half      : std_ulogic := '0';   -- the first digit of a pair has come
   signal digit     : std_ulogic_vector(3 downto 0) := "0000";
-  signal sum       : byte_t := x"00";     -- of letters and bytes as they were told
+  signal sum       : byte_t := x"00";     -- of the letters and bytes reported
   signal entries   : natural range 0 to message_entries + 1 := 0;
-  signal summed    : natural range 0 to 2 := 0;  -- checksum bytes that came; 2: too many
-  signal agrees    : std_ulogic := '0';   -- the one that came is the sum
+  signal summed    : natural range 0 to 2 := 0;  -- checksum bytes so far; 2 means too many
+  signal agrees    : std_ulogic := '0';   -- the checksum byte equals the sum
 
 begin
 
@@ -124,56 +125,57 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A message is start, letters, colon, bytes, and one end; nothing of one comes outside.
+  -- A message is a start, letters, a colon, bytes, and one end. None of them comes outside a message.
   inside_a_message : assert always begun = '0' or
                      (told /= letter and told /= colon and told /= byte and told /= good) or underway = '1';
 
-  -- A message begins after the one before has ended.
+  -- A message begins only after the one before has ended.
   one_at_a_time : assert always begun = '0' or told /= start or underway = '0';
 
-  -- Letters come before the colon, bytes behind it, neither behind the star.
+  -- Letters come before the colon, and bytes after it. Neither comes after the star.
   in_order : assert always begun = '0' or ((told /= letter and told /= colon) or (colon_met = '0' and star_met = '0')) and
              (told /= byte or (colon_met = '1' and star_met = '0'));
 
-  -- Whatever came before, the end of a line ends the message: it is good or bad in this very clock.
+  -- The end of a line ends the message in the same clock, whatever came before: it is good or bad.
   line_end_ends : assert always begun = '0' or underway = '0' or taken = '0' or c.line_end = '0' or told = good or told = bad;
 
-  -- A good checked message had a star and one checksum byte, the sum of its letters and bytes; or nothing to sum up and none.
+  -- A good checked message had a star and one checksum byte, the sum of its letters and bytes. Or it had nothing to sum, and no
+  -- checksum.
   good_is_checked : assert always begun = '0' or told /= good or checked = '0' or
                     (star_met = '1' and ((summed = 1 and agrees = '1') or (summed = 0 and entries <= 2)));
 
-  -- A good message ends with the end of a line, and no pair of digits is left half.
+  -- A good message ends with the end of a line, and has no half pair of digits.
   good_is_whole : assert always begun = '0' or told /= good or (taken = '1' and c.line_end = '1' and half = '0');
 
-  -- It has fewer entries than `message_entries`, as has one under way.
+  -- A message has fewer entries than `message_entries`, also while it is under way.
   never_too_long : assert always begun = '0' or underway = '0' or entries < message_entries;
 
-  -- A byte is what its two digits say, a letter the character itself.
+  -- A reported byte is the value of its two digits. A reported letter is the character itself.
   data_is_what_came : assert always begun = '0' or (told /= byte or (half = '1' and receive.data = digit & c.value)) and
                       (told /= letter or receive.data = c.data);
 
-  -- Nothing begins, and no error is told of nothing, without room.
+  -- Without room, no message begins, and no error is reported outside a message.
   needs_room : assert always begun = '0' or underway = '1' or (told /= start and told /= bad) or room = '1';
 
-  -- Events come with a character or with a physical error, never of themselves.
+  -- An event comes only with a character or with a physical error.
   has_a_cause : assert always begun = '0' or told = nothing or taken = '1' or (told = bad and troubled = '1');
 
-  -- A physical error breaks the message: it is not good any more.
+  -- A message with a physical error is never good.
   trouble_breaks : assert always begun = '0' or troubled = '0' or told /= good;
 
-  -- Inside a message no character waits, unless for a physical error to be told.
+  -- Inside a message no character waits, except for the report of a physical error.
   no_waiting : assert always begun = '0' or underway = '0' or ready = '1' or troubled = '1';
 
   -- A checked message with a byte is good.
   good_seen : cover {told = good and checked = '1' and summed = 1};
 
-  -- One is bad for its sum.
+  -- A message is bad because of its sum.
   sum_seen : cover {told = bad and receive.data = x"F4"};
 
-  -- One is too long.
+  -- A message is too long.
   long_seen : cover {told = bad and receive.data = x"F0"};
 
 end architecture;

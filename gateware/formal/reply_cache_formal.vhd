@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the reply cache: what it says of an id against the full ids that were executed. The program is as it is:
--- it remembers an id only where the cache has just called it new.
+-- Properties of the reply cache: its verdicts on an id, compared with the full ids that were executed. The assumptions describe
+-- the program: it remembers an id only after the cache has called it new.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,19 +37,19 @@ architecture properties of reply_cache_formal is
   signal kept     : unsigned(4 downto 0);
   signal data_out : byte_t;
 
-  -- What was executed last in each place: even and odd ids.
+  -- The last id executed in each place. There are two places: even and odd ids.
   signal last_0, last_1     : turn_t := (others => '0');
   signal status_0, status_1 : std_ulogic_vector(3 downto 0) := "0000";
-  signal known_0, known_1   : std_ulogic := '0';  -- the place has been given something
+  signal known_0, known_1   : std_ulogic := '0';  -- the place has been written
   signal last        : turn_t;
   signal last_status : std_ulogic_vector(3 downto 0);
   signal known       : std_ulogic;
   signal distance    : turn_t;
 
-  signal steady      : natural range 0 to 1 := 0;  -- clocks for which the same is looked at, and nothing was changed
+  signal steady      : natural range 0 to 1 := 0;  -- clocks without a change of the cache
   signal id_now      : std_ulogic_vector(15 downto 0) := (others => '0');
   signal before_now  : std_ulogic := '0';
-  signal looks       : std_ulogic;                 -- the answers are of `id`
+  signal looks       : std_ulogic;                 -- the verdict is about `id`
 
 begin
 
@@ -98,31 +98,31 @@ begin
     end if;
   end process;
 
-  -- Only what the cache calls new is executed, and then remembered.
+  -- Only an id that the cache calls new is executed, and then remembered.
   new_is_remembered : assume always remember = '1' -> looks = '1' and new_id = '1' and forget = '0';
 
-  -- What is executed has a status of its own; a place that is forgotten has the one that stands for nothing.
+  -- An executed id has a status other than 1111. A place that is forgotten has the status 1111, which means none.
   status_is_one : assume always (remember = '0' or status_in /= "1111") and (forget = '0' or status_in = "1111");
 
-  -- An id that was executed is never new: it opens the bus once, as long as nothing later has taken its place.
+  -- An id that was executed is never new. So it opens the bus once, unless a later id has taken its place.
   never_twice : assert always looks = '1' and distance = 0 -> new_id = '0';
 
-  -- It is called repeated then, with the status it had; what nobody has executed is not.
+  -- An executed id is `repeated`, with the status it had. An id that was not executed is not `repeated`.
   repeat_is_known : assert always looks = '1' and distance = 0 ->
                     (last_status = "1111" or (repeated = '1' and status = last_status)) and
                     (last_status /= "1111" or repeated = '0');
 
-  -- An id is new if it is later than the last one of its place, of those that go around, and only then.
+  -- An id is new if it is later than the last one of its place, counted modulo the range of ids, and only then.
   new_is_later : assert always looks = '1' -> (new_id = '0' or (distance /= 0 and distance(14) = '0')) and
                  (new_id = '1' or distance = 0 or distance(14) = '1');
 
-  -- An id that is neither is stale: so a late copy of an earlier request opens nothing.
+  -- An id that is neither new nor repeated is stale. So a late copy of an earlier request opens no bus cycle.
   stale_is_neither : assert always looks = '1' and distance(14) = '1' -> new_id = '0' and repeated = '0';
 
-  -- A request is executed, and asked for again.
+  -- A request is executed and then repeated.
   repeat_seen : cover {looks = '1' and repeated = '1'};
 
-  -- A stale one comes.
+  -- A stale request comes.
   stale_seen : cover {looks = '1' and new_id = '0' and repeated = '0' and last_status /= "1111"};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of a node on an RS-485 pair, against any characters and errors on the line, a core that says what it likes, and a
--- transmitter that takes as long as it likes. A bit is 2 clocks here.
+-- Properties of a node on an RS-485 pair. Any characters and errors come on the line, the core sends anything, and the
+-- transmitter takes characters at any time. A bit is 2 clocks here.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,14 +31,14 @@ architecture properties of rs485_node_formal is
   constant turnaround_bits : positive := 3;
   constant silence_bits    : positive := 3;
   constant answer_clocks   : positive := (turnaround_bits - 1) * bit_clocks + 3; -- from the poll to drive
-  constant silence_clocks  : positive := (silence_bits - 1) * bit_clocks;        -- at least, until a message is broken
+  constant silence_clocks  : positive := (silence_bits - 1) * bit_clocks;        -- shortest, until a message is cut off
 
   subtype byte_t is std_ulogic_vector(7 downto 0);
 
   type phase_t is (
     head_border, head_node, head_check, head_end,
     messages,
-    tail_node, -- behind the border of a broken message
+    tail_node, -- after the border of a message that was cut off
     tail_check, tail_end,
     over
   );
@@ -51,7 +51,7 @@ architecture properties of rs485_node_formal is
   signal drive_before, reset_before    : std_ulogic := '0';
   signal ready_before, free_before     : std_ulogic := '0';
 
-  -- The last three characters, newest first; a broken one is no byte.
+  -- The last three characters, newest first. A character with an error counts as no byte.
   signal first, second, third          : byte_t := x"00";
   signal whole_1, whole_2, whole_3     : std_ulogic := '0';
   signal hears, token, ours, poll, sel : std_ulogic;
@@ -59,14 +59,14 @@ architecture properties of rs485_node_formal is
 
   signal asked                         : std_ulogic := '0';
   signal since_poll                    : natural range 0 to answer_clocks + 1 := 0;
-  signal driven                        : natural range 0 to bit_clocks := 0;     -- clocks of drive, so far
+  signal driven                        : natural range 0 to bit_clocks := 0;     -- clocks for which the pair has been driven
   signal phase                         : phase_t := head_border;
-  signal due                           : byte_t; -- the character that is no byte of the core
+  signal due                           : byte_t; -- the expected character, if it is not a byte of the core
   signal takes, says                   : std_ulogic;
-  signal inside                        : std_ulogic := '0';                      -- a message
+  signal inside                        : std_ulogic := '0';                      -- a message is under way
   signal said                          : natural range 0 to turn_bytes := 0;
-  signal silent                        : natural range 0 to silence_clocks := 0; -- clocks without a byte of it
-  signal free                          : natural range 0 to bit_clocks + 2 := 0; -- clocks since the last character left
+  signal silent                        : natural range 0 to silence_clocks := 0; -- clocks without a byte of the message
+  signal free                          : natural range 0 to bit_clocks + 2 := 0; -- clocks since the last character was sent
 
 begin
 
@@ -82,7 +82,7 @@ begin
       send_valid => send_valid, send_ready => send_ready, send_data => send_data, send_last => send_last,
       out_valid => out_valid, out_ready => out_ready, out_data => out_data);
 
-  -- A token ends with this character: border, first byte, its check, border.
+  -- A token ends with this character. It is border, first byte, its check, border.
   hears <= line_valid and line_ready and not drive;
   token <= '1' when line_valid = '1' and drive = '0' and line_error = no_receive_error and line_data = x"00" and
            whole_1 = '1' and whole_2 = '1' and whole_3 = '1' and third = x"00" and second(7) = '0' and second /= x"00" and
@@ -200,54 +200,56 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The number of a node stands still; 0 is the master's.
+  -- The number of a node stays the same. 0 is the master's.
   number_stands : assume always node /= "000000" and (begun = '0' or node = node_before);
 
-  -- A transmitter that is ready remains so until it has a character to send, and then is not for a clock at least.
+  -- A transmitter that is ready stays ready until it gets a character. Then it is busy for at least one clock.
   transmitter_sends : assume always begun = '1' -> (free_before = '0' or out_ready = '1') and
                       (ready_before = '0' or free_before = '1' or out_ready = '0');
 
-  -- The pair is driven behind a poll of this node and at no other time, and the other side has its bits to let it go.
+  -- The node drives the pair only after a poll of this node. It waits long enough for the other side to release the pair.
   never_unasked : assert always begun = '1' and drive = '1' and drive_before = '0' -> asked = '1' and since_poll = answer_clocks;
 
   -- A poll is always answered.
   always_answers : assert always begun = '1' and asked = '1' and since_poll = answer_clocks and reset_before = '0' -> drive = '1';
 
-  -- It speaks while it drives: the first start bit, a clock behind its character, comes a bit behind the beginning.
+  -- It sends only while it drives. The first start bit comes one clock after its character is given, and one bit after the
+  -- driving begins.
   speaks_while_driving : assert always begun = '1' and out_valid = '1' -> drive = '1' and driven >= bit_clocks - 1;
 
-  -- Around the messages stand select of this node and poll 0, and a border behind a message that is broken; then nothing is said.
+  -- The messages stand between a select of this node and a poll of node 0. A message that is cut off ends with a border.
+  -- Nothing follows the poll.
   frames_are_framed : assert always begun = '1' and takes = '1' and says = '0' -> phase /= over and out_data = due;
 
-  -- No byte of the core is lost, doubled or changed: it is said in the clock in which it is taken, among the messages.
+  -- No byte of the core is lost, doubled or changed. It is sent in the clock in which it is taken, among the messages.
   bytes_are_kept : assert always begun = '1' and says = '1' -> takes = '1' and phase = messages and out_data = send_data;
 
-  -- No message begins when enough has been said.
+  -- No message begins once `turn_bytes` bytes were sent.
   turn_is_short : assert always begun = '1' and says = '1' and inside = '0' -> said < turn_bytes;
 
-  -- A message is broken only if the core was silent in the middle of it for so long.
+  -- A message is cut off only if the core was silent within it for `silence_clocks`.
   patient : assert always begun = '1' and takes = '1' and says = '0' and phase = messages and inside = '1' ->
             silent = silence_clocks;
 
-  -- The pair is let go a bit behind the last character, no sooner and no later.
+  -- The pair is released exactly one bit after the last character.
   lets_go : assert always begun = '1' and reset_before = '0' ->
             (drive = '1' or drive_before = '0' or free = bit_clocks + 1) and (drive = '0' or free <= bit_clocks);
 
-  -- Only what follows a select of this node reaches the core: nothing of others, and no echo.
+  -- The core gets only what follows a select of this node. It gets no frames of other nodes, and no echo.
   own_frames_only : assert always begun = '1' and rx_valid = '1' -> drive = '0' and (selected = '1' or sel = '1');
 
-  -- Of a frame that reaches the core no character is left out, and none is taken before there is room.
+  -- The core gets every character of its frames. No character is taken before there is room.
   none_left_out : assert always begun = '1' and line_valid = '1' and drive = '0' and in_frame = '1' ->
                   rx_valid = '1' and line_ready = rx_ready;
 
-  -- A turn with a message.
+  -- A turn has one message.
   turn_seen : cover {begun = '1' and phase = over and drive = '0' and drive_before = '1' and said = 1};
-  -- A broken one.
+  -- A message is cut off.
   broken_seen : cover {begun = '1' and phase = tail_node};
-  -- A character of ours.
+  -- A character for this node comes.
   ours_seen : cover {begun = '1' and in_frame = '1'};
 
 end architecture;

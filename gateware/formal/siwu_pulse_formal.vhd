@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the pulse that makes an FTDI chip send at once. A clock is 20 ns here, a pulse 5 clocks.
+-- Properties of the pulse that makes an FTDI chip send at once. A clock is 20 ns here, and a pulse is 5 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -17,15 +17,15 @@ architecture properties of siwu_pulse_formal is
 
   constant pulse_clocks : positive := 5;
   constant gap_clocks   : positive := 2;
-  constant wait_most    : positive := pulse_clocks + gap_clocks - 1;  -- of one that came with another
+  constant wait_most    : positive := pulse_clocks + gap_clocks - 1;  -- of a pulse that fell due with another one
 
   signal siwu_n : std_ulogic;
   signal begun  : std_ulogic := '0';                             -- the reset of power-up is over
   signal was    : std_ulogic := '1';                             -- siwu_n a clock ago
-  signal low    : natural range 0 to pulse_clocks + 1 := 0;      -- clocks of this pulse that are over
-  signal high   : natural range 0 to gap_clocks := gap_clocks;   -- clocks since the last one
-  signal owed   : std_ulogic := '0';                             -- something was due since the last fall
-  signal waited : natural range 0 to wait_most + 1 := 0;         -- for so many clocks
+  signal low    : natural range 0 to pulse_clocks + 1 := 0;      -- clocks of this pulse so far
+  signal high   : natural range 0 to gap_clocks := gap_clocks;   -- clocks since the last pulse
+  signal owed   : std_ulogic := '0';                             -- a pulse is due since the last fall
+  signal waited : natural range 0 to wait_most + 1 := 0;         -- clocks for which it has been due
 
 begin
 
@@ -70,22 +70,22 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A pulse lasts its clocks, and no longer.
+  -- A pulse lasts exactly its number of clocks.
   pulse_lasts : assert always begun = '1' -> (siwu_n = '0' or low = 0 or low = pulse_clocks) and low <= pulse_clocks;
 
-  -- Between two of them it is high for two clocks at least.
+  -- Between two pulses siwu_n is high for at least two clocks.
   gap_between : assert always begun = '1' and siwu_n = '0' and was = '1' -> high = gap_clocks;
 
-  -- It falls for what was due, and for nothing else.
+  -- siwu_n falls only if a pulse is due.
   only_when_due : assert always begun = '1' and siwu_n = '0' and was = '1' -> owed = '1';
 
-  -- What is due has its pulse in time: at once, or behind the one under way and its gap.
+  -- A pulse that is due comes in time: at once, or after the current pulse and its gap.
   never_forgotten : assert always begun = '1' -> waited <= wait_most;
 
-  -- Two pulses with no more than the gap between them.
+  -- Two pulses come with the shortest gap between them.
   close_seen : cover {begun = '1' and siwu_n = '0' and was = '1' and high = gap_clocks and owed = '1' and waited > 1};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of spi_slave, between a clock and an sck that come as z3 likes, as long as the clock is as fast. The master
--- selects, and breaks off, behind any falling edge of sck. Order: any one byte of each way is followed by its number.
+-- Properties of spi_slave. Its clock and sck have any timing, but the clock is at least as fast. The master selects, and breaks
+-- off, after any falling edge of sck. The order is checked by following any one byte each way by its number.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -15,12 +15,12 @@ entity spi_slave_formal is
   port (
     clk        : in std_ulogic;
     sck        : in std_ulogic;
-    unselect   : in std_ulogic; -- behind this falling edge of sck
-    colour_in  : in std_ulogic; -- all bits of the byte from the PC that begins
+    unselect   : in std_ulogic; -- the master ends the selection after this falling edge of sck
+    colour_in  : in std_ulogic; -- all bits of the byte that the PC begins to send
     rx_ready   : in std_ulogic;
     tx_valid   : in std_ulogic;
     tx_last    : in std_ulogic;
-    colour_out : in std_ulogic; -- all bits but one of the byte to it
+    colour_out : in std_ulogic; -- all bits but one of the byte to the PC
     mark_in    : in std_ulogic; -- follow the byte that comes now
     mark_out   : in std_ulogic
   );
@@ -29,7 +29,7 @@ end entity;
 architecture properties of spi_slave_formal is
 
   subtype byte_t is std_ulogic_vector(7 downto 0);
-  subtype number_t is unsigned(2 downto 0); -- of a byte modulo 8; never more than 5 are on their way
+  subtype number_t is unsigned(2 downto 0); -- of a byte modulo 8; at most 5 are on their way
 
   constant places : natural := depth + 2; -- bytes from the PC that may wait
 
@@ -63,7 +63,7 @@ begin
   default clock is rising_edge(clk);
 
   mosi    <= colour_in when place = 0 else sends(0);
-  tx_data <= (7 downto 1 => colour_out) & '1'; -- no filler
+  tx_data <= (7 downto 1 => colour_out) & '1'; -- not the filler byte
 
   dut : entity work.spi_slave
     generic map (rx_depth => depth, tx_depth => depth)
@@ -136,34 +136,35 @@ begin
     end if;
   end process;
 
-  -- The clock is as fast as sck, or faster: it rises between any two rises of sck.
+  -- The clock is at least as fast as sck: it rises between any two rising edges of sck.
   clock_is_fast : assume (always ticked = '0' or ticks /= ticks_before) @rising_edge(sck);
 
-  -- The PC keeps to its credit: no more bytes wait than find room.
+  -- The PC keeps to its credit: it sends only bytes for which there is room.
   credit_is_kept : assume (always cs_n = '1' or place /= 7 or given - received < places) @rising_edge(sck);
 
-  -- miso is driven while the slave is selected, and at no other time.
+  -- miso is driven exactly while the slave is selected.
   driven_if_selected : assert always miso_drive = not cs_n;
 
-  -- No byte of the PC is lost: none finds no room.
+  -- No byte from the PC is lost for lack of room.
   no_overrun : assert always rx_error = no_receive_error;
 
   -- A byte is offered only if one came.
   none_of_nothing : assert always rx_valid = '1' -> given /= received;
 
-  -- No byte of the PC is lost, doubled or changed: the one on offer is the next that came whole.
+  -- No byte from the PC is lost, doubled or changed: the byte on offer is the next whole byte that came.
   read_in_order : assert always rx_valid = '1' and in_marked = '1' and in_done = '0' and
                   received = follow_in -> rx_data = in_byte;
 
-  -- What the PC hears, but filler, was said and is no more than is on its way.
+  -- The PC gets only bytes that were sent, apart from filler. At most depth + 3 bytes are on their way.
   heard_was_said : assert always said - got <= depth + 3;
 
-  -- No byte to the PC is lost, doubled or changed, whatever is broken off: the last it heard whole is the next of those said.
+  -- No byte to the PC is lost, doubled or changed, even if a transfer breaks off. The last whole byte that the PC got is the
+  -- next one sent.
   heard_in_order : assert always wrong = '0';
 
-  -- A byte of the PC comes out.
+  -- A byte from the PC reaches the core.
   received_one : cover {received = 1};
-  -- A byte is heard by the PC.
+  -- A byte reaches the PC.
   heard_one : cover {got = 1};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
 -- Properties of the subscription manager: two groups, a strobe every eight clocks, rates up to 2. The application may ask
--- anything that subscription_pkg allows; the events do as they like.
+-- anything that subscription_pkg allows. Events come at any time.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +21,7 @@ end entity;
 architecture properties of subscription_manager_formal is
 
   constant period      : positive := 8;
-  constant rate_clocks : positive := 10;  -- a new rate is taken in so many clocks
+  constant rate_clocks : positive := 10;  -- clocks until a new rate is taken
 
   signal response : subscription_response_t;
   signal begun    : std_ulogic := '0';
@@ -30,23 +30,23 @@ architecture properties of subscription_manager_formal is
   signal asked    : natural range 0 to 1;
   signal taken    : std_ulogic;
 
-  -- The groups, as they were told to be.
+  -- The state of the groups, from the requests.
   signal running, was_running               : std_ulogic := '0';
   signal filled, was_filled        : std_ulogic_vector(1 downto 0) := "00";
   signal enabled                   : std_ulogic_vector(1 downto 0) := "00";
-  signal caused                    : std_ulogic_vector(1 downto 0) := "00";  -- has ever had a rate, or an event that counts
+  signal caused                    : std_ulogic_vector(1 downto 0) := "00";  -- the group has had a rate, or an event that counts
   signal offered                   : std_ulogic := '0';  -- publish, one clock ago
   signal offered_group             : natural range 0 to 1 := 0;
   signal waiting                   : natural range 0 to rate_clocks + 1 := 0;
 
-  -- Group 0 alone, with a rate and nothing else that changes.
+  -- Group 0 alone, with a rate and no other change.
   signal rate   : unsigned(7 downto 0) := x"00";
   signal steady : std_ulogic := '0';
-  signal since  : natural range 0 to 2 * period + 1 := 0;  -- clocks since it was offered
+  signal since  : natural range 0 to 2 * period + 1 := 0;  -- clocks since the group was offered
   signal calm   : std_ulogic;
-  signal even   : std_ulogic := '1';  -- nothing changed since publishing went on, and no event ever came
+  signal even   : std_ulogic := '1';  -- nothing changed since publishing was started, and no event came
 
-  -- Fairness: group 0 wants, and so many publishes of group 1 were taken since.
+  -- Fairness: group 0 waits, and so many publishes of group 1 were taken meanwhile.
   signal wants  : std_ulogic := '0';
   signal passed : natural range 0 to 2 := 0;
 
@@ -152,16 +152,16 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
   -- There are two groups, and the rates are small, so that a proof can wait for them.
   small : assume always request.group_number < 2 and unsigned(request.rate) <= 2;
 
-  -- What was offered one clock ago is taken, and that of the group that was.
+  -- Only a group that was offered one clock ago is taken.
   takes_what_was_offered : assume always taken = '0' or (offered = '1' and asked = offered_group);
 
-  -- A rate is held until it is done, and not asked again in that clock.
+  -- A rate is held until it is done, and not asked for again in that clock.
   rate_is_held : assume always request.write_rate = '1' and response.done = '0' and reset = '0' ->
                  next (request.write_rate = '1' and request.group_number = prev(request.group_number) and
                        request.rate = prev(request.rate));
@@ -183,24 +183,24 @@ begin
   -- A group that never had a rate or an event is never published.
   disabled_is_silent : assert always begun = '0' or publish = '0' or caused(chosen) = '1';
 
-  -- A group alone with its rate is offered every so many strobes, to the clock: never sooner.
+  -- A group that is alone with its rate is offered after exactly so many strobes. It is never offered sooner.
   never_sooner : assert always begun = '0' or steady = '0' or publish = '0' or offered = '1' or
                  (rate = 1 and since = period) or (rate = 2 and since = 2 * period);
 
-  -- And never later.
+  -- It is never offered later.
   never_later : assert always begun = '0' or steady = '0' or calm = '0' or not
                 ((rate = 1 and since = period) or (rate = 2 and since = 2 * period)) or publish = '1';
 
-  -- A group that wants waits for one publish of the other at most, and one that was chosen already.
+  -- A waiting group waits for at most one publish of the other group, and for one that was already chosen.
   fair : assert always begun = '0' or wants = '0' or passed < 2 or taken = '0' or asked = 0;
 
-  -- A new rate is taken within bounds, whatever else goes on.
+  -- A new rate is taken within a fixed number of clocks, whatever else happens.
   rate_is_taken : assert always begun = '0' or waiting <= rate_clocks;
 
-  -- Two publishes of a steady group, at rate 2.
+  -- A steady group is published twice, at rate 2.
   steady_seen : cover {steady = '1' and publish = '1' and offered = '0' and rate = 2 and since = 2 * period};
 
-  -- A group waits for the other.
+  -- A group waits for the other group.
   waits_seen : cover {wants = '1' and passed = 1};
 
 end architecture;

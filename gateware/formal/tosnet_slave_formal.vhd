@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of TosNet's commit: two words the nodes see, a network cycle of five clocks, a network that comes and goes. A
--- reference follows what the PC was told is written, and swaps its two banks at a commit.
+-- Properties of TosNet's commit, with two words for the nodes, a network cycle of five clocks, and a network that comes and
+-- goes. A reference follows the writes that were acknowledged to the PC, and swaps its two banks at a commit.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +32,7 @@ architecture properties of tosnet_slave_formal is
   signal words            : word_vector_t(0 to 1);
   signal begun            : std_ulogic := '0';
 
-  signal written, asked                 : std_ulogic;  -- a write to the memory, to the status, has been taken
+  signal written, asked                 : std_ulogic;  -- a write to the memory, or to the status, was acknowledged
   signal was_online, after_reset        : std_ulogic := '1';
   signal was_words                      : std_ulogic_vector(63 downto 0) := (others => '0');
   signal visible, hidden                : std_ulogic_vector(7 downto 0)  := (others => '0');  -- four bits of each word
@@ -82,25 +82,25 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- Nothing comes while the design wakes up.
+  -- There is no access during power-up.
   quiet_first : assume always begun = '1' or m2s.stb = '0';
 
   -- The PC waits for the answer to each access.
   patient : assume always m2s.stb = '1' and s2m.ack = '0' and s2m.err = '0' and reset = '0' -> next (m2s.stb = '1');
 
-  -- The words of the nodes change together, in the clock of a commit only.
+  -- The words of the nodes change together, and only in the clock of a commit.
   change_together : assert always begun = '0' or after_reset = '1' or committed = '1' or now_words = was_words;
 
-  -- They are the words last committed: all that the PC wrote before, and nothing of what it wrote behind it (four bits of
-  -- each are followed).
+  -- The nodes see the words of the last commit: all that the PC wrote before it, and nothing that the PC wrote after it. Four
+  -- bits of each word are followed.
   words_are_committed : assert always begun = '0' or after_reset = '1' or
                         was_words(35 downto 32) & was_words(3 downto 0) = visible;
 
-  -- A commit takes effect at the end of a cycle, if the network is there and one waits that no later write aborted; then
-  -- always.
+  -- A commit takes effect at the end of a cycle exactly if the network is there and a commit waits. A later write aborts a
+  -- waiting commit.
   commits_when_asked : assert always begun = '0' or after_reset = '1' or
                        committed = (cycle and was_online and (pending or asked) and not written);
 
@@ -110,7 +110,7 @@ begin
   -- A commit takes effect.
   commit_seen : cover {committed = '1' and hidden = x"A5"};
 
-  -- A write aborts one.
+  -- A write aborts a commit.
   abort_seen : cover {pending = '1' and written = '1'};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the UART receiver, 8N1 at eight clocks a bit, against a sender of frames with any byte and any stop bit, at
--- any moment, also one right behind another.
+-- Properties of the UART receiver, 8N1 at eight clocks a bit. The sender sends frames with any byte and any stop bit, at any
+-- moment, also without a gap.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,9 +10,9 @@ library ieee;
 entity uart_rx_formal is
   port (
     clk       : in std_ulogic;
-    send      : in std_ulogic;                     -- begin a frame, if there is none
+    send      : in std_ulogic;                     -- begin a frame, if none is being sent
     byte      : in std_ulogic_vector(7 downto 0);  -- with this byte
-    stop_bit  : in std_ulogic;                     -- and this as its stop bit; low: a broken one
+    stop_bit  : in std_ulogic;                     -- and this stop bit; low means a broken frame
     rx_ready  : in std_ulogic
   );
 end entity;
@@ -21,7 +21,7 @@ architecture properties of uart_rx_formal is
 
   constant bit_clocks   : positive := 8;
   constant frame_clocks : positive := 10 * bit_clocks;
-  constant arrival      : positive := 4;  -- clocks from the middle of the stop bit to that in which the item is made
+  constant arrival      : positive := 4;  -- clocks from the middle of the stop bit to the item
 
   signal reset      : std_ulogic := '1';
   signal line_break : std_ulogic;
@@ -30,15 +30,15 @@ architecture properties of uart_rx_formal is
   signal rx_error   : receive_error_t;
 
   -- The sender.
-  signal frame      : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent, and those to come
-  signal part       : natural range 0 to bit_clocks - 1 := 0;           -- clocks of it that are over
-  signal left       : natural range 0 to 10 := 0;                       -- bits of the frame that are not over
-  signal pause      : natural range 0 to 2 * bit_clocks := bit_clocks; -- clocks before the next may begin
+  signal frame      : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent now, and those to come
+  signal part       : natural range 0 to bit_clocks - 1 := 0;           -- clocks of this bit so far
+  signal left       : natural range 0 to 10 := 0;                       -- bits of the frame that are still to end
+  signal pause      : natural range 0 to 2 * bit_clocks := bit_clocks; -- clocks before the next frame may begin
   signal sent       : std_ulogic_vector(7 downto 0) := (others => '0');
-  signal whole      : std_ulogic := '1';                                -- its stop bit is one
-  signal coming     : natural range 0 to arrival := 0;                  -- clocks to the arrival of what was sent; 0: none
+  signal whole      : std_ulogic := '1';                                -- its stop bit is high
+  signal coming     : natural range 0 to arrival := 0;                  -- clocks until the frame arrives; 0 means none
 
-  -- What must be offered.
+  -- The expected output.
   signal offered, lost, framing, overrun, breaks : std_ulogic := '0';
   signal offered_byte : std_ulogic_vector(7 downto 0) := (others => '0');
 
@@ -68,7 +68,7 @@ begin
           left  <= left - 1;
           frame <= '1' & frame(9 downto 1);
           if left = 1 and whole = '0' then
-            pause <= 2 * bit_clocks;  -- the line must be high for a while after a broken frame
+            pause <= 2 * bit_clocks;  -- after a broken frame the line must be high for a while
           end if;
         else
           part <= part + 1;
@@ -110,18 +110,18 @@ begin
     end if;
   end process;
 
-  -- There is an item for every frame, at its time, and none else; it stands until it is taken.
+  -- There is one item for each frame, at its time, and no other. It stays until it is taken.
   item_a_frame : assert always reset = '1' or rx_valid = offered;
 
   -- The byte is the one that was sent.
   byte_is_the_one_sent : assert always reset = '1' or offered = '0' or framing = '1' or overrun = '1' or rx_data = offered_byte;
 
-  -- An item is broken when its stop bit was low, or when frames before it found no room; and only then.
+  -- An item is marked broken exactly if its stop bit was low, or if frames before it found no room.
   errors_are_told : assert always reset = '1' or offered = '0' or
                     (rx_error(framing_error_bit) = framing and rx_error(overrun_error_bit) = overrun and
                      rx_error(parity_error_bit) = '0');
 
-  -- A break is told of a frame that was low all through.
+  -- A break is reported exactly for a frame that was low throughout.
   break_is_told : assert always reset = '1' or line_break = breaks;
 
   -- A byte arrives.

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the UART transmitter, 8N1 at four clocks a bit: the line against the frame of the byte that was taken.
+-- Properties of the UART transmitter, 8N1 at four clocks a bit. They compare the line with the frame of the byte that was
+-- taken.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,8 +22,8 @@ architecture properties of uart_tx_formal is
 
   signal tx_ready, line : std_ulogic;
   signal begun          : std_ulogic := '0';
-  signal elapsed        : natural range 0 to frame_clocks := frame_clocks;  -- of the frame; then the line is idle
-  signal frame          : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent, and those to come
+  signal elapsed        : natural range 0 to frame_clocks := frame_clocks;  -- clocks of the frame; then the line is idle
+  signal frame          : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent now, and those to come
   signal part           : natural range 0 to bit_clocks - 1 := 0;
 
 begin
@@ -58,16 +59,16 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The line is start bit, eight data bits and stop bit of the byte, four clocks each, and high between frames.
+  -- The line is the start bit, eight data bits and the stop bit of the byte, four clocks each. It is high between frames.
   line_is_the_frame : assert always begun = '0' or line = frame(0);
 
-  -- A byte is taken between frames only, or in the last clock of one: no frame is cut short, and none waits.
+  -- A byte is taken between frames, or in the last clock of a frame. So no frame is cut short, and none waits.
   ready_between_frames : assert always begun = '0' or (tx_ready = '1') = (elapsed >= frame_clocks - 1);
 
-  -- One frame right behind another.
+  -- One frame follows another without a gap.
   no_gap : cover {tx_valid = '1' and tx_ready = '1' and elapsed = frame_clocks - 1};
 
 end architecture;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the interconnect: two slaves on aligned ranges, one on a range that is not, a hole, and all the rest.
+-- Properties of the interconnect: two slaves on aligned ranges, one on an unaligned range, a hole, and all other addresses.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -30,14 +30,14 @@ architecture properties of wishbone_interconnect_formal is
   signal slaves_m2s : wishbone_m2s_vector_t(0 to 2);
   signal slaves_s2m : wishbone_s2m_vector_t(0 to 2);
 
-  -- Who is meant, straight from the map.
+  -- The addressed slave, straight from the map.
   signal address   : unsigned(31 downto 0);
   signal meant     : std_ulogic_vector(0 to 2);
   signal strobes   : std_ulogic_vector(0 to 2);
   signal cycles    : std_ulogic_vector(0 to 2);
-  signal inner     : unsigned(31 downto 0);      -- the address the one that is meant must get
-  signal received  : unsigned(31 downto 0);      -- and gets
-  signal answer    : wishbone_s2m_t;             -- of the one that is meant
+  signal inner     : unsigned(31 downto 0);      -- the address that this slave must get
+  signal received  : unsigned(31 downto 0);      -- the address that it gets
+  signal answer    : wishbone_s2m_t;             -- the answer of this slave
 
 begin
 
@@ -78,29 +78,29 @@ begin
     end if;
   end process;
 
-  -- The slave at the address is asked, and no other one.
+  -- Only the slave at the address is asked.
   one_is_asked : assert always m2s.stb = '0' or strobes = meant;
 
-  -- Nobody is asked without a strobe.
+  -- No slave is asked without a strobe.
   none_unasked : assert always m2s.stb = '1' or strobes = "000";
 
-  -- It gets its own address, from 0 on.
+  -- The slave gets an address of its own range, from 0 on.
   own_address : assert always meant = "000" or received = inner;
 
-  -- Its answer comes back, in the same clock.
+  -- The answer of the slave comes back in the same clock.
   answer_comes_back : assert always m2s.stb = '0' or meant = "000" or
                       (s2m.ack = answer.ack and s2m.err = answer.err and s2m.dat = answer.dat);
 
-  -- An address of nobody is refused at once.
+  -- An address without a slave is refused at once.
   unmapped_is_refused : assert always m2s.stb = '0' or meant /= "000" or (s2m.err = '1' and s2m.ack = '0');
 
   -- Every slave sees the bus cycle.
   cycle_for_all : assert always cycles = (0 to 2 => m2s.cyc);
 
-  -- An access in the range that is not aligned.
+  -- An access goes to the unaligned range.
   unaligned : cover {m2s.stb = '1' and meant(2) = '1' and s2m.ack = '1'};
 
-  -- An access beside all ranges.
+  -- An access goes to an address outside all ranges.
   beside : cover {m2s.stb = '1' and s2m.err = '1' and s2m_0.err = '0' and s2m_1.err = '0' and s2m_2.err = '0'};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the Wishbone master with a slave that may answer at once, later, too late, or never. Such a slave has taken
--- an access, and owes its answer for at most twice the time-out; also when the master has given the access up.
+-- Properties of the Wishbone master. Its slave may answer at once, later, too late, or never. A slave that has taken an access
+-- may answer up to twice the timeout later, even if the master has given up the access.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,12 +28,12 @@ architecture properties of wishbone_master_formal is
   signal answered : std_ulogic;
   signal stb      : std_ulogic;
 
-  -- The slave: which access it has taken, and since when. 0: none.
+  -- The slave: clocks for which it may still answer the access that it took. 0 means none.
   signal owed    : natural range 0 to 2 * timeout_clocks := 0;
-  signal current : std_ulogic := '0';  -- it is the one that stands now
+  signal current : std_ulogic := '0';  -- it is the access of the current request
 
   signal unanswered : natural range 0 to timeout_clocks := 0;          -- clocks of this access without an answer
-  signal waiting    : natural range 0 to 2 * timeout_clocks + 1 := 0;  -- clocks of this request
+  signal waiting    : natural range 0 to 2 * timeout_clocks + 1 := 0;  -- clocks of this request so far
 
 begin
 
@@ -90,26 +90,26 @@ begin
     end if;
   end process;
 
-  -- The design is reset when it wakes up, and at any later moment.
+  -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- A slave answers an access it took, once, at most twice the time-out late.
+  -- A slave answers an access that it took once, at most twice the timeout later.
   slave_owes : assume always answered = '0' or stb = '1' or owed > 0;
 
-  -- A request is done after at most two time-outs: its own, and that of a rest before it.
+  -- A request is done after at most two timeouts: its own, and that of the rest before it.
   always_ends : assert always waiting <= 2 * timeout_clocks;
 
-  -- It ends as silent only after all clocks of the time-out have passed without an answer.
+  -- A request ends with `silent` only after all clocks of the timeout passed without an answer.
   silent_in_time : assert always begun = '0' or response.done = '0' or response.status /= silent or
                    unanswered = timeout_clocks;
 
-  -- An answer that comes late is never taken for that of another access.
+  -- A late answer is never used for another access.
   late_answer_is_dropped : assert always response.done = '0' or response.status = silent or owed = 0 or current = '1';
 
-  -- Nothing is on the bus without a request.
+  -- The bus is quiet without a request.
   quiet_without_request : assert always stb = '0' or request.valid = '1';
 
-  -- What is on the bus is what was asked.
+  -- The access on the bus is the requested one.
   asks_what_was_asked : assert always stb = '0' or
                         (m2s.we = request.write and m2s.adr(1 downto 0) = request.address(1 downto 0) and
                          m2s.dat(7 downto 0) = request.data(7 downto 0) and m2s.sel = "0001");
@@ -119,15 +119,15 @@ begin
                         (answered = '1' and (response.status = error) = (s2m.err = '1') and
                          response.data(7 downto 0) = s2m.dat(7 downto 0));
 
-  -- A block keeps the bus from its first access on, unless an access was given up.
+  -- A block keeps the bus from its first access on, unless an access times out.
   block_keeps_bus : assert always m2s.cyc = '1' and request.block_hold = '1' and reset = '0' and unanswered < timeout_clocks ->
                     next (request.block_hold = '0' or m2s.cyc = '1' or unanswered = timeout_clocks);
 
-  -- After an access was given up the bus is free for a clock at least.
+  -- After a timeout the bus is free for at least one clock.
   rests_when_silent : assert always response.done = '1' and response.status = silent and reset = '0' ->
                       next (m2s.cyc = '0');
 
-  -- An access is given up.
+  -- An access times out.
   silent_seen : cover {response.done = '1' and response.status = silent};
 
   -- An answer comes too late, while the next request waits.

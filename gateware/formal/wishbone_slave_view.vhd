@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Wishbone as a slave sees it: the mirror image of wishbone_master_view, assumed here what is asserted there.
+-- Wishbone as a slave sees it. It is the mirror image of wishbone_master_view: what is asserted there is assumed here.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,15 +23,15 @@ begin
   -- A strobe comes within a bus cycle.
   strobe_in_cycle : assume always m2s.stb = '0' or m2s.cyc = '1';
 
-  -- An access stands with all that belongs to it until its answer, or the cycle ends.
+  -- An access stays the same until its answer, or until the cycle ends.
   access_stands : assume always m2s.stb = '1' and s2m.ack = '0' and s2m.err = '0' and reset = '0' ->
                   next (m2s.cyc = '0' or (m2s.stb = '1' and m2s.we = prev(m2s.we) and m2s.adr = prev(m2s.adr) and
                                           m2s.sel = prev(m2s.sel) and (m2s.we = '0' or m2s.dat = prev(m2s.dat))));
 
-  -- A slave answers once: it does not accept and refuse.
+  -- A slave gives one answer: it does not accept and refuse at once.
   one_answer : assert always s2m.ack = '0' or s2m.err = '0';
 
-  -- A slave answers only when it is asked.
+  -- A slave answers only an access.
   when_asked : assert always (s2m.ack = '0' and s2m.err = '0') or (m2s.cyc = '1' and m2s.stb = '1');
 
 end architecture;
