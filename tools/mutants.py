@@ -29,6 +29,7 @@ else:
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "native" / "src"
 BUILD = ROOT / "build" / "native"
+LIBRARIES = (BUILD / "libunitylink_twin.a", BUILD / "libunitylink_core.a")  # in the order of their needs
 MESSAGES = 10_000
 LONGEST_S = 120  # for one run
 SEEDS = 24  # a history each, until one of them fails: some mistakes show in one of twelve
@@ -45,7 +46,7 @@ def batches() -> dict[Path, Path]:
     cache = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8")
     named = re.search(r"^UNITYLINK_OBJECTS:PATH=(.+)$", cache, re.M)
     objects = Path(named[1]) if named else BUILD
-    found = sorted((objects / "CMakeFiles" / "unitylink_objects.dir" / "Unity").glob("*.cxx"))
+    found = [*(objects / "CMakeFiles").glob("unitylink_*_objects.dir/Unity/*.cxx")]
     return {Path(name): batch for batch in found for name in INCLUDED.findall(batch.read_text("utf-8"))}
 
 
@@ -74,7 +75,7 @@ def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
         text = batch.read_text(encoding="utf-8")
         for name in texts:
             text = text.replace(f'"{SOURCES / name}"', f'"{folder / name}"')
-        written.append(folder / batch.name)
+        written.append(folder / f"batch_{len(written)}.cxx")
         written[-1].write_text(text, encoding="utf-8")
     return written
 
@@ -90,9 +91,7 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
         objects.append(str(folder / f"{number}.o"))
         subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)
     program = folder / "mutant"
-    subprocess.run(
-        ["g++", *FLAGS, *objects, str(BUILD / "libunitylink_core.a"), "-ldl", "-o", str(program)], check=True
-    )
+    subprocess.run(["g++", *FLAGS, *objects, *map(str, LIBRARIES), "-ldl", "-o", str(program)], check=True)
     return program
 
 
@@ -137,7 +136,7 @@ def main() -> int:
     parser.add_argument("--sample", type=int, default=0, metavar="N")
     parser.add_argument("--only", default="", metavar="TEXT")
     arguments = parser.parse_args()
-    if not (BUILD / "libunitylink_core.a").exists():
+    if not all(library.exists() for library in LIBRARIES):
         raise SystemExit("no build/native: run `make native-tests` first")
     table = tomllib.loads((ROOT / "native" / "mutants.toml").read_text(encoding="utf-8"))
     mutants = [mutant for mutant in table["mutant"] if arguments.only in mutant["name"]]

@@ -31,6 +31,13 @@ def test_symbols(library: Path) -> None:
     assert sorted(re.findall(r"^UL_API .*?(ul_\w+)\(", header, re.M)) == listed
 
 
+def test_it_is_the_core_alone(library: Path) -> None:
+    """Who uses a board from C does not load the model of one, nor the fault simulation."""
+    has = subprocess.run(["nm", "-C", library], check=True, capture_output=True, text=True).stdout
+    assert "unitylink::FramedEngine::" in has, "nm shows no inner symbols: was the library stripped?"
+    assert not re.findall(r"unitylink::(?:device|faults)::\S+", has)
+
+
 def test_the_c_example(library: Path, tmp_path: Path) -> None:
     program = tmp_path / "reader"
     strict = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
