@@ -1,23 +1,26 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Makes the outputs safe when nothing has been heard of the host for too long, whatever link, bus and applications do. It stands
--- in front of the bus, beside the applications: it counts by itself, and its writes go before theirs.
+-- Makes the outputs safe when the host has been silent for too long. This works whatever link, bus and applications do.
+-- The entity stands in front of the bus, beside the applications. It counts by itself, and its writes go before theirs.
 --
 --   applications --> asked ----> | dead_man | --> bii
 --                <-- answered <- |          | <-- bii
 --   framed side <--> request, response        --> tripped
 --
--- Ports     request, response: see dead_man_pkg. asked, answered: the bus as the applications see it; bii: the bus.
---           tripped: high from the trip until `arm` or reset; low after power-up. It comes from a flip-flop, so it may switch
---           drivers off. A pin that is pulled up is high before the FPGA is configured, too.
--- Trip      `ticks` ticks of base_hz behind the last sign of life; a tick every clock_hz / base_hz clocks since reset. From the
---           next clock on no write of an application begins on the bus: it is answered `denied`, also one that the application
---           had decided on before. One that is on the bus ends first; then all safe values are written, before anything else.
--- Latency   With n safe values and accesses of at most b clocks the last one is written within (n + 1) * (b + 1) clocks of the
---           trip. wishbone_master ends an access within 2 * timeout_clocks + 1, its rest included. Without a trip: none.
--- Hold      A hold of the bus (bii_pkg) ends with the trip, so that slaves which wait for its end take the safe values.
--- Errors    A safe value that no slave takes in time is tried again: all are written anew at each tick until none is left
---           out, or `arm`. One that a slave refuses is not.
+-- Ports     request, response: see dead_man_pkg. asked, answered: the bus as the applications see it. bii: the bus.
+--           tripped: high from the trip until `arm` or reset, low after power-up. It comes from a flip-flop, so it may
+--           switch drivers off. A pin with a pull-up is high before the FPGA is configured, too.
+-- Trip      It comes `ticks` ticks of base_hz after the last sign of life. There is a tick every clock_hz / base_hz
+--           clocks since reset. From the next clock on, no write of an application begins on the bus. The answer to such
+--           a write is `denied`, also if the application had decided on it before the trip. A write that is already on
+--           the bus ends first. Then all safe values are written, before anything else.
+-- Latency   With n safe values and accesses of at most b clocks, the last value is written within (n + 1) * (b + 1)
+--           clocks of the trip. wishbone_master ends an access within 2 * timeout_clocks + 1, its rest included. Without
+--           a trip the latency is zero.
+-- Hold      A hold of the bus (bii_pkg) ends with the trip. So slaves that wait for the end of a hold take the safe
+--           values.
+-- Errors    If a slave does not answer a safe value in time, all values are written again at each tick. This ends when
+--           all are answered, or with `arm`. A value that a slave refuses is not repeated.
 -- Pressure  Accesses of the applications wait while safe values are written.
 
 library ieee;
@@ -56,20 +59,20 @@ architecture rtl of dead_man is
   constant period : positive := clock_hz / base_hz;
   constant count  : natural  := safe_values'length;
 
-  -- When.
+  -- Time.
   signal divider   : natural range 0 to period - 1 := 0;
   signal tick      : std_ulogic;
   signal ticks     : unsigned(31 downto 0) := (others => '0');
-  signal silent_ticks : unsigned(31 downto 0) := (others => '0');  -- the one that is next included
+  signal silent_ticks : unsigned(31 downto 0) := (others => '0');  -- including the next one
   signal due, trips   : std_ulogic;
   signal running, has_tripped, tripped_now, uncounted : std_ulogic := '0';
 
-  -- What.
-  signal writing   : std_ulogic := '0';  -- safe values are
-  signal ours      : std_ulogic;         -- the bus, for them
+  -- Safe writes.
+  signal writing   : std_ulogic := '0';  -- safe values are being written
+  signal ours      : std_ulogic;         -- the bus is used for safe values
   signal safe      : bii_request_t;
-  signal passed    : std_ulogic;         -- what is asked is on the bus
-  signal passing   : std_ulogic := '0';  -- it has been since the clock before
+  signal passed    : std_ulogic;         -- the request of the applications is on the bus
+  signal passing   : std_ulogic := '0';  -- and has been since the clock before
   signal refuses   : std_ulogic;
 
 begin
@@ -145,19 +148,19 @@ begin
     constant words : words_t := words_of(safe_values);
 
     signal index  : unsigned(index_bits - 1 downto 0) := (others => '0');
-    signal found  : std_ulogic := '0';  -- the word at index
+    signal found  : std_ulogic := '0';  -- `word` is the one at `index`
     signal word   : word_t;
-    signal whole  : std_ulogic;         -- there are no more
-    signal ended  : std_ulogic;         -- one is written
-    signal missed : std_ulogic := '0';  -- one was not answered
+    signal whole  : std_ulogic;         -- all values are written
+    signal ended  : std_ulogic;         -- a safe write ends
+    signal missed : std_ulogic := '0';  -- a value had no answer
 
   begin
 
     whole <= '1' when index = count else '0';
     ended <= ours and safe.valid and bii_response.done;
 
-    -- A trip while values are still written writes none anew: nobody else has had the bus since. Between two accesses is a
-    -- clock without (bii_pkg).
+    -- A trip during the safe writes starts no new round, because nobody else has used the bus since. Between two accesses
+    -- there is one clock without a request (bii_pkg).
     write_values : process (clock)
     begin
       if rising_edge(clock) then
@@ -184,7 +187,7 @@ begin
       end if;
     end process;
 
-    -- A few words are logic, more of them block RAM.
+    -- A few words become logic, and more become block RAM.
     few : if count <= 16 generate
       word <= words(to_integer(index));
     else generate

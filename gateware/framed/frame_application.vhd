@@ -1,20 +1,22 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Executes the requests of the framed protocol, each of them once, answers them, and publishes groups between them. A small
--- processor, an instruction a clock, whose program (frame_program_pkg) lies in block RAM, as do its words, the ids that were
--- executed (`places`) and the replies to them (`cache`).
+-- Executes the requests of the framed protocol, each of them once, and answers them. Between requests it publishes
+-- groups. It is a small processor that executes one instruction per clock. Block RAM holds its program
+-- (frame_program_pkg), its words, the executed ids (`places`) and their replies (`cache`).
 --
--- Ports     request, take, rewind, request_done: see frame_receiver. reply, reply_ready, reply_idle: see frame_transmitter.
---           bii: see bii_pkg. subscription: see subscription_pkg. epoch: FFFF while no session is open. may_begin: low while
---           another application has the bus; busy: this one has it. overrun: one-clock pulses, each counted.
---           dead_man: see dead_man_pkg; `alive` is not of here.
--- Latency   From a request to the kind of its reply, with a 2-clock bus and 2 address bytes: 8 clocks for a read; a read
---           every 17 clocks, a post every 12.
--- Errors    The status of docs/protocol.md. A refused request changes nothing but counters.
--- Arbitration  Publishes, then requests; between messages only.
--- Pressure  reply_ready stalls the program where it wants to say something: an answer waits for room, and all frames behind it.
---           A publish begins only where there is room for all of it. Until then posts are executed; one that is due again in
---           the meantime is left out and counted (publish_overruns).
+-- Ports     request, take, rewind, request_done: see frame_receiver. reply, reply_ready, reply_idle: see
+--           frame_transmitter.
+--           bii: see bii_pkg. subscription: see subscription_pkg. dead_man: see dead_man_pkg; `alive` does not come from
+--           here.
+--           epoch: FFFF while no session is open. overrun: one-clock pulses, each of which is counted.
+--           may_begin: low while another application has the bus. busy: this application has it.
+-- Latency   With a 2-clock bus and 2 address bytes, 8 clocks from a read request to the kind of its reply. There can be a
+--           read every 17 clocks, and a post every 12.
+-- Errors    The status values of docs/protocol.md. A refused request changes nothing except counters.
+-- Arbitration  Publishes first, then requests. It changes only between messages.
+-- Pressure  While reply_ready is low, the program stops where it wants to send. So an answer waits for room, and all
+--           frames after it wait too. A publish begins only if there is room for all of it. Until then posts are
+--           executed. If the publish is due again in that time, one is skipped and counted (publish_overruns).
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -80,9 +82,9 @@ architecture rtl of frame_application is
   signal instruction  : frame_instruction_t;
   signal number_now, said, recalled : byte_t;
   signal first, last, holds, jump, pending, begins : std_ulogic;
-  signal act_now      : std_ulogic;  -- the instruction is done in this clock
-  signal does         : std_ulogic;  -- unless it awaited an access that failed
-  signal finishes     : std_ulogic;  -- and for the last time
+  signal act_now      : std_ulogic;  -- the instruction is executed in this clock
+  signal does         : std_ulogic;  -- unless it waited for an access that failed
+  signal finishes     : std_ulogic;  -- and this is its last time
   signal entry        : entry_t;
 
   signal data         : word32_t := (others => '0');
@@ -92,9 +94,9 @@ architecture rtl of frame_application is
   signal count, group_number : unsigned(7 downto 0) := (others => '0');
   signal size         : unsigned(2 downto 0) := (others => '0');
   signal flags, own_flags : byte_t := (others => '0');
-  signal sets, clears : std_ulogic;  -- of them, in this clock
+  signal sets, clears : std_ulogic;  -- flags to set and to clear in this clock
   signal marks, shape : byte_t := (others => '0');
-  signal passes       : std_ulogic;  -- it is take_item, and takes nothing: all words have one address
+  signal passes       : std_ulogic;  -- the instruction is take_item, and takes nothing: all words have one address
   signal pointer      : pointer_t := (others => '0');
 
   signal word_index : pointer_t;
@@ -109,8 +111,8 @@ architecture rtl of frame_application is
   signal half, look, turned, publish : std_ulogic;
 
   signal says     : std_ulogic;
-  signal turns_up : std_ulogic;                    -- `data` moves up a byte
-  signal distance : unsigned(15 downto 0);         -- of the lower half of `data` from that of the word
+  signal turns_up : std_ulogic;                    -- `data` is rotated up by a byte
+  signal distance : unsigned(15 downto 0);         -- from the lower half of the word to the lower half of `data`
   signal reads, writes, holds_bus, found, access_done, failed, silent_bus, denied_write : std_ulogic;
 
   function to_bit(value : boolean) return std_ulogic is
@@ -185,7 +187,7 @@ begin
       when if_duplicate    => holds <= repeated;
       when if_not_kept     => holds <= not_kept;
       when if_order        => holds <= unordered;
-      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));  -- quicker than the distance
+      when if_half_not     => holds <= to_bit(data(15 downto 0) /= word(15 downto 0));  -- faster than the distance
       when if_half_lower   => holds <= distance(15);
       when if_flag         => holds <= or (flags and number_now);
       when if_mark         => holds <= or (marks and number_now);
@@ -218,9 +220,9 @@ begin
   wants    <= instruction(do_begin) and pending;
   busy     <= not instruction(do_begin);
 
-  -- What is said.
+  -- What is sent.
 
-  -- A status: of the reply that was kept, of `data`, or of the instruction.
+  -- A status: of the cached reply, of `data`, or of the instruction.
   status_now <= data(3 downto 0) when number_now(5) = '1' else number_now(3 downto 0);
 
   speak : process (all)
@@ -254,7 +256,7 @@ begin
     reply.data    <= said;
   end process;
 
-  -- What is asked of the others.
+  -- Requests to the other entities.
 
   takes : if lists generate
     passes     <= to_bit(instruction(take_f) = take_item) and or (shape and once);
@@ -413,7 +415,7 @@ begin
 
   epoch <= epoch_now;
 
-  -- Three flags are the dead-man's; setting and clearing them are commands to it.
+  -- Three flags belong to the dead-man. To set or clear them is a command to it.
   flags  <= own_flags(7 downto 4) & dead_man_response.tripped_now & own_flags(2) & dead_man_response.running &
             dead_man_response.tripped;
   sets   <= finishes and to_bit(instruction(special_f) = set_flags);

@@ -1,10 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Writes the framed application's program down: instructions one behind the other, and where they lead.
+-- Assembles the program of the framed application: its instructions in order, and their jump targets.
 --
--- Position 0 is where it starts. At 32 + entry stands what is done with that entry of frame_pkg; at 64 and 80 plus the
--- operation of a kind, how its form is checked and how it is executed. The rest is wherever there is room. The program is
--- written three times: the first time shows what the tables take, the second where the labels are.
+-- The program starts at position 0. The code for an entry of frame_pkg is at 32 + entry. At 64 plus the operation of a
+-- kind is the check of its form, and at 80 plus the operation is its execution. All other code uses the free positions.
+-- The program is written in three passes. The first shows which positions the tables use, and the second shows the
+-- positions of the labels.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,7 +24,7 @@ package frame_assembler_pkg is
   type frame_program_t is array (natural range <>) of frame_instruction_t;
 
   type label_t is (
-    -- what all share
+    -- shared
     next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
     finish_plain, write_ok, write_failed, write_denied,
     invalid, bad_address, denied, too_long, order,
@@ -59,49 +60,49 @@ package frame_assembler_pkg is
 
   type assembler_t is record
     code   : frame_program_t(0 to 511);
-    taken  : positions_t(0 to 511);  -- by the tables
+    taken  : positions_t(0 to 511);  -- used by the tables
     labels : labels_t;
-    free   : natural;  -- the first position not used yet
-    here   : natural;  -- where the next instruction goes
-    last   : natural;  -- where the last one went
+    free   : natural;  -- the first free position
+    here   : natural;  -- position of the next instruction
+    last   : natural;  -- position of the last instruction
   end record;
 
   constant assembler_empty : assembler_t := (
     code => (others => nothing_done), taken => (others => false), labels => (others => 0), free => 0, here => 0, last => 0);
 
-  -- Everything from the start again; labels, and what the tables take, are kept.
+  -- Starts another pass. The labels and the positions of the tables are kept.
   procedure next_pass(p : inout assembler_t);
 
   procedure put(p : inout assembler_t; i : frame_instruction_t; condition : natural := never; target : label_t := next_work);
 
-  -- The next instruction goes there.
+  -- Places the next instruction at the label.
   procedure at(p : inout assembler_t; label_name : label_t);
   procedure at_entry(p : inout assembler_t; entry : natural);
   procedure at_form(p : inout assembler_t; kind : natural);
   procedure at_check(p : inout assembler_t; kind : natural);
 
-  -- The last instruction leads there.
+  -- Lets the last instruction continue at the label.
   procedure go_to(p : inout assembler_t; label_name : label_t);
 
-  -- `pointer` becomes a place of the memory.
+  -- Sets `pointer` to a place in the memory.
   procedure point(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
 
-  -- A counter of the control registers, one more.
+  -- Increments a counter of the control registers.
   procedure bump(p : inout assembler_t; counter : natural; i : frame_instruction_t := nothing_done);
 
-  -- `data` becomes a word of the memory.
+  -- Loads a word of the memory into `data`.
   procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
 
-  -- So many bytes taken to `data`, whose others become zero.
+  -- Takes so many bytes into `data`, and sets its other bytes to zero.
   procedure take_bytes(p : inout assembler_t; bytes : positive; condition : natural := never; target : label_t := next_work);
 
-  -- A routine there, then the next instruction.
+  -- Calls the routine at the label, then goes to the next instruction.
   procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done);
 
-  -- The lower half of a word, which is looked at already.
+  -- Sends the lower half of a word that is already on the memory's output.
   procedure say_half(p : inout assembler_t; what : std_ulogic_vector(2 downto 0); place : natural);
 
-  -- Id and count of posts, with which every reply begins.
+  -- Sends id and count of posts, with which every reply begins.
   procedure say_head(p : inout assembler_t);
 
 end package;

@@ -1,12 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- One access after the other on the bus-independent interface, for the framed application.
+-- Makes one access after the other on the bus-independent interface, for the framed application.
 --
--- Ports     read, write: begin an access in the next clock, with address and data as they are then; steady until `done`. What a
---           read found stands with `found` for one clock. failed, silent_bus, denied_write: of the last access. hold: the bus is
---           kept from now on until `free`.
--- Latency   done is high from the clock behind the answer until the next access begins.
--- Errors    failed: the bus refused; nobody answered, which silent_bus tells; or the dead-man has tripped: denied_write.
+-- Ports     read, write: begin an access in the next clock, with the address and data of that clock. Both stay stable
+--           until `done`.
+--           found: high for one clock, together with the word that was read. failed, silent_bus, denied_write: about the
+--           last access.
+--           hold: keep the bus from now on until `free`.
+-- Latency   `done` is high from the clock after the answer until the next access begins.
+-- Errors    failed: the bus refused the access, or did not answer (silent_bus), or the dead-man has tripped
+--           (denied_write).
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The time of the framed application: clocks since reset.
+-- The time of the framed application: a count of clocks since reset.
 --
--- Ports     time_now: the lower half of the clock. half: its highest bit when `look` was last given; turned: it is another
---           one now, so that whoever keeps the upper half has 2**31 clocks to look.
+-- Ports     time_now: the lower half of the clock. half: its highest bit at the last `look`. turned: the highest bit
+--           differs from `half`. Whoever keeps the upper half has 2**31 clocks to look.
 -- Latency   None.
 -- Errors    None.
 

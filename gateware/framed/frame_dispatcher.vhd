@@ -1,15 +1,16 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Says what the framed application does next: what happened besides, a publish, or the next frame.
+-- Chooses what the framed application does next: an event of the core, a publish, or the next frame.
 --
--- Ports     entry: of frame_pkg, while `pending`. begins: it is taken. receive_overrun, publish_overrun: one-clock pulses, each
---           kept until it is taken. tripped: the dead-man has, and it is not counted yet. room: the transmitter takes a whole
---           payload.
+-- Ports     entry: see frame_pkg; valid while `pending`. begins: the entry is taken. receive_overrun, publish_overrun:
+--           one-clock pulses, each kept until it is taken. tripped: the dead-man has tripped, and the trip is not yet
+--           counted. room: the transmitter takes a whole payload.
 -- Latency   None.
--- Errors    None. An overrun of the line that comes while another one waits joins it; of publishes 15 wait.
+-- Errors    None. An overrun of the line that comes while another one waits is merged with it. Up to 15 overruns of
+--           publishes wait.
 -- Arbitration  In this order: half_turn, overruns, tripped, publishes, frames.
--- Pressure  A publish begins only if there is room for all of it. One that is due without room lets posts and what is dropped
---           begin, which say nothing; other frames would wait for the room, too, and then it goes first.
+-- Pressure  A publish begins only if there is room for all of it. While a due publish has no room, posts and dropped
+--           frames may begin, because they send nothing. Other frames need the room too, so the publish goes before them.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +22,7 @@ use work.protocol_pkg.all;
 entity frame_dispatcher is
   generic (
     publishing : boolean := true;  -- there are publishes
-    deadman    : boolean := true   -- there is one
+    deadman    : boolean := true   -- there is a dead-man
   );
   port (
     clock           : in  std_ulogic;
@@ -43,9 +44,9 @@ end entity;
 architecture rtl of frame_dispatcher is
 
   signal receive_overran : std_ulogic := '0';
-  signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not taken yet
+  signal publish_overruns : unsigned(3 downto 0) := (others => '0');  -- not yet taken
   signal choice : entry_t;
-  signal says_nothing : std_ulogic;  -- the frame has no answer
+  signal says_nothing : std_ulogic;  -- the frame gets no answer
 
 begin
 

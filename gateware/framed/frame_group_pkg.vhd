@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The part of the framed application's program about groups: DEFINE_EXCHANGE and EXCHANGE; DEFINE_GROUP and publishes.
+-- The part of the framed application's program for groups: DEFINE_EXCHANGE and EXCHANGE, DEFINE_GROUP and publishes.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -30,7 +30,7 @@ package body frame_group_pkg is
       put(p, nothing_done, if_some_left, entry);
     end procedure;
 
-    -- Address and bytes, whose sum goes to a word.
+    -- Checks the address and the number of bytes, and adds that number to a word.
     procedure check_member(entry, next_entry : label_t; sum : natural) is
     begin
       at(p, entry);
@@ -67,7 +67,7 @@ package body frame_group_pkg is
     put(p, store(store_data, word_operand));
     put(p, take(take_first));
     put(p, data(data_add) or number(word_operand) or times(2));
-    put(p, also(load_count, s.exchange_size), if_above, no_group);  -- members of both sorts
+    put(p, also(load_count, s.exchange_size), if_above, no_group);  -- members of both kinds
     load(p, word_in_size);
     put(p, number(s.reply_max - 4), if_above, too_long);
     load(p, word_counts);
@@ -86,7 +86,7 @@ package body frame_group_pkg is
     else
       take_bytes(p, s.address_bytes + 1);
     end if;
-    put(p, data(data_turn) or times(3));  -- the number of bytes to the top
+    put(p, data(data_turn) or times(3));  -- rotate the number of bytes to the top
     put(p, act(do_pointer) or store(store_data, 0) or act(do_point_up) or act(do_count));
     go_to(p, define_entries);
   end procedure;
@@ -193,7 +193,7 @@ package body frame_group_pkg is
     put(p, also(load_group));
     for index in 1 to 4 - s.rate_bytes loop
       put(p, take(take_first));
-      put(p, number(0), if_low_not, invalid);  -- a divisor beyond what the generic holds
+      put(p, number(0), if_low_not, invalid);  -- a divisor that does not fit the generic
     end loop;
     put(p, take(take_skip) or times(s.rate_bytes));
     put(p, take(take_skip));
@@ -230,7 +230,7 @@ package body frame_group_pkg is
   begin
     at_entry(p, entry_publish);
     put(p, manage(manage_take) or also(hold_bus));
-    put(p, data(data_group));  -- its number of addresses, since `count` is 0
+    put(p, data(data_group));  -- its number of addresses, because `count` is 0
     put(p, also(load_count));
     put(p, data(data_clock));
     point(p, sequence_base(s), act(do_point_group) or store(store_data, word_operand));

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What the framed application is built for, and where its memory of 32-bit words has what.
+-- The settings of the framed application, and the layout of its memory of 32-bit words.
 --
 --   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md, section 6)
---   0x45 what the program keeps to itself  0x60 constants  0x70 sequences of up to 16 groups
---   from 0x80: those of more groups, exchange groups; 1024 words at most
+--   0x45 the program's own words  0x60 constants  0x70 sequences of up to 16 groups
+--   from 0x80: sequences of more groups, exchange groups; at most 1024 words
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -18,7 +18,7 @@ package frame_layout_pkg is
 
   subtype word32_t is std_ulogic_vector(31 downto 0);
 
-  -- An output that the dead-man sets, and to what.
+  -- An output that the dead-man sets, and its safe value.
   type safe_value_t is record
     address : word32_t;
     value   : word32_t;
@@ -26,11 +26,11 @@ package frame_layout_pkg is
   type safe_values_t is array (natural range <>) of safe_value_t;
   constant no_safe_values : safe_values_t(1 to 0) := (others => (address => (others => '0'), value => (others => '0')));
 
-  -- What a description says, and which kinds there are: the settings of the core, and what follows from them.
+  -- The settings of the core that decide its description and its kinds, and values that follow from them.
   type frame_settings_t is record
     address_width    : positive;
     data_width       : positive;
-    address_bytes    : positive;  -- that hold them
+    address_bytes    : positive;  -- bytes that hold these bits
     data_bytes       : positive;
     clock_hz         : positive;
     base_hz          : positive;
@@ -54,28 +54,28 @@ package frame_layout_pkg is
 
   function frame_settings_of(settings : settings_t) return frame_settings_t;
 
-  constant ring_bytes : positive := 512;  -- of the receiver
+  constant ring_bytes : positive := 512;  -- in the receiver
 
-  -- What the program keeps to itself; the first three, and the control registers before them, are zero in a new session.
+  -- The program's own words. The first three, and the control registers before them, are zero in a new session.
   constant word_first    : natural := 16#45#;  -- the number of the first post that failed
   constant word_status   : natural := 16#46#;  -- and its status
-  constant word_posts    : natural := 16#47#;  -- executed in this session, in the lower half
-  constant word_session  : natural := 16#49#;  -- nonce and epoch of the session; no session: all ones
-  constant word_failed   : natural := 16#4A#;  -- posts that failed, in the lower half; the upper half is all ones
+  constant word_posts    : natural := 16#47#;  -- posts executed in this session, in the lower half
+  constant word_session  : natural := 16#49#;  -- nonce and epoch of the session; all ones without a session
+  constant word_failed   : natural := 16#4A#;  -- failed posts in the lower half; the upper half is all ones
   constant word_high     : natural := 16#4C#;  -- upper half of the clock
   constant word_barrier  : natural := 16#4F#;
-  constant word_total    : natural := 16#50#;  -- of a list: words
-  constant word_reads    : natural := 16#51#;  -- those read
-  constant word_writes   : natural := 16#55#;  -- and those written
-  constant word_done     : natural := 16#52#;  -- and those done, less one
+  constant word_total    : natural := 16#50#;  -- of a list: its words
+  constant word_reads    : natural := 16#51#;  -- of a list: words to read
+  constant word_writes   : natural := 16#55#;  -- of a list: words to write
+  constant word_done     : natural := 16#52#;  -- of a list: words done, less one
   constant word_mask     : natural := 16#53#;
-  constant word_answer   : natural := 16#59#;  -- the status of a list that failed
+  constant word_answer   : natural := 16#59#;  -- the status of a failed list
   constant word_operand  : natural := 16#54#;
   constant word_out_size : natural := 16#56#;  -- of an exchange group: bytes of its outputs, with bit 31 set
-  constant word_in_size  : natural := 16#57#;  -- bytes of its inputs
-  constant word_counts   : natural := 16#58#;  -- how many of both
-  constant word_own_nonce : natural := 16#5A#; -- of the session, in the lower half
-  constant word_nonce    : natural := 16#5B#;  -- of the last HELLO answer; outlives a reset, so that no late OPEN is in time
+  constant word_in_size  : natural := 16#57#;  -- of an exchange group: bytes of its inputs
+  constant word_counts   : natural := 16#58#;  -- of an exchange group: both numbers of members
+  constant word_own_nonce : natural := 16#5A#; -- nonce of the session, in the lower half
+  constant word_nonce    : natural := 16#5B#;  -- nonce of the last HELLO answer; a reset keeps it, so a late OPEN is refused
   constant word_zero     : natural := 16#60#;  -- constants
   constant word_ones     : natural := 16#61#;
   constant word_one      : natural := 16#62#;
@@ -83,50 +83,50 @@ package frame_layout_pkg is
   constant word_four     : natural := 16#64#;
   constant word_upper    : natural := 16#65#;  -- FFFF0000
   constant word_defined  : natural := 16#66#;  -- 80000000
-  constant word_hello    : natural := 16#68#;  -- what HELLO tells of the device behind the epoch
+  constant word_hello    : natural := 16#68#;  -- the part of the HELLO answer about the device, after the epoch
   constant hello_words   : natural := 5;
 
-  -- What is remembered from frame to frame; the first three are the register `arm`. The dead-man has three of them, to which
-  -- setting and clearing are commands: setting flag_tripped trips it if it runs, clearing arms; clearing flag_tripped_now
-  -- begins a session (dead_man_pkg).
-  constant flag_tripped     : natural := 1;   -- the dead-man has, and nobody has armed since
-  constant flag_running     : natural := 2;   -- the dead-man is
+  -- Flags that last from frame to frame. The first three are the register `arm`. The dead-man holds three of them, and to
+  -- set or clear these is a command (dead_man_pkg). Setting flag_tripped trips the dead-man if it runs, and clearing it
+  -- arms. Clearing flag_tripped_now begins a session.
+  constant flag_tripped     : natural := 1;   -- the dead-man has tripped, and nobody has armed it since
+  constant flag_running     : natural := 2;   -- the dead-man is running
   constant flag_publishing  : natural := 4;
-  constant flag_tripped_now : natural := 8;   -- in this session
-  constant flag_offered     : natural := 16;  -- a HELLO answer that no OPEN has used
-  constant flag_told        : natural := 32;  -- CLOSED, since the last HELLO
-  constant flag_failed      : natural := 64;  -- a post has, in this session
+  constant flag_tripped_now : natural := 8;   -- the dead-man has tripped in this session
+  constant flag_offered     : natural := 16;  -- a HELLO answer was sent that no OPEN has used
+  constant flag_told        : natural := 32;  -- CLOSED was sent since the last HELLO
+  constant flag_failed      : natural := 64;  -- a post failed in this session
 
-  -- And of one frame.
-  constant mark_repeated  : natural := 1;    -- executed before: nothing is written again
-  constant mark_writes    : natural := 2;    -- the list does
+  -- Marks of one frame.
+  constant mark_repeated  : natural := 1;    -- it was executed before: nothing is written again
+  constant mark_writes    : natural := 2;    -- the list writes
   constant mark_fifo      : natural := 4;    -- the list has a read_fifo
   constant mark_posting   : natural := 16;   -- it is a post
-  constant mark_executing : natural := 32;   -- list or group has been checked
+  constant mark_executing : natural := 32;   -- the list or group has been checked
 
-  -- The status of a place whose id nothing has been executed for.
+  -- The status of a place without an executed id.
   constant no_status : natural := 15;
 
-  -- And of one operation of a list.
-  constant shape_once  : natural := 1;    -- one address for all words; else each has its own
-  constant shape_reads : natural := 2;    -- words; else each has a value
-  constant shape_mask  : natural := 4;    -- and a mask before it
-  constant shape_add   : natural := 8;    -- which is added
+  -- Shape of one operation of a list.
+  constant shape_once  : natural := 1;    -- one address for all words; otherwise each word has its own
+  constant shape_reads : natural := 2;    -- it reads words; otherwise each word has a value
+  constant shape_mask  : natural := 4;    -- each value has a mask before it
+  constant shape_add   : natural := 8;    -- the value is added
   constant shape_up    : natural := 16;   -- the next word is at the next address
   constant shape_fifo  : natural := 32;   -- it is read_fifo
   constant shape_none  : natural := 128;  -- there is no such operation
 
   function shape_of(operation : byte_t) return byte_t;
 
-  -- Of its frame: it writes, it has a read_fifo.
+  -- The marks that an operation gives to its frame: it writes, or it has a read_fifo.
   function marks_of(shape : byte_t) return byte_t;
 
-  -- An exchange group: its number of inputs in the lowest byte, of outputs in the next but one above; its word_out_size, 0
-  -- if it is not defined; then of each word the bytes, in the highest byte, and the address, which takes a word of its own
-  -- where it has four bytes.
+  -- Words of an exchange group. The first word has the number of inputs in the lowest byte, and the number of outputs in
+  -- the next byte. The second word is its word_out_size, or 0 if the group is not defined. Then each member has a word
+  -- with the number of bytes in the highest byte, and the address. An address of four bytes takes a word of its own.
   function exchange_stride(s : frame_settings_t) return positive;
 
-  -- So many words one frame can define.
+  -- The most words that one frame can define.
   function exchange_size_most(s : frame_settings_t) return natural;
 
   function sequence_base(s : frame_settings_t) return natural;
@@ -188,7 +188,7 @@ package body frame_layout_pkg is
   end function;
 
   constant first_table : natural := 16#80#;
-  constant few_groups  : natural := 16#70#;  -- where the sequences of `few_most` groups are
+  constant few_groups  : natural := 16#70#;  -- place of the sequences of up to `few_most` groups
   constant few_most    : natural := 16;
 
   function power_of_two(least : positive) return positive is
@@ -210,7 +210,7 @@ package body frame_layout_pkg is
 
   function exchange_size_most(s : frame_settings_t) return natural is
   begin
-    return (s.request_max - 5) / (s.address_bytes + 1);  -- id, group and two counts stand before them
+    return (s.request_max - 5) / (s.address_bytes + 1);  -- before them are id, group and two counts
   end function;
 
   function sequence_base(s : frame_settings_t) return natural is
@@ -219,7 +219,7 @@ package body frame_layout_pkg is
     if s.groups <= few_most then
       return few_groups;
     end if;
-    return (first_table + size - 1) / size * size;  -- so that a group's place is an `or`
+    return (first_table + size - 1) / size * size;  -- so an `or` gives the place of a group
   end function;
 
   function tables_end(s : frame_settings_t) return natural is
@@ -243,7 +243,7 @@ package body frame_layout_pkg is
     if s.exchanges > 0 then
       words := exchange_base(s) + s.exchanges * exchange_stride(s);
     end if;
-    return power_of_two(maximum(256, words));  -- a register has a byte of address
+    return power_of_two(maximum(256, words));  -- the address of a register has one byte
   end function;
 
   function features_of(s : frame_settings_t) return natural is

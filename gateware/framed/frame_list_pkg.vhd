@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The part of the framed application's program about lists: LIST and POST_LIST. A list is walked through twice, first to
--- check its form and to count its words, then to execute it.
+-- The part of the framed application's program for lists: LIST and POST_LIST. It goes through a list twice. The first
+-- time it checks the form and counts the words, and the second time it executes the list.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +21,8 @@ end package;
 
 package body frame_list_pkg is
 
-  -- An operation as far as its count. Then its bytes are passed over, where the form is checked or it has been executed before.
+  -- Reads an operation up to its count. Then it skips the bytes of the operation if it only checks the form, or if the
+  -- list was executed before.
   procedure operation(p : inout assembler_t; s : frame_settings_t) is
   begin
     at(p, list_op);
@@ -59,12 +60,12 @@ package body frame_list_pkg is
     go_to(p, list_pass);
   end procedure;
 
-  -- Executes an operation, whose count is in `data`, too. A word is counted as done where its access begins.
+  -- Executes an operation. The count is also in `data`. A word counts as done once its access begins.
   procedure execute(p : inout assembler_t; s : frame_settings_t) is
     constant counted  : frame_instruction_t := act(do_count) or store(store_next, word_done);
     constant together : positive            := minimum(s.address_bytes, s.data_bytes);
 
-    -- What is done so often counts a word next: its place has to be looked at before.
+    -- Addresses the word that an instruction with so many turns counts next.
     procedure look(turns : positive) is
     begin
       if turns = 1 then
@@ -105,7 +106,7 @@ package body frame_list_pkg is
     end if;
     put(p, say(say_kept, from_word) or times(together));
     go_to(p, list_more);
-    at(p, run_next);  -- the address of the next word is taken while the last bytes of this one are said
+    at(p, run_next);  -- takes the address of the next word while the last bytes of this one are sent
     if s.address_bytes > together then
       put(p, take(take_item) or times(s.address_bytes - together) or number(word_done));
     end if;
@@ -140,7 +141,7 @@ package body frame_list_pkg is
     put(p, take(take_address) or times(s.address_bytes));
     go_to(p, run_words);
 
-    at(p, run_again);  -- nothing is written a second time
+    at(p, run_again);  -- nothing is written again
     put(p, number(shape_reads), if_shape, run_go);
     put(p, data(data_add) or number(word_done) or times(2));
     put(p, store(store_data, word_done));

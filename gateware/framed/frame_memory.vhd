@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The words of the framed application: control registers, what its program keeps, tables (frame_layout_pkg).
+-- The words of the framed application: control registers, the program's own words, and tables (frame_layout_pkg).
 --
--- Ports     index: the word that is looked at, which stands in `word` one clock later; in a clock in which something is stored
---           at index nothing is looked at. store: see frame_instruction_pkg, with `enable`, which may come late in the clock;
---           data: what store_data stores.
+-- Ports     index: the address of a word, which is in `word` one clock later. A clock that stores reads no word.
+--           store: see frame_instruction_pkg. enable: goes with `store`, and may come late in the clock. data: the value
+--           of store_data.
 -- Latency   One clock.
 -- Errors    None.
 
@@ -18,7 +18,7 @@ use work.width_pkg.all;
 
 entity frame_memory is
   generic (
-    content : word_memory_t  -- at power-up; as many as a power of two
+    content : word_memory_t  -- at power-up; its length is a power of two
   );
   port (
     clock : in  std_ulogic;
@@ -34,7 +34,7 @@ architecture rtl of frame_memory is
 
   signal words  : word_memory_t(0 to content'length - 1) := content;
   signal looked : word32_t;
-  signal known  : word32_t;  -- and before the first clock, too, which a block RAM does not begin with
+  signal known  : word32_t;  -- known before the first clock, when a block RAM has no output yet
   signal stored : word32_t;
   signal ones   : std_ulogic;
 
@@ -52,7 +52,7 @@ begin
     end if;
   end process;
 
-  -- No word is looked at in the clock in which it is stored: block RAMs do not agree about what that gives.
+  -- A clock that stores reads no word, because block RAMs differ in what such a read gives.
   move : process (clock)
   begin
     if rising_edge(clock) then

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The part of the framed application's program about posts: POST, and what becomes of those that fail.
+-- The part of the framed application's program for posts: POST, and the handling of failed posts.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -55,7 +55,7 @@ package body frame_post_pkg is
     go_to(p, post_note);
     at(p, post_failed);
     if s.deadman then
-      put(p, nothing_done, if_denied, post_stopped);  -- it tripped meanwhile
+      put(p, nothing_done, if_denied, post_stopped);  -- the dead-man has tripped meanwhile
     end if;
     call(p, count_failure);
     at(p, post_note);

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The framed application's program: what it does with every frame, tick and publish (docs/protocol.md). Sessions, ids and single
--- words are here; frame_post_pkg has posts, frame_state_pkg the device itself, frame_list_pkg lists, frame_group_pkg both sorts
--- of groups.
+-- The framed application's program: what it does for every frame, tick and publish (docs/protocol.md). Sessions, ids and
+-- single words are here. frame_post_pkg has posts, frame_state_pkg the device itself, frame_list_pkg lists, and
+-- frame_group_pkg both kinds of groups.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -20,14 +20,14 @@ use work.protocol_pkg.all;
 
 package frame_program_pkg is
 
-  -- As long as a power of two, at most 512.
+  -- The program. Its length is a power of two, at most 512.
   function frame_program_for(s : frame_settings_t) return frame_program_t;
 
 end package;
 
 package body frame_program_pkg is
 
-  -- Power-up and reset; what several routines lead to.
+  -- Power-up, reset, and endings that several routines share.
   procedure common(p : inout assembler_t; s : frame_settings_t) is
 
     procedure refuse(label_name : label_t; status : natural) is
@@ -55,7 +55,7 @@ package body frame_program_pkg is
     put(p, act(do_begin));
     p.code(p.last)(following_f) := std_ulogic_vector(to_unsigned(first_of_entries, 9));
 
-    at(p, write_ok);  -- nothing is said yet, nor to be said
+    at(p, write_ok);  -- nothing was sent, and nothing is to be sent
     call(p, answer);
     at(p, end_ok);
     put(p, say(say_end) or act(do_place) or number(reply_status_ok_c) or act(do_done));
@@ -64,7 +64,7 @@ package body frame_program_pkg is
     say_head(p);
     go_to(p, end_ok);
     at(p, tail_refused);
-    put(p, number(mark_repeated), if_mark, tail_plain);  -- counted already
+    put(p, number(mark_repeated), if_mark, tail_plain);  -- it was counted before
     bump(p, control_frames_c);
     at(p, tail_plain);
     call(p, head);
@@ -80,7 +80,7 @@ package body frame_program_pkg is
     at(p, head);
     say_head(p);
     p.code(p.last) := p.code(p.last) or act(do_return);
-    at(p, finish_ok);  -- all is said but the end
+    at(p, finish_ok);  -- only the end is still to be sent
     put(p, number(mark_repeated), if_mark, finish_plain);
     put(p, say(say_last) or number(device_kind_reply_c) or act(do_place) or act(do_done));
     go_to(p, next_work);
@@ -95,7 +95,7 @@ package body frame_program_pkg is
     at(p, end_failed);
     put(p, say(say_end) or act(do_place) or number(status_of_data) or act(do_done));
     go_to(p, next_work);
-    at(p, count_failure);  -- and its status into `data`
+    at(p, count_failure);  -- and load its status into `data`
     put(p, nothing_done, if_silent, count_silence);
     if s.deadman then
       put(p, nothing_done, if_denied, count_denial);
@@ -106,7 +106,7 @@ package body frame_program_pkg is
     bump(p, control_bus_timeouts_c);
     load(p, word_two, act(do_return));
     if s.deadman then
-      at(p, count_denial);  -- a list or group has been executed in part
+      at(p, count_denial);  -- a list or group was executed in part
       bump(p, control_refused_c);
       load(p, word_one, act(do_return));
     end if;
@@ -165,7 +165,7 @@ package body frame_program_pkg is
   -- HELLO, OPEN, CLOSE.
   procedure sessions(p : inout assembler_t; s : frame_settings_t) is
 
-    -- `data` has nonce and epoch of the new session, or all ones.
+    -- `data` is nonce and epoch of the new session, or all ones.
     procedure begin_session is
     begin
       at(p, session_begins);
@@ -218,7 +218,7 @@ package body frame_program_pkg is
 
     at_entry(p, entry_open);
     put(p, take(take_first) or times(3) or number(3), if_left_not, drop_kind);
-    put(p, take(take_data) or number(16#FF#), if_low, drop_stale);  -- an epoch never begins with it
+    put(p, take(take_data) or number(16#FF#), if_low, drop_stale);  -- an epoch never begins with FF
     put(p, store(store_data, word_operand));
     put(p, number(word_session));
     put(p, data(data_turn), if_half_not, open_new);
@@ -232,10 +232,10 @@ package body frame_program_pkg is
     load(p, word_operand);
     put(p, data(data_turn) or number(word_nonce) or times(2));
     put(p, take(take_first), if_half_not, drop_stale);
-    put(p, number(0), if_low_not, drop_stale);  -- a flag
+    put(p, number(0), if_low_not, drop_stale);  -- a flag is set
     put(p, also(clear_flags, flag_offered));
     if s.deadman then
-      put(p, also(set_flags, flag_tripped));  -- if it runs
+      put(p, also(set_flags, flag_tripped));  -- works if it runs
     end if;
     at(p, open_begin);
     put(p, nothing_done, if_busy, open_begin);
@@ -254,7 +254,7 @@ package body frame_program_pkg is
     call(p, answer);
     put(p, say(say_end));
     at(p, close_wait);
-    put(p, nothing_done, if_busy, close_wait);  -- the answer leaves in the epoch that ends
+    put(p, nothing_done, if_busy, close_wait);  -- the answer is sent in the epoch that ends
     load(p, word_ones);
     call(p, session_begins);
     put(p, act(do_done));
@@ -272,7 +272,7 @@ package body frame_program_pkg is
       go_to(p, places);
     end procedure;
   begin
-    for operation in 2 to entry_unknown loop  -- until there is something better
+    for operation in 2 to entry_unknown loop  -- replaced below for the known operations
       at_entry(p, operation);
       put(p, act(do_rewind));
       go_to(p, general_taken);
@@ -292,7 +292,7 @@ package body frame_program_pkg is
     put(p, take(take_id) or times(2) or number(1 + s.address_bytes), if_not_plain, general);
     at(p, exec_read);
     if s.address_bytes = 1 then
-      put(p, nothing_done);  -- the place is not looked at yet
+      put(p, nothing_done);  -- the place is not read yet
     end if;
     put(p, take(take_address) or times(s.address_bytes) or act(do_read), if_not_new, not_new);
     bump(p, control_frames_c);
@@ -318,7 +318,7 @@ package body frame_program_pkg is
     at(p, write_failed);
     put(p, nothing_done, if_denied, write_denied);
     go_to(p, failed);
-    at(p, write_denied);  -- the dead-man tripped before it came to the bus
+    at(p, write_denied);  -- the dead-man tripped before the write reached the bus
     bump(p, control_refused_c, say(say_again));
     put(p, say(say_kind) or number(device_kind_reply_c + reply_status_denied_c));
     go_to(p, tail_plain);
@@ -381,7 +381,7 @@ package body frame_program_pkg is
     at(p, duplicate_byte);
     put(p, say(say_byte, from_cache) or act(do_count));
     go_to(p, duplicate_next);
-    at(p, repeat);  -- of LIST, EXCHANGE or READ_CONTROL; else the id was another request's, and it is invalid
+    at(p, repeat);  -- for LIST, EXCHANGE or READ_CONTROL; otherwise the id belongs to another request, and this one is invalid
     put(p, also(set_marks, mark_repeated));
     go_to(p, skip_check);
 

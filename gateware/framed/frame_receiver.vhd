@@ -1,19 +1,20 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Bytes to judged frames: the verify buffer of the framed protocol. Nobody hears of a frame before its closing 00 has come
--- and its check was right; then the frame stands with its payload decoded, to be read, read again and dropped.
+-- Turns bytes into checked frames: the verify buffer of the framed protocol. A frame is passed on only after its closing
+-- 00 has come and its check was right. Then its payload is decoded. It can be read, read again and dropped.
 --
 --   frame --> delay of 3 --> CRC, COBS --> | payloads, a ring |  --> request.data
 --   (the check)    00 --> verdict -------> | frames, a FIFO   |  --> request
 --
--- Ports     frame: valid/ready, each from its kind to its closing 00. request: see frame_pkg; `rewind` makes the first byte of
---           the payload the next one and has to come first, `take` moves on by take_bytes, of which none is taken where
---           fewer are left (request.missing), `done` to the next frame.
--- Latency   A frame stands two clocks behind its 00. One byte a clock, in and out.
--- Errors    What is dropped stands in the order of arrival too, without payload, as an entry that tells the reason. A byte
---           that may not be costs its own frame and nothing else.
--- Pressure  frame_ready is low while the ring or the FIFO of 16 frames is full, and from an OPEN or CLOSE to its `done`:
---           with it the epoch changes, with which the next frame is judged.
+-- Ports     frame: valid/ready bytes of frames, each from its kind to its closing 00.
+--           request: see frame_pkg. `rewind` must come first, and makes the first byte of the payload the next one.
+--           `take` moves on by take_bytes, or takes nothing if fewer are left (request.missing). `done` moves to the next
+--           frame.
+-- Latency   A frame is passed on two clocks after its 00. One byte per clock, in and out.
+-- Errors    A dropped frame is passed on in the order of arrival too, as an entry that gives the reason, without payload.
+--           A wrong byte costs only its own frame.
+-- Pressure  frame_ready is low while the ring or the FIFO of 16 frames is full. It is also low from an OPEN or CLOSE to
+--           its `done`, because the epoch changes then, and the next frame is checked with the new epoch.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -26,13 +27,13 @@ use work.width_pkg.all;
 entity frame_receiver is
   generic (
     request_max : positive range 2 to 250 := 250;  -- longest payload of a request
-    ring_bytes  : positive := 512;                  -- a power of two: bytes of all payloads not done yet
-    many        : boolean  := true                  -- take_bytes counts; else one byte is taken at a time
+    ring_bytes  : positive := 512;                  -- a power of two: bytes of all payloads that are not done
+    many        : boolean  := true                  -- take_bytes counts; otherwise one byte is taken at a time
   );
   port (
     clock       : in  std_ulogic;
     reset       : in  std_ulogic;
-    epoch       : in  crc16_t;     -- FFFF: no session is open
+    epoch       : in  crc16_t;     -- FFFF means that no session is open
     frame_valid : in  std_ulogic;
     frame_ready : out std_ulogic;
     frame_data  : in  byte_t;
@@ -41,14 +42,14 @@ entity frame_receiver is
     take_bytes  : in  unsigned(7 downto 0) := x"01";
     rewind      : in  std_ulogic;
     done        : in  std_ulogic;
-    alive       : out std_ulogic   -- for one clock: a frame of the session was judged
+    alive       : out std_ulogic   -- for one clock: a frame of the session passed its check
   );
 end entity;
 
 architecture rtl of frame_receiver is
 
   constant index_bits : positive := bits_for(ring_bytes);
-  -- The longest piece that a request_max of its kind and the longer check can have, without the shorter check.
+  -- The longest piece that a payload of request_max with the longer check can have, without the shorter check.
   constant payload_most : positive := request_max + 2;
 
   -- HELLO and OPEN, which differ in their lowest bit.
@@ -59,22 +60,22 @@ architecture rtl of frame_receiver is
 
   signal ring : ring_t;
 
-  -- The frame that comes in.
+  -- The incoming frame.
   type bytes_t is array (0 to 2) of byte_t;
   signal delay    : bytes_t := (others => (others => '0'));  -- the last bytes, 0 the newest
-  signal present  : std_ulogic_vector(2 downto 0) := "000"; -- which of them have come
+  signal present  : std_ulogic_vector(2 downto 0) := "000"; -- which of them are valid
   signal kind     : byte_t := (others => '0');
-  signal outside  : std_ulogic := '0';  -- it is HELLO or OPEN, which are of no session
+  signal outside  : std_ulogic := '0';  -- it is HELLO or OPEN, which belong to no session
   signal in_cobs  : std_ulogic := '0';  -- the kind has left the delay
-  signal coded    : std_ulogic := '0';  -- so has the first code byte
+  signal coded    : std_ulogic := '0';  -- and so has the first code byte
   signal crc      : crc16_t := (others => '0');
   signal run      : unsigned(7 downto 0) := (others => '0');  -- bytes left in the block
-  signal whole    : std_ulogic := '1';  -- the block before has no zero behind it
+  signal whole    : std_ulogic := '1';  -- the block before has no zero at its end
   signal length   : unsigned(7 downto 0) := (others => '0');
   signal too_long : std_ulogic := '0';
 
   signal frame_index : index_t := (others => '0');  -- first byte of the frame
-  signal write_index : index_t;                     -- next byte
+  signal write_index : index_t;                     -- place of the next byte
   signal accepts, border, stores, outside_now : std_ulogic;
   signal free_bytes               : index_t;
   signal at_code                  : std_ulogic;  -- the byte that leaves the delay is a code byte
@@ -90,10 +91,10 @@ architecture rtl of frame_receiver is
   signal record_out   : std_ulogic_vector(15 downto 0);
   signal record_room, record_valid : std_ulogic;
 
-  -- The frame that is read.
+  -- The frame that is being read.
   signal start_index        : index_t := (others => '0');               -- its first byte
-  signal read_next          : index_t;                                  -- what is looked at
-  signal taken              : unsigned(7 downto 0) := (others => '0');  -- bytes of it
+  signal read_next          : index_t;                                  -- the index that is read
+  signal taken              : unsigned(7 downto 0) := (others => '0');  -- bytes of it that were taken
   signal taken_next         : unsigned(7 downto 0);
   signal length_out, left   : unsigned(7 downto 0);
   signal missing, few       : std_ulogic;
@@ -154,7 +155,7 @@ begin
 
   alive <= judged and not verdict(4);
 
-  -- What is dropped has no payload.
+  -- A dropped frame has no payload.
   kept      <= not verdict(4) or nor verdict(3 downto 1);
   record_in <= pauses & verdict & kind(5 downto 4) & (std_ulogic_vector(length) and (7 downto 0 => kept));
 
@@ -222,7 +223,7 @@ begin
       elsif done = '1' and record_out(15) = '1' then
         paused <= '0';
       end if;
-      -- A few bytes early, for it is a clock late.
+      -- It is set a few bytes early, because it comes one clock late.
       full <= nor free_bytes(free_bytes'left downto 2);
       if reset = '1' then
         paused <= '0';

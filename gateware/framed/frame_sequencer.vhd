@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Fetches the instructions of the framed application, one a clock.
+-- Fetches the instructions of the framed application, one per clock.
 --
--- Ports     act: the instruction is done in this clock; holds: its condition does. jump: it goes on at its target; last: it is
---           done for the last time; both are told in the clock they are about. entry, operation: where beginning and dispatching
---           lead. begins: there is work. size: see times_size.
+-- Ports     act: the instruction is executed in this clock. holds: its condition holds. entry, operation: where `begin`
+--           and `dispatch` lead. begins: there is work. size: see times_size.
+--           jump: the next instruction is the target. last: this is its last time. Both are for the current clock.
 -- Latency   None between instructions.
 -- Errors    None.
 
@@ -19,8 +19,8 @@ use work.width_pkg.all;
 
 entity frame_sequencer is
   generic (
-    program : frame_program_t;  -- as many instructions as a power of two
-    sizes   : boolean           -- there are instructions that are done `size` times
+    program : frame_program_t;  -- its length is a power of two
+    sizes   : boolean           -- some instructions are executed `size` times
   );
   port (
     clock       : in  std_ulogic;
@@ -46,7 +46,7 @@ architecture rtl of frame_sequencer is
 
   signal now_done : frame_instruction_t;
   signal following, position, caller : position_t;
-  signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it has been done
+  signal turns    : unsigned(2 downto 0) := (others => '0');  -- how often it was executed
   signal final    : unsigned(2 downto 0);                     -- how often before the last time
   signal is_last, jumps, step : std_ulogic;
 

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The part of the framed application's program about the device itself: control registers, time, dead-man.
+-- The part of the framed application's program for the device itself: control registers, time, dead-man.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,7 +14,7 @@ use work.protocol_pkg.all;
 
 package frame_state_pkg is
 
-  -- READ_CONTROL, WRITE_CONTROL, and what is noted of a trip.
+  -- READ_CONTROL, WRITE_CONTROL, and the record of a trip.
   procedure registers(p : inout assembler_t; s : frame_settings_t);
 
 end package;
@@ -38,7 +38,7 @@ package body frame_state_pkg is
     at(p, registers_next);
     put(p, act(do_point_up) or act(do_count), if_no_register, bad_address);
     put(p, nothing_done, if_some_left, registers_next);
-    put(p, data(data_turn) or times(3));  -- address and count are in `data` still
+    put(p, data(data_turn) or times(3));  -- address and count are still in `data`
     put(p, data(data_turn) or act(do_point_data));
     put(p, say(say_kind) or number(device_kind_reply_c) or also(load_count, device_kind_reply_c));
     put(p, number(mark_repeated), if_mark, registers_free);
@@ -57,7 +57,7 @@ package body frame_state_pkg is
     put(p, number(mark_repeated), if_mark, end_plain);
     go_to(p, end_ok);
 
-    -- A turn of the clock that nobody has looked at yet is counted here.
+    -- Counts a turn of the clock that nobody has looked at yet.
     at(p, registers_time);
     put(p, nothing_done, if_half_turn, registers_turn);
     at(p, registers_high);

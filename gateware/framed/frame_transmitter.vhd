@@ -1,19 +1,19 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Payloads to frames: kind, COBS, check and closing 00 of the framed protocol.
+-- Turns payloads into frames: kind, COBS, check and closing 00 of the framed protocol.
 --
---   kind ------------------------------> tx   at once, if the frame before has left
---   put --> | payload, two of them |  -> tx   as soon as it is whole
+--   kind ------------------------------> tx   at once, if the frame before has been sent
+--   put --> | payload, two of them |  -> tx   as soon as it is complete
 --
--- A zero is not stored: in its place goes, when the next zero or the end comes, the distance to there, which is its code. So
--- every byte is one write, and the payload is encoded when its last byte has come.
+-- A zero is not stored. When the next zero or the end comes, the distance to it is stored in the place of the zero. That
+-- is its COBS code. So each byte is one write, and the payload is encoded when its last byte has come.
 --
--- Ports     reply: see frame_pkg; may be given while `ready`, otherwise it waits. tx: valid/ready/data, with tx_last beside the
---           closing 00 and tx_publish beside all of a publish. idle: nothing is on its way.
--- Latency   A kind is on tx two clocks later; the rest two clocks after finish, then a byte a clock: the payload, 1 code,
---           3 of the check, 00. Meanwhile the next payload may be put.
+-- Ports     reply: see frame_pkg; given only while `ready`, otherwise it waits. idle: nothing is being sent.
+--           tx: valid/ready/data. tx_last is high with the closing 00, and tx_publish with all bytes of a publish.
+-- Latency   A kind is on tx two clocks later. The rest begins two clocks after finish, with one byte per clock: the
+--           payload, 1 code, 3 bytes of check, 00. The next payload may be put meanwhile.
 -- Errors    None. A payload of more than 254 bytes must not be put.
--- Pressure  tx_ready stalls the frame that leaves; `ready` is low while a whole payload waits for it.
+-- Pressure  tx_ready stalls the frame that is being sent. `ready` is low while a whole payload waits for it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -44,11 +44,11 @@ architecture rtl of frame_transmitter is
 
   signal memory : memory_t;
 
-  -- The payload that is put.
+  -- The payload that is being put.
   signal bank     : std_ulogic := '0';
   signal position : unsigned(7 downto 0) := x"01";  -- of its next byte; its encoding begins at 0
-  signal zero     : unsigned(7 downto 0) := x"00";  -- where the next code goes
-  signal whole    : std_ulogic := '0';              -- it waits to leave
+  signal zero     : unsigned(7 downto 0) := x"00";  -- place of the next code
+  signal whole    : std_ulogic := '0';              -- it waits to be sent
   signal codes    : std_ulogic;                     -- a code is written
   signal written  : byte_t;
   signal write_index : unsigned(7 downto 0);
@@ -57,10 +57,10 @@ architecture rtl of frame_transmitter is
   signal kind_waits  : std_ulogic := '0';
 
   type state_t is (
-    resting,   -- leaves on a kind
-    opened,    -- the kind is out; leaves when the payload is whole
-    sending,   -- the payload; leaves behind its last byte
-    checking,  -- three bytes
+    resting,   -- ends with a kind
+    opened,    -- the kind is sent; ends when the payload is complete
+    sending,   -- the payload; ends after its last byte
+    checking,  -- three bytes of check
     closing    -- the 00
   );
 
@@ -68,17 +68,17 @@ architecture rtl of frame_transmitter is
   signal read_index : unsigned(7 downto 0) := (others => '0');
   signal read_next  : unsigned(7 downto 0);
   signal read_bank  : std_ulogic;
-  signal stop       : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoding
+  signal stop       : unsigned(7 downto 0) := (others => '0');  -- bytes of the encoded payload
   signal encoded    : byte_t;
   signal crc        : crc16_t := (others => '0');
   signal turn       : natural range 0 to 2 := 0;     -- which byte of the check
   signal full       : std_ulogic := '0';             -- tx has a byte
-  signal free       : std_ulogic;                    -- or takes one
-  signal starts     : std_ulogic;                    -- a kind leaves
-  signal outside    : std_ulogic;                    -- which is of no session
-  signal sent       : byte_t;                        -- what leaves, the check and 00 excepted
-  signal before     : crc16_t;                       -- the CRC before it
-  signal opens      : std_ulogic;                    -- and a payload
+  signal free       : std_ulogic;                    -- tx is empty, or its byte is taken
+  signal starts     : std_ulogic;                    -- a kind is sent
+  signal outside    : std_ulogic;                    -- a kind that belongs to no session
+  signal sent       : byte_t;                        -- the byte sent, without the check and 00
+  signal before     : crc16_t;                       -- the CRC before this byte
+  signal opens      : std_ulogic;                    -- a payload begins
 
 begin
 
@@ -137,7 +137,7 @@ begin
   -- The frame.
 
   starts  <= kind_waits and free when state = resting else '0';
-  outside <= kind(4) and not (kind(1) and not kind(0));  -- of D0 to D3 all but D2
+  outside <= kind(4) and not (kind(1) and not kind(0));  -- D0 to D3 without D2
   sent    <= encoded when state = sending else kind;
   before  <= crc when state = sending else epoch or (crc16_t'range => outside);
 

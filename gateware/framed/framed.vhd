@@ -5,9 +5,9 @@
 --   frame --> frame_receiver --> frame_application <--> bii, subscription
 --   tx <----- frame_transmitter <------+
 --
--- All there is to say stands in the three of them. What the dead-man has to know goes to an entity of its own in front of the
--- bus (dead_man), which also stops what this side does not know of. A sign of life is a frame of the session whose check was
--- right, when its last byte has come in: it counts before it is executed, and also while nothing is.
+-- The three entities have the details. What the dead-man must know goes to the entity dead_man in front of the bus.
+-- dead_man also stops writes of other applications. A sign of life is a frame of the session with a right check. It
+-- counts when its last byte has come in, before the frame is executed, and also while nothing is executed.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -43,7 +43,7 @@ entity framed is
     busy                  : out std_ulogic;
     subscription_request  : out subscription_request_t;
     subscription_response : in  subscription_response_t := subscription_response_idle;
-    dead_man_request      : out dead_man_request_t;  -- to the dead-man in front of the bus, where there is one
+    dead_man_request      : out dead_man_request_t;  -- to the dead-man in front of the bus, if there is one
     dead_man_response     : in  dead_man_response_t := dead_man_response_idle;
     bii_request           : out bii_request_t;
     bii_response          : in  bii_response_t

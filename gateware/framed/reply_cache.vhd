@@ -1,15 +1,17 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Remembers what was executed, so that nothing is executed twice: for each id mod `window` the id that was executed last
--- there, its status, and its reply if it was short.
+-- Remembers which requests were executed, so that none is executed twice. There is one place for each id mod `window`. It
+-- holds the last id executed there, its status, and its reply if that was short.
 --
--- Ports     id: what is looked at, two clocks later the rest is about it: new_id, it is later than the one of its place;
---           repeated, it is that one; order, with `before`, the one before it has not been executed, nor one behind that.
---           status, kept: of the reply that was kept; too_long: it was not. remember: the id takes its place, with status_in
---           and the bytes that were given since `start`. forget: place number forget_index holds its id of before the session.
---           keep: data_in is the next byte of a reply. recall: data_out is taken, and the next one stands two clocks later.
--- Latency   Two clocks from id to what is known of it.
--- Errors    Bytes beyond those a place holds are counted, not kept.
+-- Ports     id: the id to look up. Two clocks later these outputs are about it:
+--           new_id: it is later than the id of its place. repeated: it is the id of its place.
+--           order, with `before`: neither the id before it nor a later one of that place was executed.
+--           status, kept: of the cached reply. too_long: the reply was not kept.
+--           remember: the id takes its place, with status_in and the bytes given since `start`. forget: place number
+--           forget_index gets an id of before the session. keep: data_in is the next byte of a reply. recall: data_out is
+--           taken, and the next byte comes two clocks later.
+-- Latency   Two clocks from the id to the outputs about it.
+-- Errors    Bytes beyond the size of a place are counted, not kept.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +23,7 @@ use work.width_pkg.all;
 
 entity reply_cache is
   generic (
-    window : positive range 2 to 128 := frame_window_default_c  -- places, a power of two
+    window : positive range 2 to 128 := frame_window_default_c  -- number of places, a power of two
   );
   port (
     clock        : in  std_ulogic;
@@ -51,7 +53,7 @@ architecture rtl of reply_cache is
   constant entry_bits : positive := 16 - place_bits + 4 + 5;
 
   subtype place_t is unsigned(place_bits - 1 downto 0);
-  subtype turn_t is unsigned(15 downto place_bits);  -- of an id, how often its place has been around
+  subtype turn_t is unsigned(15 downto place_bits);  -- the part of an id that says how often its place was used
 
   type places_t is array (0 to 2 ** place_bits - 1) of std_ulogic_vector(entry_bits - 1 downto 0);
   type cache_t is array (0 to frame_cache_bytes_default_c * 2 ** place_bits - 1) of byte_t;
@@ -61,11 +63,11 @@ architecture rtl of reply_cache is
 
   signal place, place_read : place_t;
   signal entry             : std_ulogic_vector(entry_bits - 1 downto 0);
-  signal borrow            : std_ulogic := '0';  -- what `entry` is of is a turn earlier: `before`, at place 0
-  signal ahead             : turn_t;  -- how far the id is ahead of the one of its place
+  signal borrow            : std_ulogic := '0';  -- `entry` belongs to the turn before: `before`, at place 0
+  signal ahead             : turn_t;  -- how far the id is ahead of the id of its place
   signal same, half_way    : std_ulogic;
   signal later             : std_ulogic;
-  signal count             : unsigned(4 downto 0) := (others => '0');  -- bytes of the reply; 17: too many
+  signal count             : unsigned(4 downto 0) := (others => '0');  -- bytes of the reply; 17 means too many
   signal index             : unsigned(place_bits + 3 downto 0);
 
 begin
@@ -84,7 +86,7 @@ begin
   kept     <= unsigned(entry(4 downto 0));
   too_long <= entry(4) and or entry(3 downto 0);
   new_id   <= later;
-  repeated <= same and nand entry(8 downto 5);  -- no_status: nothing was executed
+  repeated <= same and nand entry(8 downto 5);  -- no_status means that nothing was executed
   order    <= later or half_way;
 
   remember_place : process (clock)
