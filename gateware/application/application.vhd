@@ -1,19 +1,19 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Executes requests on the bus, answers them, and publishes groups between them. One thing at a time: a small processor
--- whose program (program_pkg) lies in block RAM, an instruction a clock.
+-- Executes classic requests on the bus and answers them. Between requests it publishes groups. It is a small processor
+-- that executes one instruction per clock. Its program (program_pkg) is in block RAM.
 --
 -- Ports     request, take, rewind, request_done: see request_buffer. busy: a message is in hand.
 --           subscription: see subscription_pkg. bii: see bii_pkg.
---           word: valid/ready, what the datalink makes characters of.
--- Latency   The head of a reply goes out in the clock in which the request is valid, if nothing else is in hand. Clocks
---           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write
---           8 + AB + DB, a word of a read-many 3 + AB + DB, a word of a publish 4 + DB.
--- Errors    The E_ codes of docs/classic-protocol.md section 4. A refused request changes nothing. An error in the middle
---           of a read-many or publish ends it there, and the bus is released.
--- Arbitration  Between messages only. publish_mode 2 prefers publishes, 1 requests; but whoever waits has its turn after
---           `turns_most` messages of the other, so that neither starves.
--- Pressure  word_ready stalls the program wherever it wants to say something; nothing is lost.
+--           word: valid/ready. The datalink turns words into characters.
+-- Latency   The head of a reply is sent in the clock in which the request is valid, if nothing else is in hand. Clocks in
+--           all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write 8 + AB + DB,
+--           each word of a read-many 3 + AB + DB, each word of a publish 4 + DB.
+-- Errors    The E_ codes of docs/classic-protocol.md section 4. A refused request changes nothing. An error within a
+--           read-many or publish ends it there, and the bus is released.
+-- Arbitration  Only between messages. publish_mode 2 prefers publishes, and 1 prefers requests. The other side gets its
+--              turn after `turns_most` messages of the preferred side, so neither starves.
+-- Pressure  While word_ready is low, the program stops where it wants to send. Nothing is lost.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -35,11 +35,11 @@ entity application is
     base_hz       : positive                := limits_base_hz_default_c;
     groups        : positive range 1 to 256 := 2;
     group_size    : positive range 1 to 255 := 16;
-    most_words    : natural  range 0 to 255 := 32;  -- of a read-many; 0: there is no such command
+    most_words    : natural  range 0 to 255 := 32;  -- of a read-many; 0: no read-many
     rate_bytes    : positive range 1 to 4   := 2;
     publish_mode  : natural  range 0 to 2   := 2;
     turns_most    : positive range 1 to 15  := latency_turns_most_c;  -- messages in a row while the other side waits
-    whole_requests : boolean                := true -- they can be looked at twice; false: rewind must not be needed
+    whole_requests : boolean                := true -- requests can be read twice; false: rewind must not be needed
   );
   port (
     clock                 : in  std_ulogic;
@@ -66,7 +66,7 @@ architecture rtl of application is
   constant mask_bytes    : positive := maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8);
   constant publishes     : boolean  := publish_mode > 0;
 
-  -- The register of data also takes the rate of a group.
+  -- The register of data also holds the rate of a group.
   function register_bytes return positive is
   begin
     if publishes and rate_bytes > data_bytes then
@@ -91,23 +91,24 @@ architecture rtl of application is
   signal group_number : unsigned(bits_for(groups) - 1 downto 0) := (others => '0');
 
   signal jump       : std_ulogic;  -- the condition of the instruction holds
-  signal act_now    : std_ulogic;  -- it does what it does
-  signal step       : std_ulogic;  -- it is over in this clock
+  signal act_now    : std_ulogic;  -- the actions of the instruction are done
+  signal step       : std_ulogic;  -- the instruction ends in this clock
 
-  signal begins  : std_ulogic;             -- a message is begun
+  signal begins  : std_ulogic;             -- a message begins
   signal publish : std_ulogic;             -- the next message is a publish
   signal publish_begun : std_ulogic := '0';
   signal serving : std_ulogic := '0';      -- the message in hand is a request
-  signal turns   : natural range 0 to turns_most := 0;  -- of the preferred side in a row, while the other waited
-  signal yields  : std_ulogic := '0';      -- and now it is the other's
+  signal turns   : natural range 0 to turns_most := 0;  -- messages of the preferred side in a row, while the other waited
+  signal yields  : std_ulogic := '0';      -- the next turn belongs to the other side
   signal checked_publish : std_ulogic := '0';
 
   signal bus_valid, bus_write, bus_hold : std_ulogic := '0';
   signal access_done : std_ulogic := '0';
   signal failed      : std_ulogic;
-  signal failure     : unsigned(1 downto 0) := "00";  -- where the access that has failed leads, else 0
+  signal failure     : unsigned(1 downto 0) := "00";  -- position for the access that failed; 0: none failed
 
-  -- What a byte of the request that is in `address` now was worth; judged as it came, since jumping has no time for it.
+  -- Checks of the byte of the request that is in `address` now. They are made when the byte comes, because a jump has no
+  -- time for them.
   signal bad_read_many, bad_size, bad_group : std_ulogic := '0';
 
   alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);
@@ -120,7 +121,7 @@ architecture rtl of application is
     return '0';
   end function;
 
-  -- Whether a byte is more than a constant; a tree of gates is quicker than a subtraction.
+  -- Whether a byte is more than a constant. A tree of gates is faster than a subtraction.
   function above(value : byte_t; limit : natural) return std_ulogic is
     constant limit_bits : unsigned(7 downto 0) := to_unsigned(limit, 8);
     variable more       : std_ulogic := '0';
@@ -155,7 +156,7 @@ begin
     jump <= or (holds and instruction(condition_f));
   end process;
 
-  -- What an instruction does never has to wait for work or the bus (instruction_pkg); going on does.
+  -- The actions of an instruction never wait for work or the bus (instruction_pkg). Only going on waits for them.
   act_now <= (word_ready or not instruction(do_say)) and (request.ready or not instruction(do_take));
   step    <= act_now and (request.valid or subscription_response.publish or not instruction(do_begin)) and
              (access_done or not instruction(do_await));
@@ -207,9 +208,9 @@ begin
     end if;
   end process;
 
-  -- What is said.
+  -- What is sent.
 
-  -- The head of an error is another one, and said later.
+  -- The head of an error is different, and is sent later.
   word_valid <= instruction(do_say) and (request.ready or not instruction(do_take)) and
                 (access_done or not instruction(do_await)) and
                 not (instruction(do_begin) and not publish and (request.error or not request.valid));
@@ -238,7 +239,7 @@ begin
     word_data <= instruction(kind_f) & content;
   end process;
 
-  -- What is done.
+  -- The actions.
 
   take         <= (instruction(do_take) and request.ready and (word_ready or not instruction(do_say))) or
                   (instruction(do_begin) and word_ready and request.valid and not publish);
@@ -267,7 +268,7 @@ begin
 
       if instruction(do_load_address) = '1' then
         address <= subscription_response.word(address'range);
-        if address_width < 8 and instruction(do_count) = '1' then  -- it is no number of addresses
+        if address_width < 8 and instruction(do_count) = '1' then  -- not a number of addresses
           address(7 downto minimum(address_width, 7)) <= (others => '0');
         end if;
       elsif (instruction(do_begin) and request.valid) = '1' or (instruction(do_shift_address) and act_now) = '1' then
@@ -322,7 +323,7 @@ begin
           failure <= to_unsigned(position_refused_read, 2);
         end if;
       elsif act_now = '1' and (instruction(do_read) = '1' or instruction(do_write) = '1') and
-            not (request.missing = '1' and serving = '1') then  -- not without the bytes it needs
+            not (request.missing = '1' and serving = '1') then  -- not without the bytes that it needs
         bus_valid   <= '1';
         bus_write   <= instruction(do_write);
         access_done <= '0';
@@ -356,7 +357,7 @@ begin
       subscription_request.place <= unsigned(instruction(number_f'left) & instruction(number_f));
     end if;
     subscription_request.word(address'range)              <= address;
-    -- Without publishing there may be less data than a rate has.
+    -- Without publishing, data may be shorter than a rate.
     subscription_request.rate <= std_ulogic_vector(
       resize(unsigned(data(minimum(data'length, 8 * rate_bytes) - 1 downto 0)), 32));
     case instruction(manage_f) is

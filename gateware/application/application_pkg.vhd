@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What the application layer understands: commands, requests.
+-- The commands and requests of the application layer.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,7 +10,7 @@ use work.protocol_pkg.all;
 
 package application_pkg is
 
-  -- What a message says, as a number of five bits; those behind `spelling` are words not yet complete.
+  -- The command of a message, in five bits. Numbers after `spelling` are incomplete words.
   subtype command_t is std_ulogic_vector(4 downto 0);
 
   constant command_unknown                   : natural := 0;
@@ -28,20 +28,20 @@ package application_pkg is
   constant command_read_event_mask           : natural := 12;
   constant command_spelling                  : natural := 13;
   constant command_error                     : natural := 30;  -- no request but a datalink error
-  constant command_publish                   : natural := 31;  -- nor that, but a publish
+  constant command_publish                   : natural := 31;  -- no request but a publish
 
-  -- A complete request, or in its place the datalink error that its sender is to be told.
+  -- A complete request, or a datalink error that must be reported to the sender.
   type request_t is record
-    valid   : std_ulogic;  -- one stands
-    ready   : std_ulogic;  -- the next data byte is there, or will never be
-    missing : std_ulogic;  -- all its data bytes are taken, and none will come
-    data    : byte_t;      -- the next one; before the first take: the code of an error
+    valid   : std_ulogic;  -- a request waits
+    ready   : std_ulogic;  -- the next data byte is there, or will never come
+    missing : std_ulogic;  -- all its data bytes are taken, and no more will come
+    data    : byte_t;      -- the next data byte; before the first take: the code of an error
     error   : std_ulogic;  -- before the first take: it is an error
-    checked : std_ulogic;  -- before the first take: the reply carries a checksum too
-    command : command_t;   -- before the first take: what is asked
+    checked : std_ulogic;  -- before the first take: the reply also carries a checksum
+    command : command_t;   -- before the first take: the command
   end record;
 
-  -- Entries a received message may have, as in the 2012 gateware: what the longest command needs, rounded up.
+  -- The most entries of a received message, as in the 2012 gateware: the length of the longest command, rounded up.
   function entries_for(address_bytes, data_bytes, read_most, publish_mode, group_size, rate_bytes, mask_bytes : natural)
     return positive;
 

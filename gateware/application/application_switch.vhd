@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Gives bus and publish groups to the classic or to the framed application, message by message.
+-- Gives the bus and the publish groups to the classic or to the framed application, message by message.
 --
--- Ports     Of each application: busy, it is in a message; may_begin, it may begin one; what it asks of bus and subscription
---           manager. framed_wants: the framed one has a message to begin.
+-- Ports     For each application: busy (it is in a message), may_begin (it may begin one), its requests to bus and
+--           subscription manager. framed_wants: the framed application has a message to begin.
 -- Latency   None of its own.
--- Arbitration  The framed application begins whenever the other one is in no message; the classic one when, besides, the
---           framed one has none to begin.
+-- Arbitration  The framed application begins whenever the classic one is in no message. The classic one begins only if
+--              the framed one is in no message and has none to begin.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- From the letters of a message to its command: a machine that fits a block RAM.
+-- Recognises the command from the letters of a message, with a state machine that fits a block RAM.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,16 +12,16 @@ use work.protocol_pkg.all;
 
 package command_pkg is
 
-  -- State and letter (its low five bits) to the next state, which in the end is the command. A command with arguments
-  -- needs its colon and no letters more; one without is done with its last letter.
+  -- From the state and a letter (its low five bits) to the next state. The last state is the command. A command with
+  -- arguments ends with its colon and has no further letters. One without arguments ends with its last letter.
   type recogniser_t is array (0 to 1023) of command_t;
 
-  constant letter_begin : std_ulogic_vector(4 downto 0) := "00000";  -- from every state to that of a new message
+  constant letter_begin : std_ulogic_vector(4 downto 0) := "00000";  -- from every state to the first state of a new message
   constant letter_colon : std_ulogic_vector(4 downto 0) := "11011";
 
   function recogniser(has_read_many, has_publishing, has_checksum, has_configuration : boolean) return recogniser_t;
 
-  -- Where in it the next state is.
+  -- The address of the next state in the recogniser.
   function step_of(state : command_t; receive : receive_t) return natural;
 
 end package;

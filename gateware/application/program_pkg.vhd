@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The application's program: what every command does and answers, instruction by instruction.
+-- The application's program: what each command does and answers, instruction by instruction.
 --
--- Position 0 waits for work; 1 to 3 answer accesses that fail. At 32 + command stands the first instruction of that
--- command; the rest is wherever there is room. A routine is written down in order; `go_to` says where its last
--- instruction leads.
+-- Position 0 waits for work, and 1 to 3 answer failed accesses. The first instruction of a command is at 32 + command.
+-- All other instructions use the free positions. A routine is written in order, and `go_to` names what follows its last
+-- instruction.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +21,7 @@ package program_pkg is
 
   constant first_of_commands : natural := 32;
 
-  -- As long as a power of two, at most 512.
+  -- The program. Its length is a power of two, at most 512.
   function program_for(
     address_bytes, data_bytes, most_words, publish_mode, base_hz, groups, group_size, rate_bytes, mask_bytes : natural;
     whole_requests : boolean)
@@ -31,7 +31,7 @@ end package;
 
 package body program_pkg is
 
-  -- Bytes a frequency needs: 255 -> 1, 256 -> 2.
+  -- Bytes of a frequency. Examples: 255 -> 1, 256 -> 2.
   function frequency_bytes(frequency_hz : positive) return positive is
     variable bytes : positive := 1;
     variable rest  : natural  := frequency_hz / 256;
@@ -54,12 +54,12 @@ package body program_pkg is
       act(do_load_count) or act(do_load_group) or act(do_read) or act(do_write) or act(do_finish);
 
     variable code : program_t(0 to 511) := (others => nothing_done);
-    variable free : natural := 4;                       -- the first position not used yet
-    variable here : natural := 0;                       -- where the next instruction goes
-    variable last : natural := 0;                       -- where the last one went
+    variable free : natural := 4;                       -- the first free position
+    variable here : natural := 0;                       -- position of the next instruction
+    variable last : natural := 0;                       -- position of the last instruction
     variable size : positive;
 
-    -- Routines that others lead to.
+    -- Routines to which other routines lead.
     variable finish, last_word, missing_address, missing_data, invalid_block_size, invalid_group, invalid_group_size,
       branch, next_word, more, list_addresses, list_none, list_size, zero_rate : natural;
     type branches_t is array (0 to 3) of natural;
@@ -93,7 +93,7 @@ package body program_pkg is
       here := first_of_commands + command;
     end procedure;
 
-    -- Letters of a reply; `first` is done with the first one.
+    -- Sends the letters of a reply. `first` is done with the first letter.
     procedure spell(text : string; first : instruction_t := nothing_done) is
     begin
       for place in text'range loop
@@ -111,7 +111,7 @@ package body program_pkg is
       go_to(finish);
     end procedure;
 
-    -- Lets an instruction written before jump here.
+    -- Lets an earlier instruction jump here.
     procedure jump_from(position : natural; condition : natural) is
     begin
       code(position)(condition) := '1';
@@ -143,7 +143,7 @@ package body program_pkg is
       end loop;
     end procedure;
 
-    -- The lowest byte of `address`.
+    -- Sends the lowest byte of `address`.
     procedure say_lowest is
     begin
       for number in 2 to address_bytes loop
@@ -162,7 +162,8 @@ package body program_pkg is
       end loop;
     end procedure;
 
-    -- Of a block: the access is open, and `count` the number of words behind this one. `again` fetches the next one.
+    -- Sends a word of a block. The access is open, and `count` is the number of words after this one. `again` fetches the
+    -- next word.
     procedure block_word(again : natural) is
     begin
       branch := here;
@@ -174,7 +175,7 @@ package body program_pkg is
       go_to(again);
     end procedure;
 
-    -- The first argument of a command is a group.
+    -- Takes the group, which is the first argument of a command.
     procedure take_group is
     begin
       take_bytes(1, take_address, too_few => missing_data);
@@ -182,7 +183,7 @@ package body program_pkg is
     end procedure;
 
   begin
-    -- What all commands have in common.
+    -- What all commands share.
     here := 0;
     put(say(word_head, from_number) or act(do_begin));
     go_to(first_of_commands);
@@ -211,7 +212,7 @@ package body program_pkg is
     spell_error(application_error_missing_data_c);
     begin_command(command_unknown);
     spell_error(application_error_incomplete_command_c);
-    for number in command_unknown + 1 to command_error - 1 loop  -- until there is something better
+    for number in command_unknown + 1 to command_error - 1 loop  -- replaced below for the known commands
       code(first_of_commands + number) := code(first_of_commands + command_unknown);
     end loop;
 
@@ -235,7 +236,7 @@ package body program_pkg is
       more := here;
       take_bytes(address_bytes, take_address or act(do_hold), act(do_read) or act(do_count), missing_address);
       block_word(more);
-      -- The first word is read while the letters are said. Where its address is missing, they are said all the same.
+      -- The first word is read while the letters are sent. The letters are sent even if its address is missing.
       begin_command(command_read_many);
       take_bytes(1, take_address, too_few => missing_data);
       put(act(do_load_count) or act(do_hold), if_bad_read_many, invalid_block_size);
@@ -272,7 +273,7 @@ package body program_pkg is
     spell(",");
     say_number(base_hz, frequency_bytes(base_hz));
     spell(",");
-    say_number(groups mod 256);  -- a byte cannot hold 256: it says 00 then
+    say_number(groups mod 256);  -- a byte cannot hold 256: it is sent as 00
     spell(",");
     say_number(group_size);
     spell(",");
@@ -298,12 +299,12 @@ package body program_pkg is
       take_group;
       take_bytes(1, take_address, too_few => missing_data);
       put(act(do_load_count), if_bad_size, invalid_group_size);
-      if whole_requests then  -- the group is left as it was unless all its addresses are there
+      if whole_requests then  -- the group is not changed unless all its addresses have come
         more := here;
         take_bytes(address_bytes, nothing_done, act(do_count), missing_address);
         put(nothing_done, if_some_left, more);
         put(act(do_rewind));
-        for number in 1 to 3 loop  -- past what it is and the group, to the count
+        for number in 1 to 3 loop  -- skips the entry before the data and the group, up to the count
           put(take_address);
         end loop;
         put(act(do_load_count));
@@ -382,7 +383,7 @@ package body program_pkg is
       go_to(finish);
 
       begin_command(command_write_event_mask);
-      if whole_requests then  -- nothing changes unless all bytes are there
+      if whole_requests then  -- nothing changes unless all bytes have come
         take_bytes(mask_bytes, nothing_done, nothing_done, missing_data);
         put(act(do_rewind));
         put(act(do_take));

@@ -1,19 +1,19 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Keeps requests until they are complete and found good; the application sees no other ones.
+-- Keeps requests until they are complete and found good. The application sees only good requests.
 --
 --   receive --> | letters -> recogniser -> command | data bytes -> one of two halves of a memory | --> request
 --
--- A half has an entry of 8 data bits for every data byte and, before them, one that says what the message is: its command,
--- and where its data end; or the code of a datalink error, which takes the place of the message it belongs to, so that
--- replies and errors leave in the order of their causes. While one request is executed the next is received.
+-- A half has an entry of 8 data bits for each data byte. An entry before them says what the message is: its command, and
+-- where its data end. For a datalink error it is the error code instead. The error takes the place of its message, so
+-- replies and errors leave in the order of their causes. While one request is executed, the next one is received.
 --
--- Ports     receive: an event a clock, never refused; nothing but `start` and a lone `bad` may come while room is low, and
---           those must not. request: stands until request_done. Its command and such stand until the first take; after
---           that `data` is the first byte not yet taken, and the next one in the clock after take. rewind: back to where
---           nothing has been taken.
+-- Ports     receive: at most one event per clock, never refused. Between messages, none may come while room is low.
+--           request: valid until request_done. Its command and similar fields are valid until the first take. After that,
+--           `data` is the first byte not yet taken. The next byte comes in the clock after take. rewind: back to the
+--           state before the first take.
 -- Latency   A request is valid two clocks after its `good`.
--- Errors    None of its own. Letters that are no command give `command_unknown` or another number of no command.
+-- Errors    None of its own. Letters of an unknown command give `command_unknown` or another number without a command.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -30,7 +30,7 @@ entity request_buffer is
     message_entries       : positive;
     has_read_many         : boolean := true;
     has_publishing        : boolean := true;
-    has_checksum          : boolean := true;  -- without one nothing can be published with it
+    has_checksum          : boolean := true;  -- false: nothing can be published with a checksum
     configuration_command : boolean := true
   );
   port (
@@ -48,7 +48,7 @@ end entity;
 architecture rtl of request_buffer is
 
   constant index_bits : positive := bits_for(message_entries);
-  constant value_bits : positive := maximum(8, index_bits);  -- a data byte, a code, or where the data end
+  constant value_bits : positive := maximum(8, index_bits);  -- a data byte, a code, or the end of the data
 
   constant machine : recogniser_t := recogniser(has_read_many, has_publishing, has_checksum, configuration_command);
 
@@ -57,14 +57,14 @@ architecture rtl of request_buffer is
   type memory_t is array (0 to 2 ** (index_bits + 1) - 1) of entry_t;
 
   signal memory : memory_t;
-  signal full   : std_ulogic_vector(0 to 1) := "00";  -- the half has a request
+  signal full   : std_ulogic_vector(0 to 1) := "00";  -- the half holds a request
 
   signal write_half : std_ulogic := '0';
   signal size       : index_t := (others => '0');  -- entries of the message so far
   signal checked    : std_ulogic := '0';
   signal command    : command_t := (others => '0');
   signal judged     : std_ulogic;                  -- the message is good or bad
-  signal free        : std_ulogic;                 -- the half that is written to
+  signal free        : std_ulogic;                 -- the half that is written is free
   signal writes      : std_ulogic;
   signal write_entry : entry_t;
   signal write_index : index_t;
@@ -76,7 +76,7 @@ architecture rtl of request_buffer is
   signal index_next  : index_t;
   signal read_entry  : entry_t;
   signal missing     : std_ulogic := '0';
-  signal ending      : index_t;                    -- the entry behind the last data byte
+  signal ending      : index_t;                    -- the entry after the last data byte
 
   function number(bit : std_ulogic) return natural is
   begin
@@ -88,7 +88,7 @@ architecture rtl of request_buffer is
 
 begin
 
-  -- Write side
+  -- The write side
 
   free   <= not full(number(write_half));
   room   <= free;
@@ -121,7 +121,7 @@ begin
   store : process (clock)
   begin
     if rising_edge(clock) then
-      -- Never the same entry at once: block RAMs do not agree about what that gives.
+      -- Never the same entry in one clock, because block RAMs differ in what that gives.
       if writes = '1' and free = '1' then
         memory(to_integer(write_half & write_index)) <= write_entry;
       end if;
@@ -154,7 +154,7 @@ begin
     end if;
   end process;
 
-  -- Read side
+  -- The read side
 
   half_next <= read_half xor request_done;
 
@@ -173,7 +173,7 @@ begin
     if rising_edge(clock) then
       read_index <= index_next;
       read_half  <= half_next;
-      valid      <= full(number(half_next));  -- since a clock at least: its entry can be read
+      valid      <= full(number(half_next));  -- full for at least a clock, so its entry can be read
       if read_index = 0 and valid = '1' then  -- before that the entry may never have been written
         ending  <= unsigned(read_entry(index_bits - 1 downto 0));
         missing <= '0';

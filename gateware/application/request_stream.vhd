@@ -1,15 +1,18 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Hands requests on while they come in, one byte at a time: the request_buffer of the datalinks "lite" and "none".
+-- Passes requests on while they come in, one byte at a time. It is the request_buffer of the datalinks "lite" and "none".
 --
 --   receive --> | letters -> recogniser -> command | one data byte | --> request
 --
--- Ports     receive: an event a clock, none while room is low. request: from the colon or the end of the command until
---           request_done; its command and such stand until the first take. After that `data` is the next byte, with `ready`;
---           `missing`: none will come. What comes behind a request that is done is dropped up to the next `start`.
---           message_end: with the colon or byte in `receive`: a request needs no more ("none" goes by it).
--- Latency   A request is valid one clock after its colon or end, a byte one clock after it came; a byte in two clocks.
--- Errors    None of its own; a lone `bad` is handed on. Letters that are no command give a number of no command.
+-- Ports     receive: at most one event per clock, and none while room is low.
+--           request: valid from the colon, or from the end of the command, until request_done. Its command and similar
+--           fields are valid until the first take. After that `data` is the next byte, with `ready`. `missing`: none will
+--           come. Bytes after a request that is done are dropped up to the next `start`.
+--           message_end: comes with the colon or byte in `receive` after which a request needs no more. "none" uses it.
+-- Latency   A request is valid one clock after its colon or end, and a byte one clock after it came. One byte per two
+--           clocks.
+-- Errors    None of its own. A `bad` outside a message is passed on. Letters of an unknown command give a number without
+--           a command.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -48,14 +51,14 @@ architecture rtl of request_stream is
 
   type record_t is record
     state   : command_t;                 -- of the recogniser
-    named   : std_ulogic;                -- the request of this message has been handed on
-    ended   : std_ulogic;                -- and all of it has come
-    counted : std_ulogic;                -- a first byte has said how many there are
-    left    : unsigned(10 downto 0);     -- bytes to come as far as known
+    named   : std_ulogic;                -- the request of this message was passed on
+    ended   : std_ulogic;                -- all of the message has come
+    counted : std_ulogic;                -- the first byte has given the number of bytes
+    left    : unsigned(10 downto 0);     -- bytes still to come, as far as known
     valid   : std_ulogic;
-    begun   : std_ulogic;                -- the command has been taken
+    begun   : std_ulogic;                -- the command was taken
     error   : std_ulogic;
-    full    : std_ulogic;                -- a byte is in `data`
+    full    : std_ulogic;                -- `data` holds a byte
     data    : byte_t;
   end record;
 
@@ -64,7 +67,7 @@ architecture rtl of request_stream is
 
   signal r, r_next : record_t := initial;
 
-  -- Bytes a command needs, as far as its letters say; of read-many and WSA, up to their count.
+  -- The bytes that a command needs, as far as its letters say. For read-many and WSA, the bytes up to their count.
   function bytes_of(command : command_t) return natural is
   begin
     case to_integer(unsigned(command)) is
@@ -79,7 +82,7 @@ architecture rtl of request_stream is
     end case;
   end function;
 
-  -- Whether its first bytes say how many there are.
+  -- Whether the first bytes of the command give the number of bytes.
   function counts(command : command_t) return boolean is
   begin
     return unsigned(command) = command_read_many or unsigned(command) = command_write_group_addresses;

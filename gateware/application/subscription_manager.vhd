@@ -1,18 +1,17 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The publish groups: their addresses, rates and events, and which of them is to publish next.
+-- The publish groups: their addresses, rates and events. It chooses the group that publishes next.
 --
--- A strobe comes every clock_hz / base_hz clocks while publishing is on, the first one at once. At each strobe all
--- groups are looked at, one a clock; a group whose rate is reached becomes due. An event input does the same, by level
--- or by rising edge. Causes coalesce: a group that is due already is not queued again, and of rate and event the rate is
--- served first. Among groups that are due the choice goes downwards and around from the one last served.
+-- While publishing is on, a strobe comes every clock_hz / base_hz clocks, the first one at once. Each strobe starts a
+-- scan of all groups, one per clock. A group whose rate is reached becomes due. An event input also makes its group due,
+-- by level or by rising edge. A group that is already due is not queued again. If rate and event come together, the rate
+-- is served first. Among the due groups the choice goes downwards and around, from the group that was served last.
 --
--- Ports     See subscription_pkg; everything is taken at once but write_rate, which waits for `done` (a strobe that comes
---           meanwhile waits for it, 2 clocks). `publish` is withdrawn while groups are looked at; take it where
---           it stood one clock ago. The event inputs must be synchronous to the clock.
--- Latency   From strobe to `publish`: groups + 5 clocks, always the same; from an event input: 2 clocks, or after the
---           groups have been looked at.
--- Errors    None. An empty group never becomes due, and rate 0 is off. Addresses, counts and rates live in block RAM.
+-- Ports     See subscription_pkg. Requests are taken at once, except write_rate, which waits for `done`. A strobe that
+--           comes meanwhile waits 2 clocks for it. `publish` is low during a scan: take it if it was high one clock ago.
+--           The event inputs must be synchronous to the clock.
+-- Latency   From strobe to `publish` always groups + 5 clocks. From an event input 2 clocks, or until after the scan.
+-- Errors    None. An empty group never becomes due, and rate 0 is off. Addresses, counts and rates are in block RAM.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -51,22 +50,22 @@ architecture rtl of subscription_manager is
   constant mask_bits  : positive := bits_for(maximum(limits_event_mask_bytes_min_c, (groups + 7) / 8));
 
   subtype flags_t is std_ulogic_vector(groups - 1 downto 0);
-  subtype group_t is natural range 0 to maximum(groups, 2) - 1;  -- of no bits it would be no address of a memory
+  subtype group_t is natural range 0 to maximum(groups, 2) - 1;  -- without bits it could not be the address of a memory
 
   type word_memory_t is array (0 to 2 ** (group_bits + place_bits) - 1) of std_ulogic_vector(word_bits - 1 downto 0);
-  -- Eight words or more, which is when tools take block RAM instead of flip-flops.
+  -- At least eight words, so that tools use block RAM instead of flip-flops.
   type rate_memory_t is array (0 to 2 ** maximum(group_bits, 3) - 1) of unsigned(rate_bits - 1 downto 0);
 
   signal words : word_memory_t;  -- see subscription_pkg
-  signal rates : rate_memory_t := (others => (others => '0'));  -- less one
-  signal tally : rate_memory_t := (others => (others => '0'));  -- strobes counted towards the rate; always fewer
+  signal rates : rate_memory_t := (others => (others => '0'));  -- the rate less one
+  signal tally : rate_memory_t := (others => (others => '0'));  -- strobes counted towards the rate; always less than the rate
 
-  -- One flag a group.
-  signal filled  : flags_t := (others => '0');  -- has addresses
-  signal active  : flags_t := (others => '0');  -- has a rate other than 0; its memory word counts
+  -- One flag for each group.
+  signal filled  : flags_t := (others => '0');  -- it has addresses
+  signal active  : flags_t := (others => '0');  -- it has a rate other than 0; its memory word is valid
   signal due     : flags_t := (others => '0');
   signal tripped : flags_t := (others => '0');
-  signal enabled : flags_t := (others => '0');  -- its event input triggers
+  signal enabled : flags_t := (others => '0');  -- its event input makes it due
   signal past    : flags_t := (others => '0');  -- its event input one clock ago
   signal wanting : flags_t;
 
@@ -77,28 +76,28 @@ architecture rtl of subscription_manager is
   signal publishing : std_ulogic := '0';
   signal divider    : natural range 0 to period - 1 := 0;
   signal beginning  : std_ulogic := '1';  -- of a period: the divider is 0
-  signal strobe     : std_ulogic := '0';  -- seen, and the groups not yet looked at
+  signal strobe     : std_ulogic := '0';  -- a strobe came, and the scan has not begun
 
   type phase_t is (
     waiting,   -- for a strobe or a new rate
-    looking,   -- at one group after the other
-    changing   -- a rate: the old word is in `word`
+    looking,   -- scans the groups
+    changing   -- sets a rate: the old word is in `word`
   );
 
   signal phase        : phase_t := waiting;
   signal scan         : group_t := 0;
-  signal rate_less_one : unsigned(rate_bits - 1 downto 0) := (others => '0'); -- of the group that is looked at
-  signal strobes      : unsigned(rate_bits - 1 downto 0) := (others => '0');  -- counted towards it
+  signal rate_less_one : unsigned(rate_bits - 1 downto 0) := (others => '0'); -- of the scanned group
+  signal strobes      : unsigned(rate_bits - 1 downto 0) := (others => '0');  -- counted towards its rate
   signal strobes_next : unsigned(rate_bits - 1 downto 0) := (others => '0');
   signal new_rate     : unsigned(rate_bits - 1 downto 0);
-  signal keep         : std_ulogic;         -- the tally, at a new rate
-  signal reached      : std_ulogic;         -- with this strobe
-  signal count_on     : std_ulogic := '0';  -- strobes_next goes into the tally of count_group, a clock late for speed
+  signal keep         : std_ulogic;         -- keep the tally for the new rate
+  signal reached      : std_ulogic;         -- the rate is reached with this strobe
+  signal count_on     : std_ulogic := '0';  -- strobes_next goes into the tally of count_group, one clock late for speed
   signal count_group  : group_t := 0;
-  signal word_group   : group_t := 0;       -- the group that is looked at
-  signal word_scanned : std_ulogic := '0';  -- it was read to be looked at
+  signal word_group   : group_t := 0;       -- the scanned group
+  signal word_scanned : std_ulogic := '0';  -- it was read for the scan
   signal looked       : std_ulogic := '0';
-  signal settled      : std_ulogic_vector(1 downto 0) := "00";  -- clocks after that; then `strobes` has counted all
+  signal settled      : std_ulogic_vector(1 downto 0) := "00";  -- clocks since then; after that `strobes` includes all
   signal done         : std_ulogic := '0';
 
   signal publish     : std_ulogic := '0';
@@ -106,7 +105,7 @@ architecture rtl of subscription_manager is
   signal choice      : group_t := 0;
   signal last_served : group_t := 0;
 
-  -- The group after `last` that wants to publish, downwards and around.
+  -- The next group after `last` that waits to publish, downwards and around.
   function next_group(candidates : flags_t; last : group_t) return group_t is
     variable below, above : group_t := 0;
     variable found        : boolean := false;
@@ -164,14 +163,14 @@ begin
     end if;
   end process;
 
-  -- No word is read in the clock in which it is written: block RAMs do not agree about what that gives.
+  -- No word is read in the clock in which it is written, because block RAMs differ in what that gives.
   memory : process (clock)
   begin
     if rising_edge(clock) then
       if request.write_word = '1' then
         words(to_integer(word_address)) <= request.word(word_bits - 1 downto 0);
       end if;
-      if reads_word = '1' then  -- with an `else` instead GHDL 2.0 reads when it writes
+      if reads_word = '1' then  -- with an `else` GHDL 2.0 would also read when it writes
         group_word <= words(to_integer(word_address));
       end if;
       if count_on = '1' then
@@ -314,7 +313,7 @@ begin
     if rising_edge(clock) then
       publish <= '0';
       choice  <= next_group(wanting, last_served);
-      -- While the groups are looked at the choice waits, so that all that become due together are seen together.
+      -- The choice waits for the end of the scan, so that all groups that become due together are seen together.
       if request.publish_take = '1' then
         last_served <= group_number;
       elsif publishing = '1' and strobe = '0' and phase = waiting and looked = '1' then

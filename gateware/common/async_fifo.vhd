@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- First-in first-out buffer between two clocks that know nothing of each other, first word falls through.
+-- First-in first-out buffer between two independent clocks. The first word falls through.
 --
 --   write_clock                                                          read_clock
 --   write_valid/ready/data --> | memory of `depth` words | --> output register --> read_valid/ready/data
@@ -8,16 +8,17 @@
 --      what is free to write <------------- two flip-flops ---- read count, grey
 --
 -- Ports     A word moves on a side in every clock in which its valid and ready are both high.
--- Margin    write_ready falls while `margin` words still have room. For a writer that cannot stop at once: as many are
---           taken while write_ready is low.
--- Crossing  Of a grey count one bit changes at a time, so that whoever takes it in the middle of a change sees the old one or
---           the new one. Both counts come out of registers. A tool that checks crossings wants the bits of write_grey and of
---           read_grey to arrive within one clock of each other (set_max_delay of the faster period; no false path).
--- Latency   A word written into an empty buffer is on read_data after 3 to 4 clocks of the reader; a word taken makes room
---           after 3 to 4 of the writer. One word a clock, if depth is 8 or more.
+-- Margin    write_ready falls while there is still room for `margin` words. This is for a writer that cannot stop at
+--           once: so many words are taken while write_ready is low.
+-- Crossing  Only one bit of a Grey count changes at a time. So a reader that samples it during a change sees the old
+--           count or the new one. Both counts come out of registers. Give a tool that checks crossings this constraint:
+--           the bits of write_grey and of read_grey arrive within one clock of each other (set_max_delay of the faster
+--           period, no false path).
+-- Latency   A word written into an empty buffer is on read_data after 3 to 4 clocks of the reader. A word taken makes
+--           room after 3 to 4 clocks of the writer. One word per clock, if depth is at least 8.
 -- Capacity  `depth` words in the memory and one in the output register.
--- Reset     Each is synchronous to its clock. Both sides must be in reset at the same time once, and neither may leave
---           before the other has been in it: see ft245_sync for a way. Until then nothing is ready and nothing valid.
+-- Reset     Each reset is synchronous to its clock. Both sides must be in reset at the same time once, and neither may
+--           leave before the other has been in it. ft245_sync shows a way. Until then nothing is ready and nothing valid.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -50,7 +51,7 @@ architecture rtl of async_fifo is
   constant index_bits : positive := bits_for(depth);
 
   type memory_t is array (0 to depth - 1) of std_ulogic_vector(width - 1 downto 0);
-  subtype count_t is unsigned(index_bits downto 0); -- of words ever, so that full differs from empty
+  subtype count_t is unsigned(index_bits downto 0); -- counts all words so far, so that full differs from empty
 
   function grey (count : count_t) return count_t is
   begin
@@ -69,12 +70,12 @@ architecture rtl of async_fifo is
   signal memory : memory_t;
 
   signal write_count, write_grey     : count_t := (others => '0');
-  signal read_grey_1, read_grey_2    : count_t := (others => '0'); -- in the writer's clock
+  signal read_grey_1, read_grey_2    : count_t := (others => '0'); -- synchronised to the writer's clock
   signal read_seen                   : count_t := (others => '0');
   signal has_room                    : std_ulogic := '0';
 
   signal read_count, read_grey       : count_t := (others => '0');
-  signal write_grey_1, write_grey_2  : count_t := (others => '0'); -- in the reader's clock
+  signal write_grey_1, write_grey_2  : count_t := (others => '0'); -- synchronised to the reader's clock
   signal loaded                      : std_ulogic := '0';
   signal store, load                 : std_ulogic;
 

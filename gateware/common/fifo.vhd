@@ -1,15 +1,16 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- First-in first-out buffer on one clock, first word falls through.
+-- First-in first-out buffer on one clock. The first word falls through.
 --
 --   write_valid/ready/data --> | memory of `depth` words | --> output register --> read_valid/ready/data
 --
 -- Ports     A word moves on a side in every clock in which its valid and ready are both high.
--- Latency   A word written into an empty buffer is on read_data two clocks later; then one word a clock, both sides.
--- Capacity  `depth` words in the memory and one in the output register. The read side is a plain synchronous memory
---           read, so that large buffers become block RAM.
--- Pressure  write_ready is low while the memory is full; nothing is ever lost or overwritten.
--- Reset     Empties the buffer; memory contents stay and do not matter.
+-- Latency   A word written into an empty buffer is on read_data two clocks later. After that, one word per clock on both
+--           sides.
+-- Capacity  `depth` words in the memory and one in the output register. The read side is a plain synchronous memory read,
+--           so large buffers become block RAM.
+-- Pressure  write_ready is low while the memory is full. Nothing is ever lost or overwritten.
+-- Reset     Empties the buffer. The memory keeps its contents, which are not used.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -42,7 +43,7 @@ architecture rtl of fifo is
 
   signal memory : memory_t;
 
-  -- Equal indices mean full or empty. The flag is a register, since comparing first would make write_ready late.
+  -- Equal indices mean full or empty. The flag is a register, because a comparison would make write_ready late.
   signal write_index, read_index : unsigned(index_bits - 1 downto 0) := (others => '0');
   signal full         : std_ulogic := '0';
   signal loaded       : std_ulogic := '0';
@@ -80,7 +81,7 @@ begin
   begin
     if rising_edge(clock) then
       write_index <= write_index + unsigned'("" & store);
-      read_index  <= read_index + unsigned'("" & load);  -- a sum is quicker than an enable
+      read_index  <= read_index + unsigned'("" & load);  -- an adder is faster than an enable
       full        <= (full or (last_place and store)) and not load;
       loaded      <= load or (loaded and not read_ready);
       if reset = '1' then

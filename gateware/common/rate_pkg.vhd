@@ -1,28 +1,29 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Any rate from any clock: the constants of a phase accumulator; and clocks for a time.
+-- Makes any rate from any clock: the constants of a phase accumulator. It also gives the number of clocks in a time.
 --
--- A register of phase_bits + 1 bits adds phase_increment every clock to its low phase_bits bits. Its top bit is then
--- high for one clock at `rate_hz` on average, never more than one clock early or late, and at most 0.05 % wrong:
+-- A register of phase_bits + 1 bits adds phase_increment to its low phase_bits bits in every clock. Its top bit is then
+-- high for one clock at `rate_hz` on average. It is never more than one clock early or late, and its rate is at most 0.05
+-- % wrong:
 --
 --   signal phase : unsigned(phase_bits(clock_hz, rate_hz) downto 0);
 --   phase <= ('0' & phase(phase'high - 1 downto 0)) + phase_increment(clock_hz, rate_hz);
 --   tick  <= phase(phase'high);
 --
--- Integers only, so that every synthesis tool can do it while it elaborates.
+-- Only integers are used, so that every synthesis tool can compute it during elaboration.
 
 package rate_pkg is
 
-  -- Bits after the binary point of a rate: 1024 steps or more, half a step of rounding, 0.05 %.
+  -- Bits after the binary point of a rate: at least 1024 steps, so rounding by half a step is 0.05 %.
   constant rate_precision_bits : positive := 10;
 
-  -- Bits a phase needs; clock_hz below 2**30, and at most 2**20 clocks to a tick.
+  -- Bits of a phase. clock_hz is below 2**30, and a tick has at most 2**20 clocks.
   function phase_bits (clock_hz : positive; rate_hz : positive) return positive;
 
-  -- What is added every clock: rate_hz / clock_hz of a turn, rounded.
+  -- The increment in each clock: rate_hz / clock_hz of a turn, rounded.
   function phase_increment (clock_hz : positive; rate_hz : positive) return positive;
 
-  -- Clocks that last `time_ns` or longer, at least one; the time up to 2 us.
+  -- Clocks that last at least `time_ns`, and at least one clock. The time is at most 2 us.
   function clocks_lasting (time_ns : natural; clock_hz : positive) return positive;
 
 end package;

@@ -1,17 +1,17 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The reset of a design: begins at any moment, ends with the clock, and comes by itself at power-up.
+-- The reset of a design. It begins at any moment, ends with the clock, and comes by itself at power-up.
 --
 -- Ports     asynchronous_reset: a button or a "power good", active high, from any clock or none. reset: synchronous.
--- Latency   reset rises at once and falls `clocks` clocks after asynchronous_reset did, or after the first clock of all.
--- Power-up  Relies on flip-flops that start at zero, as they do in every FPGA that is configured.
+-- Latency   reset rises at once. It falls `clocks` clocks after asynchronous_reset fell, or after the first clock.
+-- Power-up  The flip-flops must start at zero. They do so in every FPGA that is configured.
 
 library ieee;
   use ieee.std_logic_1164.all;
 
 entity reset_synchroniser is
   generic (
-    clocks : positive range 2 to 64 := 8 -- 5 is the least for quadrature_encoder to take its pins as they are
+    clocks : positive range 2 to 64 := 8 -- quadrature_encoder needs at least 5 to see its pins right
   );
   port (
     clock              : in  std_ulogic;
@@ -22,7 +22,7 @@ end entity;
 
 architecture rtl of reset_synchroniser is
 
-  signal over : std_ulogic_vector(clocks - 1 downto 0) := (others => '0'); -- ones come in from the right
+  signal over : std_ulogic_vector(clocks - 1 downto 0) := (others => '0'); -- ones are shifted in from the right
 
 begin
 

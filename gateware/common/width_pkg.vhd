@@ -1,13 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- How wide things are: the few functions that turn a generic into a number of bits or bytes.
+-- The functions that turn a generic into a number of bits or bytes.
 
 package width_pkg is
 
-  -- Bytes that hold `bits` bits: 12 -> 2.
+  -- Bytes that hold `bits` bits. Example: 12 -> 2.
   function bytes_for(bits : positive) return positive;
 
-  -- Bits that count from 0 to `values` - 1, at least one: 1 -> 1, 16 -> 4, 17 -> 5.
+  -- Bits that count from 0 to `values` - 1, at least one. Examples: 1 -> 1, 16 -> 4, 17 -> 5.
   function bits_for(values : positive) return positive;
 
 end package;

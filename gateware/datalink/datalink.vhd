@@ -1,16 +1,16 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The classic datalink, both ways, in the variant that was chosen.
+-- The classic datalink in both directions, in the chosen variant.
 --
---   full   rx -> decoder -> receiver      -> receive    digits, checksum, every error told; a message counts from `good` on
---   lite   rx -> decoder -> lite_receiver -> receive    digits, no checksum; a message counts character by character
---   none   rx -> decoder -> lite_receiver -> receive    bytes as they are, for a physical layer that loses nothing
+--   full   rx -> decoder -> receiver      -> receive    digits, checksum, all errors reported; a message is valid after `good`
+--   lite   rx -> decoder -> lite_receiver -> receive    digits, no checksum; each character of a message is valid at once
+--   none   rx -> decoder -> lite_receiver -> receive    plain bytes, for a physical layer that loses nothing
 --          tx <- transmitter <- word
 --
 -- Ports     receive, room, message_end: see receiver and lite_receiver. word: valid/ready, see transmitter.
--- Latency   rx to receive one clock, word to tx one clock; one character a clock.
--- Errors    full: docs/classic-protocol.md section 4. lite and none: see lite_receiver; rx_error is not heard.
--- Pressure  valid/ready towards both streams; nothing is lost.
+-- Latency   One clock from rx to receive, one clock from word to tx. One character per clock.
+-- Errors    full: docs/classic-protocol.md section 4. lite and none: see lite_receiver; rx_error is ignored.
+-- Pressure  valid/ready on both streams. Nothing is lost.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What passes through the classic datalink: classified characters, events of reception, words to send; and the checksum.
+-- The signals of the classic datalink: classified characters, events of the receiver, words to send. Also the checksum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -9,11 +9,12 @@ use work.protocol_pkg.all;
 
 package datalink_pkg is
 
-  -- A received character and what it can mean. A letter may be a hex digit too; everything else is one thing.
+  -- A received character and its possible meanings. A letter may also be a hex digit. Every other character has one
+  -- meaning.
   type character_t is record
     data      : byte_t;      -- the byte itself
-    request   : std_ulogic;  -- head of a request, # or $
-    checked   : std_ulogic;  -- with request: $
+    request   : std_ulogic;  -- head of a request: # or $
+    checked   : std_ulogic;  -- with request: it is $
     publish   : std_ulogic;  -- head of a publish, which only a device may send
     colon     : std_ulogic;
     star      : std_ulogic;
@@ -24,31 +25,31 @@ package datalink_pkg is
     value     : std_ulogic_vector(3 downto 0);  -- with digit
   end record;
 
-  -- What the receiver makes of the characters; at most one event a clock, to be taken at once.
-  --   start, then letter* colon? byte*, then good or bad. A bad may also stand alone.
+  -- The events that the receiver makes of the characters. At most one event per clock, to be taken at once.
+  --   start, then letter* colon? byte*, then good or bad. A bad may also come outside a message.
   type receive_event_t is (nothing, start, letter, colon, byte, good, bad);
 
   type receive_t is record
     event   : receive_event_t;
     checked : std_ulogic;  -- with start: the message has a checksum
-    data    : byte_t;      -- with letter: the letter as sent; with byte: the byte; with bad: the datalink error code
+    data    : byte_t;      -- with letter: the letter as sent; with byte: the byte; with bad: the error code
   end record;
 
-  -- A word to send: three bits of kind, one byte.
+  -- A word to send: three bits for the kind, and one byte.
   subtype word_t is std_ulogic_vector(10 downto 0);
 
-  constant word_head   : std_ulogic_vector(2 downto 0) := "000";  -- head character; says whether a checksum follows
-  constant word_letter : std_ulogic_vector(2 downto 0) := "001";  -- a letter the checksum covers
-  constant word_mark   : std_ulogic_vector(2 downto 0) := "010";  -- a character it does not cover
-  constant word_error  : std_ulogic_vector(2 downto 0) := "011";  -- error mark: what ends in an error has no checksum
+  constant word_head   : std_ulogic_vector(2 downto 0) := "000";  -- head character; also says whether a checksum follows
+  constant word_letter : std_ulogic_vector(2 downto 0) := "001";  -- a letter that the checksum covers
+  constant word_mark   : std_ulogic_vector(2 downto 0) := "010";  -- a character that the checksum does not cover
+  constant word_error  : std_ulogic_vector(2 downto 0) := "011";  -- error mark: a message that ends with it has no checksum
   constant word_byte   : std_ulogic_vector(2 downto 0) := "100";  -- a byte, sent as two digits
-  constant word_tail   : std_ulogic_vector(2 downto 0) := "101";  -- checksum if there is one, and the end of the line
+  constant word_tail   : std_ulogic_vector(2 downto 0) := "101";  -- the checksum, if there is one, and the end of the line
 
   -- The checksum after one more byte. `kind` is "crc8" (any polynomial, most significant bit first, no reflection),
   -- "xor", or "none" (then it is always zero).
   function next_checksum(kind : string; polynomial : natural; sum : byte_t; data : byte_t) return byte_t;
 
-  -- The checksum a variant of the datalink has when `checksum` is asked for: only "full" has one.
+  -- The checksum that a variant of the datalink has when `checksum` is asked for. Only "full" has one.
   function checksum_of(datalink : string; checksum : string) return string;
 
 end package;

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Says of each received byte what it can mean in the classic protocol.
+-- Classifies each received byte by its meaning in the classic protocol.
 --
--- Latency   One clock (a register stage); one byte a clock.
--- Pressure  valid/ready on both sides; holds one character while character_ready is low.
--- Errors    None: a byte that means nothing has no flag set, and the receiver refuses it.
+-- Latency   One clock (a register stage). One byte per clock.
+-- Pressure  valid/ready on both sides. It holds one character while character_ready is low.
+-- Errors    None. A byte without a meaning has no flag set, and the receiver refuses it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,14 +28,14 @@ end entity;
 
 architecture rtl of decoder is
 
-  -- People put these between digits and letters; only the comma is ever sent.
+  -- People put these between digits and letters. Devices send only the comma.
   constant tab   : byte_t := x"09";
   constant blank : byte_t := x"20";
   constant dot   : byte_t := x"2E";
 
   function classify(data : byte_t) return character_t is
     variable c     : character_t := (data => data, value => (others => '0'), others => '0');
-    variable place : unsigned(4 downto 0);  -- of a letter in the alphabet, A is 1
+    variable place : unsigned(4 downto 0);  -- of a letter in the alphabet; A is 1
   begin
     case data is
       when byte_plain_head_c =>

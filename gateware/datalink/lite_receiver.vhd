@@ -1,16 +1,18 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Characters to messages without a check and without waiting for the end: the receiver of the datalinks "lite" and "none".
+-- Turns characters into messages without a checksum, and without waiting for the end of the message. It is the receiver
+-- of the datalinks "lite" and "none".
 --
---   idle --#--> letters --:--> data --LF--> idle      lite: data are digits; a character that is none: broken, up to a head
---   idle --#--> letters --:--> data --message_end-->  none: data are bytes as they are, as many as the command needs
+--   idle --#--> letters --:--> data --LF--> idle      lite: data are digits; another character: broken, until the next head
+--   idle --#--> letters --:--> data --message_end-->  none: data are plain bytes, as many as the command needs
 --
--- Ports     receive as of the receiver, but a byte stands for itself: what is told has to be believed, for `good` comes
---           behind it and `bad` never does for a message begun. room must be high for any character to be taken.
---           message_end (of "none" only) says in the clock of a colon or byte that the message is over.
--- Latency   None; one character a clock.
--- Errors    lite: a head other than # between messages is told as f1. Nothing else is: a letter that is none drops the
---           message, a digit that is none leaves it open until the next head, which ends it and is used up. none: no errors.
+-- Ports     receive: as from the receiver, but each byte is valid at once. `good` comes after it, and `bad` never comes
+--           for a message that has begun. No character is taken while room is low.
+--           message_end (only for "none"): high in the clock of a colon or byte that ends the message.
+-- Latency   None. One character per clock.
+-- Errors    lite: a head other than # between messages is reported as f1, and nothing else is reported. A character that
+--           should be a letter but is not drops the message. One that should be a digit but is not leaves the message
+--           open until the next head, which ends it and begins no other. none: no errors.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -20,7 +22,7 @@ use work.protocol_pkg.all;
 
 entity lite_receiver is
   generic (
-    digits : boolean := true  -- data are pairs of digits ("lite"); false: bytes as they are ("none")
+    digits : boolean := true  -- data are pairs of digits ("lite"); false: plain bytes ("none")
   );
   port (
     clock           : in  std_ulogic;
@@ -37,10 +39,10 @@ end entity;
 architecture rtl of lite_receiver is
 
   type state_t is (
-    idle,     -- between messages; leaves on a head
-    letters,  -- of the command; leaves on colon or end
-    data,     -- leaves on the end
-    broken    -- a digit was none; leaves on a head
+    idle,     -- between messages; ends with a head
+    letters,  -- of the command; ends with colon or line end
+    data,     -- ends with the line end
+    broken    -- a character was not a digit; ends with a head
   );
 
   type record_t is record

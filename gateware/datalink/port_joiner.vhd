@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Lets classic text and frames leave by one port, whole message by whole message.
+-- Lets classic text and frames share one port, message by message.
 --
--- Ports     classic, frame in; tx out; each valid/ready/data, with `last` beside the last byte of a message and `publish`
---           beside all of a publish.
+-- Ports     classic, frame in, tx out: each valid/ready/data. `last` is high with the last byte of a message, and
+--           `publish` with all bytes of a publish.
 -- Latency   None: a byte passes in the clock in which it comes.
--- Arbitration  Between messages only; a frame goes first.
--- Pressure  tx_ready holds the side whose message it is; the other one waits for its last byte.
+-- Arbitration  Only between messages. A frame goes first.
+-- Pressure  tx_ready stalls the side whose message is being sent. The other side waits for the last byte of this message.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,9 +37,9 @@ end entity;
 
 architecture rtl of port_joiner is
 
-  signal within  : std_ulogic := '0';  -- a message
+  signal within  : std_ulogic := '0';  -- a message is being sent
   signal framed  : std_ulogic := '0';  -- and it is a frame
-  signal chooses : std_ulogic;         -- frames
+  signal chooses : std_ulogic;         -- the choice is the frame
   signal valid, last : std_ulogic;
 
 begin
@@ -58,7 +58,7 @@ begin
   follow : process (clock)
   begin
     if rising_edge(clock) then
-      if valid = '1' then  -- once shown, a byte stays
+      if valid = '1' then  -- a byte that was shown stays
         within <= not (last and tx_ready);
         framed <= chooses;
       end if;

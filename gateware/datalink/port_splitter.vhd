@@ -1,14 +1,16 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Says of each byte of a port whether it is classic text or part of a frame (docs/protocol.md, "One port, two protocols").
+-- Decides for each byte of a port whether it is classic text or part of a frame (docs/protocol.md, "One port, two
+-- protocols").
 --
---   after a 00:  80 hex or more --> frame, up to and with the next 00     anything else --> classic, as after reset
+--   after a 00:  80 hex or more --> frame, up to and including the next 00     anything else --> classic, as after reset
 --
--- Ports     rx in; classic and frame out, valid/ready, with one `data` for both, which is rx_data. A 00 between frames goes
---           to the classic side: it is nothing there between messages, and within one an invalid character.
+-- Ports     rx in; classic and frame out: valid/ready. Both outputs share one `data`, which is rx_data. A 00 between
+--           frames goes to the classic side, which ignores it between messages. Within a message it is an invalid
+--           character.
 -- Latency   None: a byte passes in the clock in which it comes.
--- Errors    None. Only a 00 ends a frame, so a pause or text within one changes nothing.
--- Pressure  A side that is not ready holds the port.
+-- Errors    None. Only a 00 ends a frame, so a pause or text within a frame changes nothing.
+-- Pressure  A side that is not ready stalls the port.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,9 +34,9 @@ end entity;
 architecture rtl of port_splitter is
 
   signal at_border : std_ulogic := '0';  -- the byte before was a 00
-  signal inside    : std_ulogic := '0';  -- a frame
+  signal inside    : std_ulogic := '0';  -- inside a frame
 
-  signal border, framed, passes : std_ulogic;  -- what the byte is
+  signal border, framed, passes : std_ulogic;  -- the class of the byte
 
 begin
 

@@ -1,17 +1,17 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Characters to messages: the form, the length and the checksum of the classic protocol.
+-- Turns characters into messages, and checks the form, the length and the checksum of the classic protocol.
 --
---   idle --#,$--> letters --:--> data --*--> checksum --LF--> idle       anything wrong: bad, and idle
+--   idle --#,$--> letters --:--> data --*--> checksum --LF--> idle       on any error: bad, and idle
 --
--- Ports     `receive` tells what each character was, in the clock it is taken (no ready: must be taken at once). Whoever
---           keeps a message may believe it after `good` only; after `bad` it was none. `room` must be high when a new
---           message can be kept; between messages the receiver waits for it.
--- Latency   None; one character a clock.
--- Errors    The codes of docs/classic-protocol.md section 4. An error drops its own message and nothing else: no buffer is
---           flushed, and all up to the next head is skipped. Physical errors are kept until they can be told; those that
---           come meanwhile join them.
--- Checksum  Exactly one byte behind a star; the empty message may have an empty one. With checksum "none" a checked
+-- Ports     `receive` says what each character was, in the clock in which it is taken. It has no ready, so it must be
+--           taken at once. A message is valid only after `good`. After `bad` there was no message. `room` must be high
+--           when a new message can be kept. Between messages the receiver waits for it.
+-- Latency   None. One character per clock.
+-- Errors    The codes of docs/classic-protocol.md section 4. An error drops only its own message: no buffer is flushed,
+--           and everything up to the next head is skipped. Physical errors wait until they can be reported. Those that
+--           come meanwhile are merged.
+-- Checksum  Exactly one byte after a star. The empty message may have an empty checksum. With checksum "none" a checked
 --           message is refused at its head (f1).
 
 library ieee;
@@ -23,7 +23,7 @@ use work.protocol_pkg.all;
 
 entity receiver is
   generic (
-    message_entries : positive;              -- head, letters, colon and data bytes must be fewer
+    message_entries : positive;              -- head, letters, colon and data bytes together must be fewer
     checksum        : string  := "crc8";     -- "crc8", "xor" or "none"
     polynomial      : natural range 0 to 255 := to_integer(unsigned(crc8_polynomial_c))
   );
@@ -41,30 +41,30 @@ end entity;
 
 architecture rtl of receiver is
 
-  -- Where in a message: one of these, or none between messages.
-  signal in_letters : std_ulogic := '0';  -- of the command; leaves on colon, star or end
-  signal in_data    : std_ulogic := '0';  -- digits of the data; leaves on star or end
-  signal in_tail    : std_ulogic := '0';  -- digits of the checksum; leaves on end
+  -- The part of the message: one of these, or none between messages.
+  signal in_letters : std_ulogic := '0';  -- letters of the command; ends with colon, star or line end
+  signal in_data    : std_ulogic := '0';  -- digits of the data; ends with star or line end
+  signal in_tail    : std_ulogic := '0';  -- digits of the checksum; ends with the line end
 
   signal checked        : std_ulogic := '0';
   signal half           : std_ulogic := '0';            -- the first digit of a pair is in `digit`
   signal digit          : std_ulogic_vector(3 downto 0) := (others => '0');
   signal sum            : byte_t := crc8_initial_c;
   signal entries        : natural range 0 to message_entries := 0;
-  signal filled         : std_ulogic := '0';            -- there is room for no more
-  signal some, several  : std_ulogic := '0';            -- entries behind the head: any, more than one
-  signal checksum_bytes : natural range 0 to 2 := 0;    -- 2: too many
-  signal physical       : std_ulogic_vector(2 downto 0) := "000";  -- errors not told yet
+  signal filled         : std_ulogic := '0';            -- there is room for no more entries
+  signal some, several  : std_ulogic := '0';            -- entries after the head: any, more than one
+  signal checksum_bytes : natural range 0 to 2 := 0;    -- 2 means too many
+  signal physical       : std_ulogic_vector(2 downto 0) := "000";  -- errors not yet reported
 
   signal c         : character_t;
-  signal inside    : std_ulogic;                     -- a message
-  signal tells     : std_ulogic;                     -- a physical error
-  signal judges    : std_ulogic;                     -- a character of a message
-  signal starts    : std_ulogic;                     -- a message
-  signal pairs     : std_ulogic;                     -- it is the second digit of a byte
-  signal keeps     : std_ulogic;                     -- it makes an entry
-  signal fails     : std_ulogic;                     -- the message, with `code`
-  signal code      : std_ulogic_vector(3 downto 0);  -- of the error, its low digit
+  signal inside    : std_ulogic;                     -- inside a message
+  signal tells     : std_ulogic;                     -- a physical error is reported
+  signal judges    : std_ulogic;                     -- a character of a message is checked
+  signal starts    : std_ulogic;                     -- a message starts
+  signal pairs     : std_ulogic;                     -- the character is the second digit of a byte
+  signal keeps     : std_ulogic;                     -- the character makes an entry
+  signal fails     : std_ulogic;                     -- the message fails with `code`
+  signal code      : std_ulogic_vector(3 downto 0);  -- the low digit of the error code
 
   function to_bit(value : boolean) return std_ulogic is
   begin
@@ -97,7 +97,7 @@ begin
     stray := c.request or c.publish or (c.colon and not in_letters) or (c.star and (not checked or in_tail));
     alien := not (c.line_end or c.separator or c.colon or c.star or (in_letters and c.letter) or
                   (not in_letters and c.digit));
-    -- One entry or none and a sum of zero: at most a colon, for one letter never sums up to zero.
+    -- At most one entry, and a sum of zero. That is at most a colon, because one letter never has the sum zero.
     unsummed := checked and (not in_tail or or sum or
                              to_bit(checksum_bytes /= 1 and (checksum_bytes /= 0 or several = '1')));
 
@@ -153,7 +153,7 @@ begin
     end if;
   end process;
 
-  -- What is counted and summed of a message that fails does not matter; so nothing here waits for the judgement.
+  -- The counts and sums of a failed message are not used. So nothing here waits for the decision.
   count : process (clock)
   begin
     if rising_edge(clock) then
@@ -172,7 +172,7 @@ begin
       elsif judges = '1' then
         half <= c.digit and not half and not in_letters;
         if in_letters = '1' and c.letter = '1' then
-          sum <= next_checksum(checksum, polynomial, sum, c.data);  -- the letter as sent: case counts
+          sum <= next_checksum(checksum, polynomial, sum, c.data);  -- the letter as sent: upper and lower case differ
         elsif pairs = '1' then
           sum <= next_checksum(checksum, polynomial, sum, digit & c.value);
         end if;

@@ -1,14 +1,14 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Words to characters: digits, checksums and line ends of the classic protocol.
+-- Turns words into characters: digits, checksums and line ends of the classic protocol.
 --
--- Ports     word: valid/ready, in the order head, letters and marks and data, tail. tx: valid/ready/data, one byte a clock.
---           With it tx_last marks the last byte of a message, and tx_publish the bytes of a publish: what a physical layer
---           needs that can send at once what it would collect (docs/gateware/ft245_async.md).
--- Latency   The first character of a word stands one clock after the word was valid (an output register).
--- Characters of a word: head, letter, mark, error 1; data 2, without digits 1; tail 1, with a checksum 4.
--- Checksum  Letters as sent, then data bytes. A message that ends in an error mark has none.
--- Pressure  word_ready waits for tx_ready; nothing is lost.
+-- Ports     word: valid/ready, in the order head, then letters, marks and data, then tail. tx: valid/ready/data, one byte
+--           per clock. tx_last marks the last byte of a message, and tx_publish the bytes of a publish. A physical layer
+--           that collects bytes can use them to send at once (docs/gateware/ft245_async.md).
+-- Latency   The first character of a word comes one clock after the word was valid (an output register).
+-- Characters of a word: head, letter, mark, error 1; data 2, or 1 without digits; tail 1, or 4 with a checksum.
+-- Checksum  Letters as sent, then data bytes. A message that ends with an error mark has none.
+-- Pressure  word_ready waits for tx_ready. Nothing is lost.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -19,7 +19,7 @@ use work.protocol_pkg.all;
 
 entity transmitter is
   generic (
-    digits     : boolean := true;   -- a byte goes as two digits; false: as it is
+    digits     : boolean := true;   -- a byte is sent as two digits; false: as it is
     checksum   : string := "crc8";  -- "crc8", "xor" or "none"
     polynomial : natural range 0 to 255 := to_integer(unsigned(crc8_polynomial_c))
   );
@@ -47,21 +47,21 @@ architecture rtl of transmitter is
     return byte_t(unsigned(std_ulogic_vector'("0110" & value)) - 9);
   end function;
 
-  signal place   : unsigned(1 downto 0) := "00";  -- which character of the word is next
+  signal place   : unsigned(1 downto 0) := "00";  -- number of the next character of the word
   signal summed  : std_ulogic := '0';  -- the message gets a checksum, and its line end is not next in the tail
   signal sum     : byte_t := crc8_initial_c;
   signal full    : std_ulogic := '0';
 
-  signal free    : std_ulogic;  -- the output register takes a character
+  signal free    : std_ulogic;  -- the output register can take a character
   signal several : std_ulogic;  -- the word may have several characters: a byte or a tail
-  signal closes  : std_ulogic;  -- if so, it is a tail
-  signal last    : std_ulogic;  -- the character is the last one of its word
-  signal nibble  : std_ulogic_vector(3 downto 0);  -- that it spells, if it is a digit
+  signal closes  : std_ulogic;  -- if it has several: the word is a tail
+  signal last    : std_ulogic;  -- this is the last character of its word
+  signal nibble  : std_ulogic_vector(3 downto 0);  -- the value of the digit, if it is one
   signal next_character : byte_t;
 
 begin
 
-  -- The kinds of two characters or more are those with the highest bit; the lowest one tells them apart.
+  -- Kinds with two or more characters have the highest bit set. The lowest bit distinguishes them.
   several <= word_data(10);
   closes  <= word_data(8);
 

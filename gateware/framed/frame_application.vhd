@@ -4,10 +4,8 @@
 -- groups. It is a small processor that executes one instruction per clock. Block RAM holds its program
 -- (frame_program_pkg), its words, the executed ids (`places`) and their replies (`cache`).
 --
--- Ports     request, take, rewind, request_done: see frame_receiver. reply, reply_ready, reply_idle: see
---           frame_transmitter.
---           bii: see bii_pkg. subscription: see subscription_pkg. dead_man: see dead_man_pkg; `alive` does not come from
---           here.
+-- Ports     See frame_receiver (request, take, rewind, request_done), frame_transmitter (reply and its ports), bii_pkg,
+--           subscription_pkg and dead_man_pkg, whose `alive` does not come from here.
 --           epoch: FFFF while no session is open. overrun: one-clock pulses, each of which is counted.
 --           may_begin: low while another application has the bus. busy: this application has it.
 -- Latency   With a 2-clock bus and 2 address bytes, 8 clocks from a read request to the kind of its reply. There can be a
