@@ -6,10 +6,10 @@
 --   rx --> datalink --> request_buffer --> application <--> bii, subscription
 --   tx <--    "     <-- fifo <-----------------+
 --
--- Ports     may_begin: low while another application has the bus; busy: this one is in a message. locked: a session of the
---           framed protocol is open, so nothing may be changed. The rest: see core_bii.
--- Errors    While locked, a write ends as one that the bus refuses, and touches nothing; what would change groups or
---           publishing is an unknown command.
+-- Ports     may_begin: low while another application has the bus. busy: this one is in a message. locked: a session of the
+--           framed protocol is open, so nothing may be changed. All other ports: see core_bii.
+-- Errors    While locked, a write ends like one that the bus refuses, and changes nothing. A request that would change
+--           groups or publishing is an unknown command.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -51,7 +51,7 @@ end entity;
 
 architecture rtl of classic is
 
-  constant words : positive := 16;  -- between application and transmitter, so that they work at the same time
+  constant words : positive := 16;  -- between application and transmitter, so that both work at the same time
 
   constant address_bytes  : positive := bytes_for(settings.address_bits);
   constant data_bytes     : positive := bytes_for(settings.data_bits);
@@ -69,7 +69,7 @@ architecture rtl of classic is
   signal room                             : std_ulogic;
   signal message_end                      : std_ulogic;
 
-  signal request_came, request : request_t;  -- as it came, and as it may begin
+  signal request_came, request : request_t;  -- as received, and as passed on
   signal request_take       : std_ulogic;
   signal request_rewind     : std_ulogic;
   signal request_done       : std_ulogic;
@@ -77,7 +77,7 @@ architecture rtl of classic is
   signal groups_response : subscription_response_t;
   signal bus_request     : bii_request_t;
   signal bus_response    : bii_response_t;
-  signal refused         : std_ulogic;  -- a write
+  signal refused         : std_ulogic;  -- a write is refused
 
   signal said_valid, said_ready   : std_ulogic;
   signal said_data                : word_t;

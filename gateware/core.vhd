@@ -1,11 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The Unity-Link core: a protocol or both on byte streams, requests and publishes on a Wishbone bus.
+-- The Unity-Link core: one protocol or both on byte streams, requests and publishes on a Wishbone bus.
 --
 --   rx, tx <--> core_bii <--> wishbone_master <--> wishbone
 --
--- All there is to say stands in core_bii.vhd and wishbone_master.vhd. The cycle figures in docs/gateware/core.md are of this
--- entity.
+-- core_bii.vhd and wishbone_master.vhd have all details. The cycle figures in docs/gateware/core.md are for this entity.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -19,7 +18,7 @@ use work.wishbone_pkg.all;
 entity core is
   generic (
     settings    : settings_t    := core_settings;  -- docs/settings.md
-    safe_values : safe_values_t := no_safe_values  -- what the dead-man writes
+    safe_values : safe_values_t := no_safe_values  -- the values that the dead-man writes
   );
   port (
     clock        : in  std_ulogic;

@@ -4,7 +4,7 @@
 --
 --   rx, tx <--> core_bii <--> axi_lite_master <--> axi_lite
 --
--- All there is to say stands in core_bii.vhd and axi_lite_master.vhd. hold: high over a block, for slaves that keep a moment.
+-- core_bii.vhd and axi_lite_master.vhd have all details. hold: high during a block, for slaves that keep one moment.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -18,7 +18,7 @@ use work.settings_pkg.all;
 entity core_axi_lite is
   generic (
     settings    : settings_t    := core_settings;  -- docs/settings.md
-    safe_values : safe_values_t := no_safe_values  -- what the dead-man writes
+    safe_values : safe_values_t := no_safe_values  -- the values that the dead-man writes
   );
   port (
     clock        : in  std_ulogic;

@@ -1,23 +1,24 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The Unity-Link core without a bus: a protocol or both on byte streams, requests and publishes on the bus-independent
--- interface. `core` puts a Wishbone master behind it, `core_axi_lite` an AXI4-Lite one; yours may be another.
+-- The Unity-Link core without a bus: one protocol or both on byte streams, requests and publishes on the bus-independent
+-- interface. `core` adds a Wishbone master, and `core_axi_lite` an AXI4-Lite one. You may add another.
 --
 --   rx --> port_splitter --> classic, framed <--> application_switch <--> dead_man <--> bii
 --   tx <-- port_joiner   <------+                        |
 --                                              subscription_manager <-- events
 --
--- Settings  docs/settings.md; core_settings(NAME => VALUE, ...) makes them. Of a protocol that is not chosen nothing is there.
--- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message, tx_publish: with all bytes of a
---           publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
---           events: one line a group, synchronous to the clock. bii: see bii_pkg; word addresses.
---           tripped: of the dead-man (dead_man), high from its trip until `arm` or reset; low where there is none.
--- Latency   From the last byte of a request to the first of its reply: 6 clocks. Then a byte a clock, as far as the bus and
---           the reply go: the figures are in docs/gateware/core.md and asserted in tests/gateware/test_cycles.py.
--- Errors    docs/classic-protocol.md section 4. An error takes nothing but its own message along.
--- Pressure  tx_ready stalls replies, then execution, then rx_ready; never the dead-man. Two requests are kept, in execution
---           and behind it.
--- Checksum  "none" also takes checked requests and EPC away.
+-- Settings  docs/settings.md; core_settings(NAME => VALUE, ...) makes them. A protocol that is not chosen uses no logic.
+-- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message. tx_publish: with all bytes of
+--           a publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
+--           events: one line for each group, synchronous to the clock. bii: see bii_pkg; word addresses.
+--           tripped: from the dead-man (dead_man), high from its trip until `arm` or reset; low if there is no dead-man.
+-- Latency   From the last byte of a request to the first byte of its reply: 6 clocks. Then one byte per clock, as far as
+--           the bus and the reply allow. The figures are in docs/gateware/core.md, and tests/gateware/test_cycles.py checks
+--           them.
+-- Errors    docs/classic-protocol.md section 4. An error affects only its own message.
+-- Pressure  tx_ready stalls replies, then execution, then rx_ready, but never the dead-man. Two requests are kept: the one
+--           in execution and the next one.
+-- Checksum  "none" also removes checked requests and EPC.
 -- Datalink  "lite" and "none" keep nothing: a request is executed while it comes in (docs/gateware/datalink.md).
 
 library ieee;
@@ -34,7 +35,7 @@ use work.subscription_pkg.all;
 entity core_bii is
   generic (
     settings    : settings_t    := core_settings;  -- docs/settings.md
-    safe_values : safe_values_t := no_safe_values  -- what the dead-man writes
+    safe_values : safe_values_t := no_safe_values  -- the values that the dead-man writes
   );
   port (
     clock        : in  std_ulogic;
@@ -61,7 +62,7 @@ architecture rtl of core_bii is
   constant has_framed  : boolean := settings.protocol /= protocol_classic;
   constant both        : boolean := has_classic and has_framed;
 
-  -- Of each side, where it is there.
+  -- The streams of each side, if it exists.
   signal classic_valid, classic_ready, frame_valid, frame_ready : std_ulogic;
   signal classic_tx_valid, classic_tx_ready, classic_tx_last, classic_tx_publish : std_ulogic;
   signal frame_tx_valid, frame_tx_ready, frame_tx_last, frame_tx_publish         : std_ulogic;
@@ -74,7 +75,7 @@ architecture rtl of core_bii is
   signal subscription_response : subscription_response_t;
   signal classic_bii, framed_bii : bii_request_t;
   signal classic_bii_response, framed_bii_response : bii_response_t;
-  signal asked                : bii_request_t;   -- of the bus, by whichever side has it
+  signal asked                : bii_request_t;   -- the request to the bus, from the side that has it
   signal answered             : bii_response_t;
   signal dead_man_request     : dead_man_request_t;
   signal dead_man_response    : dead_man_response_t;
@@ -120,7 +121,7 @@ begin
   end generate;
 
   two_sides : if both generate
-    -- A line that hurts is told as text only where text is spoken: never between the frames of a session.
+    -- Errors of the line are reported as text only while text is used, and never between the frames of a session.
     classic_error <= rx_error when session_open = '0' else "000";
 
     port_joiner : entity work.port_joiner
@@ -160,7 +161,7 @@ begin
   end generate;
 
   framed_alone : if not has_classic generate
-    classic_ready        <= '1';  -- text is nobody's
+    classic_ready        <= '1';  -- there is no receiver of text
     framed_may_begin     <= '1';
     tx_valid             <= frame_tx_valid;
     frame_tx_ready       <= tx_ready;
@@ -172,7 +173,7 @@ begin
     framed_bii_response  <= answered;
   end generate;
 
-  -- It stands behind the switch, so that the classic side has nothing to say about it either.
+  -- The dead-man stands after the switch, so that it also controls the classic side.
   watched : if has_framed and settings.deadman generate
     dead_man : entity work.dead_man
       generic map (

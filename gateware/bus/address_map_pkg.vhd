@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Which slave answers at which addresses.
+-- The address map: which slave answers at which addresses.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,7 +10,7 @@ package address_map_pkg is
 
   type address_range_t is record
     base  : unsigned(31 downto 0); -- the first address
-    words : positive;              -- how many
+    words : positive;              -- the number of words
   end record;
 
   type address_map_t is array (natural range <>) of address_range_t;
@@ -18,7 +18,8 @@ package address_map_pkg is
   function last_address (span : address_range_t) return unsigned;
   function overlaps (one : address_range_t; other : address_range_t) return boolean;
 
-  -- A power of two of words, on a multiple of it: then decoding costs a comparison and no subtraction.
+  -- Whether size and base fit: the size is a power of two, and the base a multiple of it. Then decoding needs a comparison
+  -- and no subtraction.
   function is_aligned (span : address_range_t) return boolean;
 
 end package;

@@ -2,19 +2,20 @@
 --
 -- The bus-independent interface on an AXI4-Lite bus.
 --
--- Addresses  AXI counts bytes: word a is at 4 * a, whatever data_width is, so a word address has at most 30 bits.
--- Latency    Address (and data) are on the bus one clock after bii_request.valid; done follows the response in the same clock. A
---            read or write takes 3 clocks with a slave that takes the address at once and answers in the next clock.
--- Block      AXI4-Lite cannot hold its bus. `hold` is high from the first to the last access of a block, and in each
---            single one, as Wishbone's cyc is: for slaves that keep a moment. Other masters may come between.
--- Errors     SLVERR and DECERR end an access with status `error`. After `timeout_clocks` clocks without a response it ends with
---            status `silent`.
--- Late       AXI cannot take back what it has asked. An access that was given up on stays on the bus until its response has
---            come, which is thrown away; only then does the next access start, so that a late response is never taken
---            for its answer. Until then every access ends with `silent` after timeout_clocks, without having been on the bus.
---            A write that ended `silent` may therefore still happen.
--- Pressure   valid waits for ready on every channel; bii_request waits.
--- Reset      Drops what is under way: reset the slaves in the same clock, as AXI demands.
+-- Addresses  AXI counts bytes: word a is at 4 * a, for every data_width. So a word address has at most 30 bits.
+-- Latency    Address and data are on the bus one clock after bii_request.valid. `done` comes in the same clock as the
+--            response. A read or write takes 3 clocks if the slave takes the address at once and answers in the next clock.
+-- Block      AXI4-Lite cannot hold its bus. `hold` is high from the first to the last access of a block, and during each
+--            single access, like Wishbone's cyc. It is for slaves that show one moment for a whole block. Other masters may
+--            come between.
+-- Errors     SLVERR and DECERR end an access with status `error`. After `timeout_clocks` clocks without a response it ends
+--            with status `silent`.
+-- Late       AXI cannot cancel an access. After a timeout, the access stays on the bus until its response comes, and this
+--            response is dropped. Only then does the next access start, so a late response is never used for another
+--            access. Until then every access ends with `silent` after timeout_clocks, and does not reach the bus. A write
+--            that ended with `silent` may still happen.
+-- Pressure   valid waits for ready on every channel. bii_request waits.
+-- Reset      Drops the current access. Reset the slaves in the same clock, as AXI demands.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -46,13 +47,13 @@ architecture rtl of axi_lite_master is
   constant address_bits : positive := minimum(address_width, 30);
 
   signal busy       : std_ulogic := '0'; -- an access is on the bus
-  signal writes     : std_ulogic := '0'; -- … a write
-  signal given_up   : std_ulogic := '0'; -- … whose response nobody waits for any more
+  signal writes     : std_ulogic := '0'; -- … which is a write
+  signal given_up   : std_ulogic := '0'; -- … and has timed out
   signal aw, w, ar  : std_ulogic := '0'; -- valid of these channels
   signal address    : std_ulogic_vector(address_bits - 1 downto 0);
   signal data       : std_ulogic_vector(data_width - 1 downto 0);
-  signal b, r       : std_ulogic;        -- ready of these channels: address and data have been taken
-  signal over       : std_ulogic;        -- the response is here
+  signal b, r       : std_ulogic;        -- ready of these channels: address and data were taken
+  signal over       : std_ulogic;        -- the response has come
   signal response   : axi_response_t;
   signal waited     : natural range 0 to timeout_clocks := 0;
   signal expired    : std_ulogic;

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- AXI4-Lite as two records, one for each direction. 32 bits of data, byte addresses, five channels.
+-- AXI4-Lite as two records, one for each direction: 32 bits of data, byte addresses, five channels.
 --
--- On each channel a transfer is done in a clock in which its valid and ready are both high; a valid once high stays, with its
--- payload steady, until then. No valid may wait for its ready.
+-- On each channel, a transfer is done in a clock in which valid and ready are both high. Once valid is high, it and its
+-- payload stay the same until then. No valid may wait for its ready.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,7 +14,7 @@ package axi_lite_pkg is
 
   constant axi_okay_c         : axi_response_t := "00";
   constant axi_slave_error_c  : axi_response_t := "10"; -- the slave refuses
-  constant axi_decode_error_c : axi_response_t := "11"; -- nobody is at this address
+  constant axi_decode_error_c : axi_response_t := "11"; -- no slave is at this address
 
   -- Master to slave.
   type axi_lite_m2s_t is record
@@ -23,7 +23,7 @@ package axi_lite_pkg is
     awprot  : std_ulogic_vector(2 downto 0);
     wvalid  : std_ulogic;                      -- write data
     wdata   : std_ulogic_vector(31 downto 0);
-    wstrb   : std_ulogic_vector(3 downto 0);   -- bytes that count
+    wstrb   : std_ulogic_vector(3 downto 0);   -- valid bytes
     bready  : std_ulogic;                      -- write response
     arvalid : std_ulogic;                      -- read address
     araddr  : std_ulogic_vector(31 downto 0);

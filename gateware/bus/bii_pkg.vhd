@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The bus-independent interface: what the application layer asks of whatever bus lies below it.
+-- The bus-independent interface, between the application layer and any bus.
 --
--- The application raises valid with write, address and data steady until done, which stands for one clock together
--- with the status. `block_hold` is high from before the first until after the last access whose words belong together; a
--- master keeps its bus for that time. Every access ends: the master answers `silent` when nothing on the bus does.
+-- The application raises valid, and keeps write, address and data stable until done. done is high for one clock, together
+-- with the status. `block_hold` is high from before the first access to after the last access of words that belong
+-- together. A master keeps its bus for that time. Every access ends: if no slave answers, the master answers `silent`.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,20 +14,20 @@ package bii_pkg is
   type bii_status_t is (
     ok,      -- done
     error,   -- a slave refused
-    silent,  -- nothing answered in time
-    denied   -- a write, and the dead-man has tripped: it was not made
+    silent,  -- no answer in time
+    denied   -- a write, but the dead-man has tripped: the write was not made
   );
 
   type bii_request_t is record
-    valid   : std_ulogic;                      -- an access is asked for
+    valid   : std_ulogic;                      -- an access is requested
     write   : std_ulogic;                      -- with valid: 1 write, 0 read
-    address : std_ulogic_vector(31 downto 0);  -- with valid: word address; bits beyond the bus's width do not count
-    data    : std_ulogic_vector(31 downto 0);  -- with valid and write; likewise
-    block_hold : std_ulogic;                   -- the bus must not be given away
+    address : std_ulogic_vector(31 downto 0);  -- with valid: word address; bits beyond the width of the bus are ignored
+    data    : std_ulogic_vector(31 downto 0);  -- with valid and write; bits beyond the width are ignored
+    block_hold : std_ulogic;                   -- keep the bus
   end record;
 
   type bii_response_t is record
-    done   : std_ulogic;                       -- the access is over
+    done   : std_ulogic;                       -- the access ends
     status : bii_status_t;                     -- with done
     data   : std_ulogic_vector(31 downto 0);   -- with done of a read that is ok; unused upper bits are zero
   end record;

@@ -1,21 +1,22 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Double-buffered memory on the Wishbone bus: what the PC writes becomes visible to the FPGA all at once, by a commit.
+-- Double-buffered memory on the Wishbone bus: a commit makes all that the PC wrote visible to the FPGA at once.
 --
---   +0 .. words - 1   write: the hidden bank               read: the visible bank
---   +words            write: commit, the banks change      read: number of commits so far
---                     places, whatever the value
+--   +0 .. words - 1   write: the hidden bank                       read: the visible bank
+--   +words            write any value: commit, the banks swap      read: number of commits so far
 --
--- Hazard     The change does not copy. A word not rewritten before a commit has the value of two commits ago.
--- FPGA side  user_read_data is the visible word at user_read_address, one clock later. Words of the FPGA's own go to
---            the visible bank by user_write_valid/ready. committed is high for one clock when a commit took effect:
---            whoever needs words that belong together reads them after it.
--- Block      While cyc is high user_write_ready is low, so that a read-many or a publish sees one moment; the FPGA's
---            word waits for the end of the block and is seen by the next.
--- Latency    ack or err one clock after strobe: 2 clocks an access.
--- Errors     err for an address beyond +words and for a write with a byte left out by sel. Nothing changes then.
--- Reset      No commits, the first bank visible. Both banks are zero at power-up (block RAM initial value) and keep
---            their words at a reset.
+-- Hazard     A commit swaps the banks and does not copy. A word that is not written before a commit has its value of two
+--            commits ago.
+-- FPGA side  user_read_data is the visible word at user_read_address, one clock later. The FPGA writes words of its own to
+--            the visible bank by user_write_valid/ready. committed is high for one clock when a commit took effect. Read
+--            words that belong together after it.
+-- Block      While cyc is high, user_write_ready is low, so a read-many or a publish sees one moment. The FPGA's word waits
+--            for the end of the block, and the next block sees it.
+-- Latency    ack or err one clock after strobe: 2 clocks per access.
+-- Errors     err for an address beyond +words, and for a write that does not select all bytes by sel. Such an access
+--            changes nothing.
+-- Reset      Sets the number of commits to zero and makes the first bank visible. Both banks are zero at power-up (initial
+--            value of block RAM), and a reset keeps their words.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -57,8 +58,8 @@ architecture rtl of double_buffer_slave is
   signal banks       : banks_t := (others => (others => '0'));
   signal visible     : std_ulogic := '0';
   signal commits     : unsigned(data_width - 1 downto 0);
-  signal word        : word_t;     -- from the banks …
-  signal counting    : std_ulogic; -- … unless the number of commits was asked for
+  signal word        : word_t;     -- the word from the banks …
+  signal counting    : std_ulogic; -- … or the number of commits
   signal asked       : std_ulogic;
   signal ack, err    : std_ulogic;
   signal is_word     : std_ulogic;
@@ -77,7 +78,7 @@ begin
   whole     <= '1' when wishbone_m2s.sel(all_bytes'range) = all_bytes else '0';
   index     <= unsigned(wishbone_m2s.adr(index_bits - 1 downto 0));
 
-  -- One write port is enough: the FPGA writes only where no bus cycle is open.
+  -- One write port is enough, because the FPGA writes only while no bus cycle is open.
   user_write_ready <= not wishbone_m2s.cyc;
 
   process (all) is

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Words side by side, one an address: how a register slave and the logic behind it talk.
+-- Words side by side, one for each address: the signals between a register slave and the logic behind it.
 
 library ieee;
   use ieee.std_logic_1164.all;

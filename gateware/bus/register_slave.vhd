@@ -1,20 +1,21 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Registers on the Wishbone bus: what stands at which address is decided by the logic around it.
+-- Registers on the Wishbone bus. The logic around it gives each address its meaning.
 --
 --   wishbone --> write_words(a)   the word last written to address a; written(a) is high in its first clock
---   wishbone <-- read_words(a)    what a read of address a gives (connect it to write_words(a) to read back);
+--   wishbone <-- read_words(a)    the word that a read of address a gives (connect it to write_words(a) to read back);
 --                                 was_read(a) is high with its ack
 --
--- Generics  writable has a character an address, address 0 first: "0110" is four words of which 1 and 2 may be written.
---           '-' is a hole: there is no word at this address, and none of its ports is used.
---           snapshot true: a read gives the words as they were in the clock before cyc rose. A read-many or a publish
---           then has one moment for all its words, over every slave that does so. A word that is written while cyc is
---           high is live from then on, until cyc falls: who writes sees what was written.
--- Latency   ack or err one clock after strobe: 2 clocks an access.
--- Errors    err for an address that does not exist, a write of one that is not writable, and a write with a byte left out
---           by sel (a register is written whole or not at all). Nothing changes then.
--- Reset     write_words are `initial`, a word an address, or zero where that is not given; written is not raised for that.
+-- Generics  writable has one character for each address, address 0 first: "0110" is four words, of which 1 and 2 may be
+--           written. '-' is a hole: there is no word at this address, and its ports are not used.
+--           snapshot true: a read gives the words of the clock before cyc rose. So all words of a read-many or a publish
+--           are of one moment, over all such slaves. A word that is written while cyc is high is live from then on, until
+--           cyc falls. So the master reads back what it wrote.
+-- Latency   ack or err one clock after strobe: 2 clocks per access.
+-- Errors    err for an address that does not exist, for a write to one that is not writable, and for a write that does not
+--           select all bytes by sel. A register is written whole or not at all. Such an access changes nothing.
+-- Reset     write_words become `initial`, which has one word for each address, or zero where it has none. written stays
+--           low.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -48,7 +49,7 @@ architecture rtl of register_slave is
   constant words      : positive := writable'length;
   constant index_bits : positive := bits_for(words);
 
-  -- Words to start with, from address 0 on.
+  -- The initial words, from address 0 on.
   function first_words return word_vector_t is
     variable found : word_vector_t(0 to words - 1) := (others => (others => '0'));
   begin
@@ -60,10 +61,10 @@ architecture rtl of register_slave is
 
   constant first : word_vector_t(0 to words - 1) := first_words;
 
-  -- GHDL 2.0 synthesises a constant of 64, 96, 128 ... bits as zero if its last 32 are zero: one bit more then.
+  -- GHDL 2.0 synthesises a constant of 64, 96, 128 ... bits as zero if its last 32 bits are zero. So there is one more bit.
   subtype flags_t is std_ulogic_vector(0 to words - 1 + boolean'pos(words mod 32 = 0));
 
-  -- Which addresses have this character in `writable`.
+  -- The addresses that have this character in `writable`.
   function having (character : std_ulogic) return flags_t is
     constant characters : std_ulogic_vector(0 to words - 1) := writable;
     variable found      : flags_t := (others => '0');
@@ -80,7 +81,7 @@ architecture rtl of register_slave is
   constant is_hole   : flags_t := having('-');
   constant all_bytes : std_ulogic_vector(bytes_for(data_width) - 1 downto 0) := (others => '1');
 
-  signal seen     : word_vector_t(0 to words - 1); -- what reads see: live, or as it was when cyc rose
+  signal seen     : word_vector_t(0 to words - 1); -- the words for reads: live, or of the moment when cyc rose
   signal word     : std_ulogic_vector(data_width - 1 downto 0);
   signal asked    : std_ulogic;
   signal ack, err : std_ulogic;
@@ -147,7 +148,7 @@ begin
         err         <= '0';
         written     <= (written'range => '0');
         was_read    <= (was_read'range => '0');
-        for address in write_words'range loop  -- word by word: see flags_t
+        for address in write_words'range loop  -- one word after the other: see flags_t
           write_words(address) <= first(address);
         end loop;
       end if;

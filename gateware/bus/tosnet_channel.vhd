@@ -1,11 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- One direction of TosNet's asynchronous channel: a queue whose words travel with the network cycle.
+-- One direction of TosNet's asynchronous channel: a queue whose words are passed on with the network cycle.
 --
---   write_valid/ready/data --> | up to `depth` words | -- three a cycle --> read_valid/ready/data
+--   write_valid/ready/data --> | up to `depth` words | -- three per cycle --> read_valid/ready/data
 --
--- Travel    A cycle carries up to three of the words that were written before it to the reading side, oldest first.
--- pending   Words have arrived. read_valid follows it within two clocks; whoever must not miss a word waits for it.
+-- Travel    A cycle passes up to three words to the reading side, the oldest first. They must have been written before the
+--           cycle.
+-- pending   Words have arrived. read_valid follows within two clocks. Wait for it if no word may be missed.
 -- Pressure  write_ready is low while `depth` words are in the queue, arrived or not. Nothing is lost.
 -- Reset     Empties the queue.
 
@@ -35,10 +36,10 @@ architecture rtl of tosnet_channel is
 
   constant words_a_cycle : positive := 3;
 
-  signal travelling : natural range 0 to depth; -- written, not arrived
+  signal travelling : natural range 0 to depth; -- written, but not arrived
   signal arrived    : natural range 0 to depth;
   signal put, take  : std_ulogic;
-  signal oldest     : std_ulogic;               -- the oldest word has come through the memory
+  signal oldest     : std_ulogic;               -- the oldest word has come out of the memory
 
 begin
 

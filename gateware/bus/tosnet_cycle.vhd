@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The network cycle of TosNet without a ring: when words are exchanged, and what there is to count.
+-- The network cycle of TosNet, without a ring. It decides when words are exchanged, and counts events of the network.
 --
 -- ends      High in the clock that ends a cycle, every cycle_clocks, also while the network is offline.
--- exchange  The same while it is online: in this clock commits take effect and words travel.
--- Counts    packets: exchanges. errors: clocks of `damaged`. resets: times the network came back.
--- halted    More than max_skipped_writes exchanges in a row found no commit pending; until the network comes back.
+-- exchange  The same, but only while it is online. In this clock commits take effect and words travel.
+-- Counts    packets: exchanges. errors: clocks of `damaged`. resets: how often the network came back.
+-- halted    More than max_skipped_writes exchanges in a row had no pending commit. It ends when the network comes back.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,19 +14,19 @@ library ieee;
 entity tosnet_cycle is
   generic (
     cycle_clocks       : positive                 := 5000;
-    max_skipped_writes : natural range 0 to 65535 := 0 -- 0: never halts
+    max_skipped_writes : natural range 0 to 65535 := 0 -- 0 means that it never halts
   );
   port (
     clock   : in std_ulogic;
     reset   : in std_ulogic; -- synchronous
     online  : in std_ulogic;
-    damaged : in std_ulogic; -- a clock for every cycle that came damaged
-    pending : in std_ulogic; -- with exchange: there is a commit
+    damaged : in std_ulogic; -- one clock for each damaged cycle
+    pending : in std_ulogic; -- with exchange: a commit is pending
 
     ends         : out std_ulogic;
     exchange     : out std_ulogic;
-    was_online   : out std_ulogic; -- one clock ago, thus in the status
-    packet_error : out std_ulogic; -- this cycle came damaged
+    was_online   : out std_ulogic; -- one clock ago, as in the status
+    packet_error : out std_ulogic; -- this cycle was damaged
     halted       : out std_ulogic;
     read_pointer : out std_ulogic; -- changes with every cycle
     packets      : out unsigned(31 downto 0);

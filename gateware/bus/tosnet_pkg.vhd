@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- TosNet as its bus slave sees it: who is in the ring, which words of the shared memory have somebody behind them.
+-- TosNet as its bus slave sees it: the nodes of the ring, and which words of the shared memory are in use.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,7 +10,7 @@ library ieee;
 
 package tosnet_pkg is
 
-  -- A node beside the PC's own. Bit r of `registers`: register r is enabled.
+  -- A node other than the PC's own. Bit r of `registers` enables register r.
   type tosnet_node_t is record
     id        : natural range 0 to 15;
     registers : std_ulogic_vector(7 downto 0);
@@ -27,15 +27,15 @@ package tosnet_pkg is
   -- The PC's own node may write its IN and OUT words, and the IN words of all others.
   function is_writable (address : tosnet_address_t; master_id : natural) return boolean;
 
-  -- The network registers: the ring from its master on.
+  -- The network registers: the nodes of the ring, from its master on.
   function network_registers (
     master_id        : natural;
     master_registers : std_ulogic_vector(7 downto 0);
     nodes            : tosnet_node_vector_t
   ) return word_vector_t;
 
-  -- 1 + the index of the first address of `some` that is wrong, or 0: one that is there twice, or that the PC may (not)
-  -- write where `writable` is false (true).
+  -- Finds a wrong address in `some`: one that occurs twice, one that the PC may not write if `writable` is true, or one
+  -- that it may write if `writable` is false. The result is 1 + the index of the first such address, or 0.
   function misfit (some : tosnet_address_vector_t; master_id : natural; writable : boolean) return natural;
 
 end package;

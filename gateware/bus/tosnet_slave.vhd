@@ -1,29 +1,31 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, its status. No ring yet:
--- the nodes are the logic around it, and the network cycle is a counter. docs/gateware/tosnet_slave.md has the bits.
+-- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. There is no
+-- ring yet. The logic around this entity takes the place of the nodes, and a counter gives the network cycle.
+-- docs/gateware/tosnet_slave.md has the bits.
 --
 --   000-3FF  shared memory, node * 64 + register * 8 + 4 if IN + word. The PC writes IN words and its own node's OUT words
---   400      read: status. write: commit, whatever the value    401, 402, 403  packet, reset and error counter
+--   400      read: status. write any value: commit              401, 402, 403  packet, reset and error counter
 --   500-50F  network registers                                  600-602, 700, 702  asynchronous channel
 --
--- Cycle     Every cycle_clocks a pending commit takes effect and read_words are sampled. `cycle` is high in the first clock
---           of each. Written and read words thus belong to one moment each.
--- Commit    write_words are the words of write_addresses as last committed; all change in one clock, the one in which
---           `committed` is high. A write to the memory while a commit is pending aborts the commit (CWA) and counts.
--- Hazard    A commit exchanges two banks and does not copy: a word not rewritten has its value of two commits ago.
--- Block     While cyc is high the PC reads the words of one moment. A cycle that ends meanwhile is seen after the block.
--- Memory    whole_memory: every word exists, as in TosNet; 64 Kibit of block RAM. Else only those of write_addresses and
---           read_addresses do. Words that nobody sees are kept for the PC; words that nobody gives are zero.
--- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted` until the network, or the
---           gateware, starts again: bring outputs to a safe state.
--- Ring      online and damaged stand for the ring: low, nothing is exchanged and commits wait; a clock of damaged is a cycle
---           with an error.
--- Latency   ack or err one clock after strobe: 2 clocks an access. After a reset accesses wait until the memory is cleared:
---           a clock a word, two banks. An asynchronous word that has just arrived is waited for, one clock.
--- Errors    err for what must not be written or read, for addresses without meaning, a write that leaves a byte out by sel, a
---           full or empty asynchronous queue. Nothing changes then but the error bits of the status.
--- Reset     All words are zero, no commit is pending.
+-- Cycle     Every cycle_clocks a pending commit takes effect, and read_words are sampled. `cycle` is high in the first
+--           clock of each. So the written words belong to one moment, and so do the read words.
+-- Commit    write_words are the last committed words of write_addresses. All change in one clock, in which `committed` is
+--           high. A write to the memory while a commit is pending aborts the commit. The abort is counted and shown (CWA).
+-- Hazard    A commit swaps two banks and does not copy. A word that is not rewritten has its value of two commits ago.
+-- Block     While cyc is high, the PC reads words of one moment. A cycle that ends meanwhile is seen after the block.
+-- Memory    whole_memory: every word exists, as in TosNet, in 64 Kibit of block RAM. Otherwise only the words of
+--           write_addresses and read_addresses exist. Words that no node reads are kept for the PC. Words that no node
+--           gives are zero.
+-- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or the
+--           gateware starts again. Use it to bring outputs to a safe state.
+-- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait. One
+--           clock of damaged is one cycle with an error.
+-- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
+--           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that has just arrived.
+-- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select all
+--           bytes by sel, and a full or empty asynchronous queue. Such an access changes only the error bits of the status.
+-- Reset     All words are zero, and no commit is pending.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -61,7 +63,7 @@ entity tosnet_slave is
     online  : in std_ulogic := '1';
     damaged : in std_ulogic := '0';
 
-    -- Asynchronous channel: a word, the index of its last byte that counts (the first is in bits 31-24), the other node.
+    -- Asynchronous channel: a word, the index of its last valid byte (the first byte is in bits 31-24), the other node.
     to_node_valid   : out std_ulogic;
     to_node_ready   : in  std_ulogic                     := '0';
     to_node_data    : out std_ulogic_vector(31 downto 0);
@@ -99,23 +101,23 @@ architecture rtl of tosnet_slave is
   -- The access.
   signal address      : unsigned(10 downto 0);
   signal asked        : std_ulogic;
-  signal within       : std_ulogic; -- the address is one of the map's
+  signal within       : std_ulogic; -- the address is in the map
   signal is_memory    : std_ulogic;
   signal may_write    : std_ulogic;
   signal write_hits   : std_ulogic_vector(0 to writes - 1);
   signal read_hits    : std_ulogic_vector(0 to reads - 1);
   signal exists       : std_ulogic;
   signal index        : unsigned(index_bits - 1 downto 0);
-  signal whole_write  : std_ulogic; -- a write within the map that leaves no byte out
+  signal whole_write  : std_ulogic; -- a write within the map that selects all bytes
   signal store        : std_ulogic; -- … to the memory
   signal commit       : std_ulogic; -- … to the status
   signal ack, err     : std_ulogic;
-  signal from_memory  : std_ulogic; -- the answer is in memory_word, else in word
+  signal from_memory  : std_ulogic; -- the answer is in memory_word; otherwise in word
   signal word         : word_t;
   signal memory_word  : word_t;
 
-  -- The banks: of each pair the PC writes one, and the nodes see the other. In `banks` for the PC to read, in registers
-  -- for the nodes.
+  -- The banks. The PC writes one bank of each pair, and the nodes see the other. `banks` holds them for the PC, and
+  -- registers hold them for the nodes.
   signal banks         : banks_t;
   signal bank          : std_ulogic;
   signal write_bank    : std_ulogic := '0';
@@ -129,17 +131,17 @@ architecture rtl of tosnet_slave is
   signal clear_index   : unsigned(index_bits downto 0) := (others => '0');
 
   -- The network.
-  signal cycle_ends, exchange      : std_ulogic; -- in this clock a cycle ends; and words go over the ring
+  signal cycle_ends, exchange      : std_ulogic; -- in this clock a cycle ends; in this clock words are exchanged
   signal was_online, packet_error  : std_ulogic;
   signal read_pointer              : std_ulogic;
   signal packets, resets, errors   : unsigned(31 downto 0);
-  signal pending                   : std_ulogic; -- a commit is, with what the access of this clock does
+  signal pending                   : std_ulogic; -- a commit is pending, including the access of this clock
   signal commit_pending            : std_ulogic;
   signal commit_aborted            : std_ulogic;
   signal read_refused              : std_ulogic;
   signal write_refused             : std_ulogic;
-  signal in_block                  : std_ulogic; -- cyc has been high before
-  signal stale                     : std_ulogic; -- a cycle ended in a block: what it brought is not shown yet
+  signal in_block                  : std_ulogic; -- cyc was already high
+  signal stale                     : std_ulogic; -- a cycle ended during the block, and its words are not shown yet
 
   -- The asynchronous channel.
   signal tx_control                    : std_ulogic_vector(5 downto 0); -- last, id
@@ -253,7 +255,7 @@ begin
         tosnet_status_commit_pending_bit_c => commit_pending,
         others                             => '0');
       status(tosnet_status_node_id_shift_c + 3 downto tosnet_status_node_id_shift_c) :=
-        std_ulogic_vector(to_unsigned(master_id, 4)); -- its ring address is 0
+        std_ulogic_vector(to_unsigned(master_id, 4)); -- its address in the ring is 0
 
       good  := '0';
       given := (others => '0');
@@ -297,7 +299,7 @@ begin
       ack <= asked and good and not reset;
       err <= asked and not good and not reset;
 
-      -- The error bits say how the last access to the memory went, or that one elsewhere was refused.
+      -- The error bits are about the last access to the memory, or about a refused access elsewhere.
       if asked = '1' and wishbone_m2s.we = '0' and (is_memory = '1' or good = '0') then
         read_refused <= not good;
       end if;
@@ -322,7 +324,7 @@ begin
       ends => cycle_ends, exchange => exchange, was_online => was_online, packet_error => packet_error, halted => halted,
       read_pointer => read_pointer, packets => packets, resets => resets, errors => errors);
 
-  -- At a clock that ends a cycle the access comes first: a commit then takes effect, a write still aborts one.
+  -- In the clock that ends a cycle, the access comes first: a commit takes effect, and a write still aborts one.
   pending <= commit or (commit_pending and not store);
 
   exchange_banks : process (clock) is
@@ -374,7 +376,7 @@ begin
     end if;
   end process;
 
-  bank <= write_bank xor (exchange and pending); -- that of the next clock
+  bank <= write_bank xor (exchange and pending); -- the bank of the next clock
 
   tx_steer <= whole_write when address = tosnet_async_tx_control_c else '0';
   tx_valid <= whole_write and tx_ready when address = tosnet_async_tx_data_c else '0';

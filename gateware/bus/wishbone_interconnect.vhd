@@ -1,18 +1,20 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- One Wishbone master, many slaves: the address decides who is asked.
+-- One Wishbone master and many slaves: the address selects the slave.
 --
 --                        +--> slaves_m2s(0)   address_map(0): base x"00000000", 256 words
 --   master_m2s --decode--+--> slaves_m2s(1)   address_map(1): base x"00000400", 3 words
 --                        +--> err             everywhere else
 --
--- Addresses  A slave gets its own, from 0 on: the base is taken away. Any base and size will do; a power of two of words on
---            a multiple of it costs no adder. Ranges that overlap or pass the end stop elaboration.
--- cyc        goes to every slave, stb to one: slaves that keep a moment (double buffers, snapshots) all keep the same.
--- Latency    None: decode, strobe and answer in the same clock.
--- Errors     An access outside every range is answered with err in its first clock, so that it ends. A slave that
---            never answers is ended by the master's time-out.
--- Pressure   A slave may take its time; the master waits.
+-- Addresses  A slave gets addresses of its own, from 0 on: the base is subtracted. Any base and size are possible. A size
+--            that is a power of two, with a base that is a multiple of it, needs no adder. Ranges that overlap or pass the
+--            end stop elaboration.
+-- cyc        goes to every slave, and stb to one. So all slaves that keep one moment (double buffers, snapshots) keep the
+--            same moment.
+-- Latency    None: decode, strobe and answer are in the same clock.
+-- Errors     An access outside all ranges is answered with err in its first clock. The master's timeout ends an access
+--            whose slave never answers.
+-- Pressure   A slave may take any number of clocks. The master waits.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -47,7 +49,7 @@ begin
     constant span : address_range_t       := map_c(slave);
     constant last : unsigned(31 downto 0) := last_address(map_c(slave));
 
-    signal inner : std_ulogic_vector(31 downto 0); -- the slave's own address
+    signal inner : std_ulogic_vector(31 downto 0); -- the address within the slave's range
 
   begin
 

@@ -2,16 +2,16 @@
 --
 -- The bus-independent interface on a Wishbone B4 bus, classic cycles.
 --
--- Latency   None of its own: strobe follows bii_request.valid in the same clock, done follows ack in the same clock.
---           An access takes as many clocks as the slave: 2 with a registered acknowledge.
+-- Latency   None of its own: strobe comes in the same clock as bii_request.valid, and done in the same clock as ack. An
+--           access takes as many clocks as the slave: 2 with a registered acknowledge.
 -- Block     cyc stays high from the first access while bii_request.block_hold is high.
--- Errors    err ends an access with status `error`. After `timeout_clocks` clocks without ack or err the access ends
---           with status `silent`, cyc falls, and no address is touched.
--- Late ack  A slave that was given up on may still answer. Therefore the bus rests with cyc low for another
---           `timeout_clocks` clocks, or until that answer has come and gone; only then does the next access start, so
---           that a late ack is not taken for its answer. (Wishbone demands that a slave forgets an access when cyc
---           falls; one that answers more than twice `timeout_clocks` late breaks that rule.)
--- Pressure  bii_request waits; nothing else can.
+-- Errors    err ends an access with status `error`. After `timeout_clocks` clocks without ack or err the access ends with
+--           status `silent`, cyc falls, and no slave is addressed.
+-- Late ack  A slave may still answer after a timeout. So the bus rests, with cyc low, for another `timeout_clocks` clocks,
+--           or until that answer has come and gone. Only then does the next access start, so a late ack is not used for
+--           another access. (Wishbone demands that a slave forgets an access when cyc falls. A slave that answers more than
+--           twice `timeout_clocks` late breaks that rule.)
+-- Pressure  bii_request waits. Nothing else can wait.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -39,10 +39,10 @@ end entity;
 
 architecture rtl of wishbone_master is
 
-  signal waited  : natural range 0 to timeout_clocks := 0;  -- clocks of this access, or of the rest, so far
-  signal resting : std_ulogic := '0';  -- the bus rests after an access that was given up on
+  signal waited  : natural range 0 to timeout_clocks := 0;  -- clocks of this access, or of this rest
+  signal resting : std_ulogic := '0';  -- the bus rests after a timeout
   signal strobe  : std_ulogic;
-  signal expired : std_ulogic := '0';  -- so it has waited timeout_clocks
+  signal expired : std_ulogic := '0';  -- waited is timeout_clocks
   signal held    : std_ulogic := '0';  -- inside a block, after its first access began
 
 begin

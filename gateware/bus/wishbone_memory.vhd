@@ -2,10 +2,10 @@
 --
 -- Plain memory on the Wishbone bus: `words` words from address 0 on.
 --
--- Latency   ack one clock after strobe (registered), so 2 clocks an access.
--- Errors    An address beyond the memory is answered with err; nothing is read or written.
--- Contents  Zero at power-up (block RAM initial value); a reset does not clear them.
--- The upper address bits count: put an interconnect in front that takes the slave's base away.
+-- Latency   ack one clock after strobe (registered), so 2 clocks per access.
+-- Errors    An address beyond the memory is answered with err. Nothing is read or written then.
+-- Contents  Zero at power-up (initial value of block RAM). A reset keeps them.
+-- The upper address bits are used, too. So put an interconnect in front that subtracts the slave's base.
 
 library ieee;
   use ieee.std_logic_1164.all;

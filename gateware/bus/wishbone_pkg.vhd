@@ -2,14 +2,17 @@
 --
 -- Wishbone B4 classic cycles as two records, one for each direction.
 --
--- Both records have the widest bus the classic protocol can carry (32-bit addresses, 32-bit data). A core
--- with a narrower bus uses the low bits; the upper ones are zero and synthesis drops them.
+-- Both records have the widest bus that the classic protocol can carry (32-bit addresses, 32-bit data). A core with a
+-- narrower bus uses the low bits. The upper ones are zero, and synthesis removes them.
 --
--- Addresses count words (one address a data word), as the protocol and UL-spec do: there is no byte address.
--- A cycle: the master raises cyc and stb with we, adr, dat and sel steady; the slave answers with ack or err for
--- one clock, at the earliest in the same clock; the master takes stb away in the clock after it saw the answer.
--- A slave must not answer when cyc and stb are not both high. A held cyc is one undividable block: slaves with
--- two banks keep the bank that was valid at its first clock until cyc falls.
+-- Addresses count words (one address for each data word), as in the protocol and in UL-spec. There is no byte address.
+--
+-- In a cycle, the master raises cyc and stb, with we, adr, dat and sel stable. The slave answers with ack or err for one
+-- clock, at the earliest in the same clock. The master lowers stb in the clock after the answer. A slave must not answer
+-- unless cyc and stb are both high.
+--
+-- While cyc stays high, the accesses are one indivisible block. A slave with two banks keeps the bank of the first clock
+-- until cyc falls.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,12 +24,12 @@ package wishbone_pkg is
 
   -- Master to slave.
   type wishbone_m2s_t is record
-    cyc : std_ulogic;                                            -- a bus cycle is open (held over a block)
-    stb : std_ulogic;                                            -- an access is asked for
+    cyc : std_ulogic;                                            -- a bus cycle is open (high during a whole block)
+    stb : std_ulogic;                                            -- an access is requested
     we  : std_ulogic;                                            -- with stb: 1 write, 0 read
     adr : std_ulogic_vector(wishbone_address_width - 1 downto 0);  -- with stb: word address
     dat : std_ulogic_vector(wishbone_data_width - 1 downto 0);   -- with stb and we: word to write
-    sel : std_ulogic_vector(wishbone_data_width / 8 - 1 downto 0); -- with stb: bytes that count
+    sel : std_ulogic_vector(wishbone_data_width / 8 - 1 downto 0); -- with stb: valid bytes
   end record;
 
   -- Slave to master.

@@ -1,21 +1,22 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A queue each way on the Wishbone bus.
+-- A queue in each direction on the Wishbone bus.
 --
---   +0  read: the oldest word from the FPGA, and removes it; err when there is none
---       write: one word to the FPGA; err when there is no room
---   +1  read: words from the FPGA that wait        +2  read: words the FPGA still has room for
+--   +0  read: removes and gives the oldest word from the FPGA; err if there is none
+--       write: one word to the FPGA; err if there is no room
+--   +1  read: words from the FPGA that wait        +2  read: words for which the FPGA still has room
 --
--- Event     arrival rises once for every word from the FPGA: it is high while words wait, and low for a clock after one was
---           removed. On an edge event input of a subscription group whose address is +0 every word is published as
---           soon as it can be, at no fixed rate, and none is asked for that is not there. A level input would ask once
---           too often: it still sees the last word while that is being published. If nothing was removed for
---           remind_clocks, arrival rises again, so that a group that was enabled late is not left waiting.
+-- Event     arrival rises once for every word from the FPGA. It is high while words wait, and low for one clock after a
+--           word was removed. Connect it to an edge event input of a subscription group with the address +0. Then every
+--           word is published as soon as possible, at no fixed rate, and no word is requested that is not there. A level
+--           input would request once too often, because it still sees the last word while this word is published.
+--           If nothing was removed for remind_clocks, arrival rises again. So a group that was enabled late gets its words.
 --           not_empty is the plain level, for logic of your own.
--- FPGA side to_pc_valid/ready/data puts a word in; from_pc_valid/ready/data takes one out.
--- Capacity  `depth` words each way. A full queue never loses a word: it refuses (err) or waits (ready low).
--- Latency   ack or err one clock after strobe: 2 clocks an access; 2 more where a word was put into an empty queue just before.
--- Errors    err also for other addresses, for writes of +1 and +2, and for a write with a byte left out by sel.
+-- FPGA side to_pc_valid/ready/data puts a word in. from_pc_valid/ready/data takes a word out.
+-- Capacity  `depth` words in each direction. A full queue never loses a word: it refuses (err) or waits (ready low).
+-- Latency   ack or err one clock after strobe: 2 clocks per access. 2 more clocks if a word has just entered an empty
+--           queue.
+-- Errors    err also for other addresses, for writes to +1 and +2, and for a write that does not select all bytes by sel.
 -- Reset     Empties both queues.
 
 library ieee;
@@ -26,7 +27,7 @@ library ieee;
 
 entity fifo_slave is
   generic (
-    depth         : positive range 2 to 2 ** 16 := 16; -- words each way, a power of two
+    depth         : positive range 2 to 2 ** 16 := 16; -- words in each direction, a power of two
     data_width    : positive range 8 to 32      := 32;
     remind_clocks : positive range 4 to 2 ** 30 := 2 ** 20
   );
@@ -57,11 +58,11 @@ architecture rtl of fifo_slave is
 
   signal waiting      : natural range 0 to depth; -- words to the PC
   signal room         : natural range 0 to depth; -- for words from the PC
-  signal oldest_valid : std_ulogic;               -- the oldest word to the PC has come through its queue
+  signal oldest_valid : std_ulogic;               -- the oldest word to the PC has come out of its queue
   signal oldest       : word_t;
   signal asked        : std_ulogic;
-  signal is_data      : std_ulogic;               -- the access is to +0
-  signal put, take    : std_ulogic;               -- the bus writes, or reads, +0 and may
+  signal is_data      : std_ulogic;               -- the access is at +0
+  signal put, take    : std_ulogic;               -- the bus writes or reads +0, and may
   signal word         : word_t;
   signal ack, err     : std_ulogic;
   signal patience     : natural range 0 to remind_clocks - 1; -- clocks until arrival rises again
@@ -83,7 +84,7 @@ begin
   not_empty   <= '1' when waiting > 0 else '0';
   to_pc_ready <= '1' when waiting < depth else '0';
 
-  -- The counts keep both queues at `depth` words or less, so that these are always ready for them.
+  -- The counts keep both queues at `depth` words or less, so these fifos are always ready for them.
   to_pc : entity work.fifo
     generic map (width => data_width, depth => depth)
     port map (
@@ -108,7 +109,7 @@ begin
           ack <= put;
           err <= not put;
         elsif is_data = '1' then
-          -- A word that was put in just now is waited for: it is there.
+          -- A read waits for a word that has just been put in.
           word <= oldest;
           ack  <= take;
           err  <= '1' when waiting = 0 else '0';

@@ -1,19 +1,20 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- General-purpose pins on the Wishbone bus, each an input or an output, and an event when a watched one changes.
+-- General-purpose pins on the Wishbone bus. Each is an input or an output, and a change of a watched pin is an event.
 --
---   +0  read: the pins as they are (outputs too)      +3  write: set the outputs whose bit is 1       read: outputs
+--   +0  read: the state of the pins (outputs too)     +3  write: set the outputs whose bit is 1       read: outputs
 --   +1  outputs                                       +4  write: clear the outputs whose bit is 1     read: outputs
 --   +2  direction: 1 drives the pin                   +5  watch: 1 makes a change of this pin an event
 --
--- +3 and +4 change some pins without a read first: two programs, or a lost reply, cannot undo each other.
--- Bits above `pins` read as zero and are not kept.
+-- +3 and +4 change some pins without a read first. So two programs, or a lost reply, cannot undo each other's changes. Bits
+-- above `pins` read as zero and are not stored.
 --
--- Event     changed is high for one clock when a watched pin changed; for an edge event input of a subscription group.
--- Latency   2 clocks an access (register_slave); a write is on the pins 2 clocks after its strobe, a pin is readable
---           2 + stable_clocks clocks after it changed. Reads give the pins as they were when cyc rose.
--- Errors    err for a write of +0 and for addresses from 6 on.
--- Reset     All pins are inputs, outputs are zero, nothing is watched.
+-- Event     changed is high for one clock when a watched pin has changed. Connect it to an edge event input of a
+--           subscription group.
+-- Latency   2 clocks per access (register_slave). A write reaches the pins 2 clocks after its strobe. A pin can be read 2 +
+--           stable_clocks clocks after it changed. Reads give the pins of the moment when cyc rose.
+-- Errors    err for a write to +0 and for addresses from 6 on.
+-- Reset     All pins are inputs, all outputs are zero, and no pin is watched.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -24,7 +25,7 @@ entity gpio is
   generic (
     pins          : positive range 1 to 32 := 8;
     data_width    : positive range 8 to 32 := 32;
-    stable_clocks : positive               := 1 -- an input counts when it has held this long
+    stable_clocks : positive               := 1 -- clocks for which an input must be stable
   );
   port (
     clock        : in  std_ulogic;

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Pins from outside made fit for a clock: two flip-flops against metastability, then a level counts only when it has
--- held for `stable_clocks` clocks.
+-- Brings external pins into a clock domain: two flip-flops against metastability, and a filter. A new level counts only
+-- when it has been stable for `stable_clocks` clocks.
 --
 -- Latency   2 + stable_clocks clocks.
--- Reset     Takes the pins as they are, so that it makes no edge.
+-- Reset     Takes the levels of the pins at that time, so that the reset makes no edge.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -27,7 +27,7 @@ architecture rtl of input_filter is
   type counts_t is array (0 to width - 1) of natural range 0 to stable_clocks - 1;
 
   signal first, second : std_ulogic_vector(width - 1 downto 0); -- first may be metastable
-  signal counts        : counts_t;                              -- clocks a pin has differed from its level
+  signal counts        : counts_t;                              -- clocks for which a pin has differed from its level
 
 begin
 

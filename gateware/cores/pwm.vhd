@@ -1,21 +1,21 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Pulse-width modulation on the Wishbone bus: channels of one period, or RC servos.
+-- Pulse-width modulation on the Wishbone bus: several channels with one period, or RC servos.
 --
---   +0      control: bit 0 enable, bit 1 servo mode        (writing it begins a new period)
+--   +0      control: bit 0 enable, bit 1 servo mode        (a write begins a new period)
 --   +1      period in clocks; 0 is off                     (not used in servo mode: 20 ms)
---   +2 + n  channel n: pulse width in clocks, 0 never high, the period or more always high;
---           in servo mode in µs, kept within servo_minimum_us .. servo_maximum_us, 0 no pulse (the servo goes limp)
+--   +2 + n  channel n: pulse width in clocks; 0 is never high, the period or more is always high;
+--           in servo mode in µs, limited to servo_minimum_us .. servo_maximum_us; 0 is no pulse (the servo goes limp)
 --
 --   pin    __/‾‾‾‾‾‾‾‾\____________/‾‾‾‾‾‾‾‾\____
 --            |-width--|            |
 --            |-------period--------|
 --
--- A new period or width counts from the next period on: no pulse is ever cut short or doubled by a write.
--- Widths and periods that counter_bits cannot hold become the longest it can; a read gives what counts.
+-- A new period or width takes effect with the next period, so a write never cuts a pulse short or doubles it. Widths and
+-- periods that counter_bits cannot hold become the longest possible. A read gives the value in use.
 --
--- Latency   2 clocks an access (register_slave). In servo mode the µs come from clock_hz by a phase accumulator: any clock
---           from 1 MHz on, each pulse at most one clock off.
+-- Latency   2 clocks per access (register_slave). In servo mode a phase accumulator makes the µs from clock_hz: any clock
+--           from 1 MHz on, and each pulse is at most one clock off.
 -- Errors    err for addresses from 2 + channels on.
 -- Reset     Disabled, all pins low, all registers zero.
 
@@ -67,10 +67,10 @@ architecture rtl of pwm is
   signal tick          : std_ulogic; -- the unit of time: a clock, or a µs
   signal running       : std_ulogic;
   signal count         : count_t;    -- units since the period began
-  signal last          : count_t;    -- its value in the last unit of this period
+  signal last          : count_t;    -- the value of `count` in the last unit of this period
   signal widths        : counts_t;   -- of this period
 
-  -- What the counter can hold of a word.
+  -- The word, limited to what the counter can hold.
   function limited (word : word_t) return count_t is
   begin
     if unsigned(word) > longest then

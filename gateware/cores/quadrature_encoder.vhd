@@ -1,23 +1,25 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Incremental encoder on the Wishbone bus: position from two signals a quarter apart, four counts a period.
+-- Incremental encoder on the Wishbone bus: position from two signals a quarter period apart, four counts per period.
 --
 --   a      __/‾‾‾\___/‾‾‾\__        a before b counts up
 --   b      ____/‾‾‾\___/‾‾‾\
---   index  ____/‾\__________        once a turn
+--   index  ____/‾\__________        once per turn
 --
 --   +0  position, two's complement; wraps at the word          write: preset
 --   +1  position at the last rising edge of index
 --   +2  rising edges of index so far; wraps at the word
---   +3  steps that cannot be: both signals changed at once     write: sets the number
+--   +3  impossible steps: both signals changed at once         write: sets the number
 --
--- Reads give the words as they were when cyc rose: a publish of many encoders has one moment for all.
--- A preset loses no step that comes in the same clock.
+-- Reads give the words of the moment when cyc rose, so a publish of many encoders has one moment for all. A preset loses no
+-- step that comes in the same clock.
 --
--- Speed     One step a stable_clocks; a faster one is counted in +3, and the position is then wrong by two or more counts.
--- Latency   2 clocks an access (register_slave); position follows the pins 3 + stable_clocks clocks later.
--- Errors    err for writes of +1 and +2 and for addresses from 4 on.
--- Reset     All words zero. Held for 5 clocks or more, the levels of the pins at that time are no step.
+-- Speed     At most one step per stable_clocks. A faster step is counted in +3, and the position is then wrong by at least
+--           two counts.
+-- Latency   2 clocks per access (register_slave). The position follows the pins 3 + stable_clocks clocks later.
+-- Errors    err for writes to +1 and +2 and for addresses from 4 on.
+-- Reset     All words are zero. If the reset lasts at least 5 clocks, the levels of the pins at that time are not counted
+--           as a step.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,7 +30,7 @@ library ieee;
 entity quadrature_encoder is
   generic (
     data_width    : positive range 8 to 32 := 32;
-    stable_clocks : positive               := 2 -- a level counts when it has held this long
+    stable_clocks : positive               := 2 -- clocks for which a level must be stable
   );
   port (
     clock        : in  std_ulogic;
@@ -36,7 +38,7 @@ entity quadrature_encoder is
     wishbone_m2s : in  wishbone_m2s_t;
     wishbone_s2m : out wishbone_s2m_t;
 
-    a     : in std_ulogic; -- asynchronous, as the next two
+    a     : in std_ulogic; -- asynchronous, like the next two
     b     : in std_ulogic;
     index : in std_ulogic := '0'
   );

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- FT245 asynchronous FIFO physical layer: an FTDI chip (FT232H, FT2232H) on one side, byte streams with buffers on the other.
+-- FT245 asynchronous FIFO physical layer. On one side is an FTDI chip (FT232H, FT2232H), on the other are byte streams with
+-- buffers.
 --
 --   rxf_n --> |        | --> fifo --> rx_valid/ready/data        rd_n  ‾‾\____/‾‾    wr_n    ‾‾‾‾\____/‾‾‾‾
 --   rd_n  <-- |        |                                         data  ---<chip>-    data    --<===FPGA===>--
@@ -9,18 +10,21 @@
 --   txe_n --> |        | <-- fifo <-- tx_valid/ready/data/last/publish
 --   siwu_n <-- after the last byte of a message
 --
--- Generics  Times of table 4.2 of DS_FT232H 2.1, the same in DS_FT2232H; where the two differ, the longer one. pad_ns is what
---           the FPGA's pads and the board add, there and back. si_ns: the datasheets give no figure; not checked on silicon.
--- Ports     No tri-state inside: data_in, data_out, data_drive belong on a pad that drives while data_drive is high.
---           rxf_n, txe_n: asynchronous, taken at falling edges, so that they settle for half a clock (above 60 MHz: one and
---           a half). tx_last, tx_publish: with tx_data; which messages raise siwu_n, send_immediate says.
--- Rate      At 50 MHz a byte read takes 6 clocks and one written 5, with the slowest chip: 8.3 and 10 MB/s. The chip does 8.
--- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks behind wr_n of the
---           last byte (3 at 50 MHz), stays low for si_ns; messages that end meanwhile share the next pulse.
+-- Generics  The times are from table 4.2 of DS_FT232H 2.1, and the same in DS_FT2232H. Where the two differ, the longer one
+--           is used. pad_ns is the delay of the FPGA's pads and the board, both ways together. si_ns: the datasheets give
+--           no figure, and it was not checked on silicon.
+-- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while data_drive is
+--           high.
+--           rxf_n, txe_n: asynchronous. They are sampled at falling edges, so they settle for half a clock (above 60 MHz:
+--           one and a half). tx_last, tx_publish: with tx_data. send_immediate says which messages raise siwu_n.
+-- Rate      At 50 MHz and with the slowest chip, a byte takes 6 clocks to read and 5 to write: 8.3 and 10 MB/s. The chip
+--           does 8.
+-- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks after wr_n of the
+--           last byte (3 at 50 MHz), and stays low for si_ns. Messages that end meanwhile share the next pulse.
 -- Errors    None: the chip and the buffers lose nothing.
--- Pressure  Where rx_ready stays low the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
---           full. If both ways have work, bytes go by turns.
--- Reset     Cuts a strobe short; the byte it was for is lost or not.
+-- Pressure  While rx_ready is low, the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
+--           full. If both directions have bytes, they take turns.
+-- Reset     Cuts a strobe short. The byte of that strobe may be lost.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,10 +38,10 @@ entity ft245_async is
     rx_depth       : positive         := 16; -- bytes, a power of two
     tx_depth       : positive         := 16; -- bytes, a power of two
     strobe_ns      : positive         := 30; -- T4, T10: rd_n, wr_n low
-    flag_ns        : positive         := 14; -- T1, T6: rxf_n, txe_n know of it
-    data_ns        : positive         := 14; -- T3: data behind rd_n; assumed as long until the chip lets go
+    flag_ns        : positive         := 14; -- T1, T6: until rxf_n, txe_n react
+    data_ns        : positive         := 14; -- T3: data after rd_n; also assumed until the chip releases the bus
     setup_ns       : positive         := 5;  -- T8: data before wr_n
-    hold_ns        : positive         := 5;  -- T9: data behind wr_n, counted from its end
+    hold_ns        : positive         := 5;  -- T9: data after wr_n, counted from its end
     si_ns          : positive         := 250;
     pad_ns         : natural          := 6
   );
@@ -70,7 +74,7 @@ architecture rtl of ft245_async is
 
   constant settles_longer : boolean := clock_hz > 60_000_000;
 
-  -- Clocks behind an edge of a strobe until the flag, as it is seen here, is the chip's answer to it.
+  -- Clocks from an edge of a strobe until the flag seen here is the chip's answer to it.
   function answer_clocks return positive is
     constant half_clock_ns : natural  := (500_000_000 + clock_hz - 1) / clock_hz;
     constant clocks        : positive := clocks_lasting(flag_ns + pad_ns + half_clock_ns, clock_hz);
@@ -84,29 +88,29 @@ architecture rtl of ft245_async is
   constant read_clocks   : positive := clocks_lasting(maximum(strobe_ns, data_ns + pad_ns), clock_hz);
   constant write_clocks  : positive := clocks_lasting(strobe_ns, clock_hz);
   constant setup_clocks  : positive := clocks_lasting(setup_ns, clock_hz);
-  -- Until the data may go, and txe_n tells of the byte.
+  -- Clocks until the data may change, and txe_n has reacted to the byte.
   constant hold_clocks   : positive := maximum(clocks_lasting(hold_ns, clock_hz), answer_clocks - write_clocks);
-  constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip has let go
+  constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip has released the bus
   constant clocks_most   : positive := maximum(maximum(read_clocks, write_clocks), maximum(setup_clocks, hold_clocks));
 
   type state_t is (idle, reading, setting_up, writing, holding);
 
-  signal early_rxf_n, early_txe_n : std_ulogic := '1'; -- taken half a clock before
+  signal early_rxf_n, early_txe_n : std_ulogic := '1'; -- sampled half a clock earlier
   signal seen_rxf_n, seen_txe_n   : std_ulogic := '1';
 
   signal state       : state_t := idle;
   signal count       : natural range 0 to clocks_most - 1 := 0;       -- clocks left of the state
-  signal read_wait   : natural range 0 to answer_clocks - 1 := 0;     -- … until rxf_n can be believed
+  signal read_wait   : natural range 0 to answer_clocks - 1 := 0;     -- … until rxf_n is valid
   signal turn_wait   : natural range 0 to turn_clocks - 1 := 0;       -- … until the bus is free
-  signal flush       : std_ulogic := '0';                             -- behind the byte in hand
-  signal flushed     : std_ulogic := '0';                             -- it is written
+  signal flush       : std_ulogic := '0';                             -- flush after the byte in hand
+  signal flushed     : std_ulogic := '0';                             -- this byte is written
 
   signal can_read, can_write : std_ulogic;
   signal got_valid, got_room : std_ulogic := '0';
   signal got_data            : std_ulogic_vector(7 downto 0);
   signal send_valid          : std_ulogic;
   signal send_ready          : std_ulogic;
-  signal send_item           : std_ulogic_vector(8 downto 0);         -- the byte; above it: flush
+  signal send_item           : std_ulogic_vector(8 downto 0);         -- the byte, with the flush bit above it
   signal said_item           : std_ulogic_vector(8 downto 0);
 
 begin
@@ -132,7 +136,8 @@ begin
     seen_txe_n <= early_txe_n;
   end generate;
 
-  -- A byte in got_data has yet to count in the buffer. So behind a read comes a write that waits; else reads go first.
+  -- A byte in got_data does not yet count in the buffer. So after a read, a waiting write goes first. Otherwise reads go
+  -- first.
   can_read   <= '1' when seen_rxf_n = '0' and read_wait = 0 and got_room = '1' and got_valid = '0' else '0';
   can_write  <= '1' when seen_txe_n = '0' and turn_wait = 0 and send_valid = '1' else '0';
   send_ready <= '1' when state = idle and can_write = '1' and can_read = '0' else '0';

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- FT245 synchronous FIFO physical layer: an FTDI chip (FT232H, FT2232H channel A) that gives a clock of 60 MHz and moves a byte
--- in every one of them, one way at a time.
+-- FT245 synchronous FIFO physical layer. An FTDI chip (FT232H, FT2232H channel A) gives a clock of 60 MHz, and moves one
+-- byte per clock, in one direction at a time.
 --
 --   chip_clock domain                               clock domain
 --   rxf_n, rd_n, oe_n <--> |       | --> async_fifo --> rx_valid/ready/data
@@ -9,18 +9,22 @@
 --   txe_n, wr_n       <--> |       | <-- async_fifo <-- tx_valid/ready/data/last/publish
 --   siwu_n            <--
 --
--- Ports     No tri-state inside: data_in, data_out, data_drive belong on a pad that drives while data_drive is high. All pins
---           are synchronous to chip_clock, which is the chip's CLKOUT; every output is a register. txe_n acts on registers in the
---           same clock. DS_FT232H 2.1, table 4.1: inputs come up to 9 ns behind chip_clock, outputs want 7.5 ns before the
---           next; so give the tool 16.67 ns, 9 ns of input delay and 7.5 ns of output delay. Not checked on silicon.
--- Reset     reset must come out of a register: it acts on chip_clock as well. Without chip_clock (the chip is not in this
---           mode yet) the streams are not ready; they begin 8 clocks of each domain after it came.
--- Rate      One way, a byte a clock: 60 MB/s at the pins, of which USB lets 40 through. Of both ways saturated each has
---           burst_clocks at a time; in 1 clock (to write) or 2 (to read) of a change of way no byte moves.
+-- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while data_drive is
+--           high. All pins are synchronous to chip_clock, which is the chip's CLKOUT. Every output is a register. txe_n
+--           acts on registers in the same clock.
+--           DS_FT232H 2.1, table 4.1: inputs come up to 9 ns after chip_clock, and outputs are needed 7.5 ns before the
+--           next. So give the tool a clock of 16.67 ns, 9 ns of input delay and 7.5 ns of output delay. This was not
+--           checked on silicon.
+-- Reset     reset must come out of a register, because it acts on chip_clock as well. While chip_clock is missing (the chip
+--           is not in this mode yet), the streams are not ready. They begin 8 clocks of each domain after it came.
+-- Rate      In one direction, one byte per clock: 60 MB/s at the pins, of which USB carries 40. If both directions are
+--           saturated, each gets burst_clocks at a time. At a change of direction no byte moves for 1 clock (to write) or 2
+--           (to read).
 -- Latency   rxf_n to rx_valid: 4 clocks of chip_clock, 3 to 4 of clock. tx_valid to wr_n: 1 clock, 4 to 5 of chip_clock.
 --           siwu_n falls in the clock in which the last byte of a message is taken: see siwu_pulse.
 -- Errors    None: the chip and the buffers lose nothing.
--- Pressure  Where rx_ready stays low the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is full.
+-- Pressure  While rx_ready is low, the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
+--           full.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,7 +35,7 @@ entity ft245_sync is
     send_immediate : send_immediate_t := both;
     rx_depth       : positive         := 64;  -- bytes, a power of two, at least 16
     tx_depth       : positive         := 64;  -- bytes, a power of two, at least 16
-    burst_clocks   : positive         := 256; -- of one way, while the other waits
+    burst_clocks   : positive         := 256; -- of one direction, while the other waits
     si_ns          : positive         := 250
   );
   port (
@@ -65,7 +69,7 @@ architecture rtl of ft245_sync is
 
   constant chip_clock_hz : positive := 60_000_000;
 
-  -- Bytes that still come after the buffer has said that it is full: one clock until rd_n is high, one in got_data.
+  -- Bytes that still come after the buffer has reported that it is full: one until rd_n is high, one in got_data.
   constant bytes_under_way : positive := 2;
 
   type state_t is (idle, opening, reading, writing);
@@ -74,27 +78,27 @@ architecture rtl of ft245_sync is
   signal stream_reset : std_ulogic;
 
   signal state : state_t := idle;
-  signal left  : natural range 0 to burst_clocks - 1 := 0; -- clocks of the burst, if the other way waits
-  signal write_first : std_ulogic := '0';                  -- it is the other way's turn
+  signal left  : natural range 0 to burst_clocks - 1 := 0; -- clocks left of the burst, if the other direction waits
+  signal write_first : std_ulogic := '0';                  -- the other direction is next
 
   signal got_valid : std_ulogic := '0';
   signal got_data  : std_ulogic_vector(7 downto 0);
   signal got_room  : std_ulogic;
 
   signal send_valid, send_ready : std_ulogic;
-  signal send_item              : std_ulogic_vector(8 downto 0); -- the byte; above it: flush
+  signal send_item              : std_ulogic_vector(8 downto 0); -- the byte, with the flush bit above it
   signal said_item              : std_ulogic_vector(8 downto 0);
-  signal full                   : std_ulogic := '0';             -- a byte is in data_out
-  signal flush                  : std_ulogic := '0';             -- … and ends a message
-  signal still_full             : std_ulogic;                    -- … behind this clock
+  signal full                   : std_ulogic := '0';             -- data_out holds a byte
+  signal flush                  : std_ulogic := '0';             -- … which ends a message
+  signal still_full             : std_ulogic;                    -- … after this clock
 
-  signal taken                 : std_ulogic;                     -- by the chip
+  signal taken                 : std_ulogic;                     -- taken by the chip
   signal flushed               : std_ulogic;
   signal wants_in, wants_out   : std_ulogic;
 
 begin
 
-  -- Either side of the buffers stays in reset until the other has been in it, with or without its clock.
+  -- Each side of the buffers stays in reset until the other side has been in reset, with or without its clock.
   chip_side : entity work.reset_synchroniser
     port map (clock => chip_clock, asynchronous_reset => reset, reset => chip_reset);
 
@@ -150,7 +154,7 @@ begin
             state       <= idle;
           end if;
 
-        -- The bus stays the FPGA's until the chip has something.
+        -- The FPGA keeps the bus until the chip has a byte.
         when writing =>
           wr_n <= not still_full;
           if wants_in = '1' and (left = 0 or wants_out = '0') then

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What every physical layer tells the layer above, what two UARTs agree on, when a chip with a USB side sends at
--- once, and the tokens of an RS-485 pair.
+-- Types that all physical layers share: errors, parity, when a chip with USB sends at once, and the tokens of an RS-485
+-- pair.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -10,7 +10,7 @@ library ieee;
 
 package physical_pkg is
 
-  -- What went wrong between two bytes. The datalink adds these bits to ?f5: parity 1, framing 2, overrun 4.
+  -- The errors between two bytes. The datalink adds these bits to ?f5: parity 1, framing 2, overrun 4.
   subtype receive_error_t is std_ulogic_vector(2 downto 0);
   constant parity_error_bit  : natural := 0;
   constant framing_error_bit : natural := 1;
@@ -24,7 +24,7 @@ package physical_pkg is
     odd   -- … an odd number
   );
 
-  -- Behind the end of which messages a chip is told to send what it has collected.
+  -- The messages after which a chip must send what it has collected.
   type send_immediate_t is (never, publishes, replies, both);
 
   function sends_at_once (mode : send_immediate_t; last : std_ulogic; publish : std_ulogic) return std_ulogic;

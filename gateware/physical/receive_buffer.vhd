@@ -1,14 +1,14 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The receive buffer of a line that cannot wait: bytes, and errors in their place between them.
+-- The receive buffer of a line that cannot wait. It holds bytes, and errors in their place between them.
 --
 --   line_valid/ready/data/error --> fifo --+--> rx_valid/ready/data
 --                                          +--> rx_error
 --
--- Items     An item is a byte, or with a bit of line_error an error in place of one.
--- Errors    rx_error pulses for one clock after every byte before it was taken and before any behind it is offered. It has no
---           ready: it must be taken at once. Bits as in physical_pkg.
--- Pressure  line_ready is low while the memory is full. What comes then, whoever brings it must hold, or tell as an overrun.
+-- Items     An item is a byte. If a bit of line_error is set, it is an error instead.
+-- Errors    rx_error pulses for one clock after all bytes before it were taken, and before any byte after it is offered. It
+--           has no ready, so it must be taken at once. The bits are those of physical_pkg.
+-- Pressure  line_ready is low while the memory is full. The source must then hold its item, or report an overrun.
 -- Latency   2 clocks from line_valid to rx_valid or rx_error.
 -- Capacity  rx_depth items in the memory and one at its output.
 -- Reset     Empties the buffer.
@@ -39,7 +39,7 @@ end entity;
 
 architecture rtl of receive_buffer is
 
-  -- Error above data.
+  -- The error is above the data.
   subtype item_t is std_ulogic_vector(receive_error_t'length + 7 downto 0);
 
   signal line_item, item        : item_t;

@@ -1,21 +1,22 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- RS-485 physical layer: one of up to 63 nodes on a pair, on the framed protocol. The PC is the master; a node speaks when
--- it is polled.
+-- RS-485 physical layer: one of up to 63 nodes on a pair, with the framed protocol. The PC is the master, and a node sends
+-- only when it is polled.
 --
 --   master   00 | select 3 | frame 00 … | poll 3 |
 --   drive    ___________________________________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\____
 --   node 3                                       | 00 | select 3 | frame 00 … | poll 0 |
 --
--- Tokens    Three bytes, the last 00, between frames (docs/protocol.md, section 10). One with up to three flipped bits is none.
--- Turn      Begins `turnaround_bits` behind a poll, so that the master can let the pair go. Ends at the first end of a message
---           at which there is no byte waiting or `turn_bytes` have been sent; or, the message broken, when the core has said
---           nothing within one for 255 bits. drive rises a bit before the first start bit and falls a bit behind the last
---           stop bit.
--- Echo      While drive is high nothing is heard: transceivers that listen to themselves do no harm.
--- Errors    In their place between the bytes, as of uart; those outside of our own frames are nobody's.
--- Pressure  tx_ready is low while the buffer is full. Messages wait for their turn: the buffer is best as long as a turn.
---           rx_depth + 2 characters may wait, further ones are lost and an overrun stands in their place.
+-- Tokens    Three bytes, the last of which is 00, between frames (docs/protocol.md, section 10). Up to three flipped bits
+--           never make another valid token.
+-- Turn      It begins `turnaround_bits` after a poll, so that the master can release the pair. It ends at the first end of
+--           a message at which no byte waits or `turn_bytes` have been sent. If the core sends nothing for 255 bits within
+--           a message, the message is cut off and the turn ends. drive rises one bit before the first start bit and falls
+--           one bit after the last stop bit.
+-- Echo      While drive is high, nothing is received. So a transceiver that receives its own signal does no harm.
+-- Errors    They stand in their place between the bytes, as in uart. Errors outside this node's frames are ignored.
+-- Pressure  tx_ready is low while the buffer is full. Messages wait for their turn, so the buffer is best as long as a
+--           turn. Up to rx_depth + 2 characters may wait. Further ones are lost, and an overrun takes their place.
 -- Latency   Receive: 7 clocks from the middle of the stop bit to rx_valid.
 
 library ieee;
@@ -28,17 +29,17 @@ entity rs485 is
     baud_hz         : positive := 3_000_000;
     rx_depth        : positive := 64;  -- bytes, a power of two
     tx_depth        : positive := 256; -- bytes, a power of two
-    turn_bytes      : positive := 256; -- said in a turn, but for the rest of the last message
+    turn_bytes      : positive := 256; -- sent in a turn, without the rest of the last message
     turnaround_bits : positive := 10
   );
   port (
     clock : in std_ulogic;
     reset : in std_ulogic; -- synchronous
 
-    node    : in  std_ulogic_vector(5 downto 0); -- 1 to 63; a constant, or switches that stand still
+    node    : in  std_ulogic_vector(5 downto 0); -- 1 to 63; a constant, or switches that do not change
     rx_line : in  std_ulogic; -- asynchronous
     tx_line : out std_ulogic;
-    drive   : out std_ulogic; -- DE of the transceiver, and RE# where that is a wire of its own
+    drive   : out std_ulogic; -- DE of the transceiver, and RE# if that is a separate wire
 
     rx_valid : out std_ulogic;
     rx_ready : in  std_ulogic;
@@ -58,7 +59,7 @@ architecture rtl of rs485 is
   signal line_data              : std_ulogic_vector(7 downto 0);
   signal line_error             : receive_error_t;
   signal ours, room             : std_ulogic; -- the character is for the core
-  signal said, send             : std_ulogic_vector(8 downto 0); -- the byte; above it: the last of a message
+  signal said, send             : std_ulogic_vector(8 downto 0); -- the byte, with a bit above it: the last of a message
   signal send_valid, send_ready : std_ulogic;
   signal out_valid, out_ready   : std_ulogic;
   signal out_data               : std_ulogic_vector(7 downto 0);

@@ -1,20 +1,20 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A node on an RS-485 pair, character by character: what it hears of the master, and when it speaks. See rs485, which puts
--- a line and buffers around it.
+-- A node on an RS-485 pair, character by character: what it accepts from the master, and when it sends. rs485 adds a line
+-- and buffers.
 --
---   line_valid/ready/data/error --> | hears tokens   | --> rx_valid/ready      our own frames, as they are
+--   line_valid/ready/data/error --> | finds tokens   | --> rx_valid/ready      frames for this node, unchanged
 --                                   |  | polled      |
 --   out_valid/ready/data, drive <-- | takes its turn | <-- send_valid/ready/data/last
 --
--- Hears     Frames behind a select of this node, and the border in front of the first. While it drives, nothing.
--- Speaks    A turn behind each poll of this node, and at no other time: 00, select, 00, messages, poll 0. Messages end at the
---           first end of one at which none waits or `turn_bytes` have been said; or, the message broken, after
---           `silence_bits` without a byte of it.
--- Latency   Last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks; to the first character a bit more.
---           `drive` falls a bit and a clock behind the one in which the transmitter is ready again.
--- Errors    A character with an error is part of no token, and ends what was selected, but within a frame of ours.
--- Pressure  Characters for the core wait for rx_ready, others for nobody. send_ready is high only in a turn.
+-- Receives  Frames after a select of this node, and the border before the first. While it drives, it receives nothing.
+-- Sends     A turn after each poll of this node, and at no other time: 00, select, 00, messages, poll 0. The messages end
+--           at the first end of a message at which no byte waits or `turn_bytes` have been sent. If the core sends no byte
+--           of a message for `silence_bits`, the message is cut off and the turn ends.
+-- Latency   From the last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks. To the first character
+--           one bit more. `drive` falls one bit and one clock after the clock in which the transmitter is ready again.
+-- Errors    A character with an error belongs to no token. It ends what was selected, except within a frame for this node.
+-- Pressure  Characters for the core wait for rx_ready, and others do not wait. send_ready is high only in a turn.
 -- Reset     Ends a turn at once.
 
 library ieee;
@@ -26,7 +26,7 @@ library ieee;
 entity rs485_node is
   generic (
     bit_clocks      : positive := 17;
-    turn_bytes      : positive := 256; -- said in a turn, but for the rest of the last message
+    turn_bytes      : positive := 256; -- sent in a turn, without the rest of the last message
     turnaround_bits : positive := 10;
     silence_bits    : positive := 255  -- of the core, within a message
   );
@@ -34,7 +34,7 @@ entity rs485_node is
     clock : in std_ulogic;
     reset : in std_ulogic; -- synchronous
 
-    node  : in  std_ulogic_vector(5 downto 0); -- 1 to 63, stands still
+    node  : in  std_ulogic_vector(5 downto 0); -- 1 to 63, does not change
     drive : out std_ulogic;
 
     line_valid : in  std_ulogic;
@@ -64,11 +64,11 @@ architecture rtl of rs485_node is
   constant to_master : byte_t := std_ulogic_vector(to_unsigned(rs485_poll_bit_c, 8)); -- poll 0
 
   type hearing_t is (
-    between,   -- messages: the next byte tells what comes
-    frame,     -- of ours
-    token,     -- its second byte is next
-    end_token, -- both were right, so far
-    skip       -- to the next border
+    between,   -- between messages: the next byte decides what comes
+    frame,     -- a frame for this node
+    token,     -- a token: its second byte is next
+    end_token, -- a token: both bytes were right so far
+    skip       -- up to the next border
   );
 
   type turn_t is (
@@ -77,12 +77,12 @@ architecture rtl of rs485_node is
     begin_border,
     select_node, select_check, select_border,
     saying,
-    broken_border, -- the core has left a message unfinished
+    broken_border, -- the core has not finished a message
     poll_master, poll_check, poll_border,
-    ending -- the last character is on the line
+    ending -- the last character is being sent
   );
 
-  -- The characters around the messages, one behind the other.
+  -- The state after `turn`: the order of the characters around the messages.
   function behind (turn : turn_t) return turn_t is
   begin
     case turn is
@@ -105,16 +105,16 @@ architecture rtl of rs485_node is
   signal polled                 : std_ulogic := '0';
 
   signal turn                   : turn_t := idle;
-  signal inside                 : std_ulogic := '0'; -- a message that goes out
+  signal inside                 : std_ulogic := '0'; -- a message is being sent
   signal left                   : natural range 0 to turn_bytes := 0;
   signal bits_left              : natural range 0 to maximum(silence_bits, turnaround_bits) := 0;
   signal clocks_left            : natural range 0 to bit_clocks - 1 := 0;
   signal may_say                : std_ulogic;
-  signal driving                : std_ulogic := '0'; -- a register: no spike may take the pair
+  signal driving                : std_ulogic := '0'; -- a register, so that no glitch drives the pair
 
 begin
 
-  -- What the master says: frames of ours go on, and the border in front of the first.
+  -- From the master: frames for this node, and the border before the first.
 
   hear : process (all) is
     variable whole : boolean;
@@ -155,7 +155,7 @@ begin
         if not whole then
           hearing <= skip;
           if hearing /= frame then
-            selected <= '0'; -- it may have been another's token
+            selected <= '0'; -- the token may have selected another node
           end if;
         elsif byte = border then
           hearing <= between;
@@ -202,7 +202,7 @@ begin
     end if;
   end process;
 
-  -- Our turn.
+  -- The turn.
 
   with turn select out_data <=
     "00" & node              when select_node,
@@ -261,7 +261,7 @@ begin
             if left > 0 then
               left <= left - 1;
             end if;
-          elsif inside = '0' and out_ready = '1' then -- the last message is nearly out: a late one may join
+          elsif inside = '0' and out_ready = '1' then -- the last message is nearly sent: a late one may join
             turn <= poll_master;
           elsif inside = '1' and send_valid = '0' and bits_left = 0 then
             turn <= broken_border;

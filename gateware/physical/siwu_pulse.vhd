@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The SIWU# pin of an FTDI chip: a pulse behind the end of each message that is meant.
+-- The SIWU# pin of an FTDI chip: a pulse after the end of each message that must be sent at once.
 --
 --   due     ___/‾\_____________/‾\___
 --   siwu_n  ‾‾‾‾‾‾\_______/‾‾‾‾‾‾‾‾\___        low for pulse_ns, then high for two clocks at least
 --
--- Latency  siwu_n falls a clock after `due`; while a pulse is under way, when it is over and the gap behind it.
--- Errors   None. What is due while a pulse waits shares it.
+-- Latency  siwu_n falls one clock after `due`. If a pulse is under way, it falls after this pulse and its gap.
+-- Errors   None. A `due` that comes while a pulse waits shares this pulse.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,23 +1,25 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- SPI slave physical layer: the PC is the master and clocks a byte each way at once. Mode 0, most significant bit first.
+-- SPI slave physical layer. The PC is the master, and clocks one byte each way at once. Mode 0, most significant bit first.
 --
 --   cs_n  ‾‾\________________________________/‾‾     sampled at rising edges of sck,
 --   sck   _____/‾\_/‾\_/‾\_ … _/‾\_/‾\__________     changed at falling edges
 --   mosi  -----< 7 X 6 X 5 X … X 1 X 0 >--------
---   miso  -----< 7 X 6 X 5 X … X 1 X 0 >--------     filler where there is nothing to send
+--   miso  -----< 7 X 6 X 5 X … X 1 X 0 >--------     filler if there is nothing to send
 --
--- Clocks    sck clocks the bits itself, up to 25 MHz and beyond; clock must be as fast as sck or faster. sck belongs on a
---           clock net. A byte crosses behind a toggle that two flip-flops take over; it stands still meanwhile.
--- Filler    Either side sends filler where it has nothing: zero, which framed messages have at their ends and classic ones not
---           at all. Filler must not stand inside a framed message: so a message goes when it is whole in the buffer, or when
---           the buffer is full. What the PC sends as filler reaches rx_data like any byte.
--- Waiting   `waiting` is high while there is something for the PC: a line it may poll or be interrupted by.
--- Latency   Last edge of a byte to rx_valid: 5 clocks. A byte that is ready is sent as the next byte but one.
--- Errors    A byte with no room (rx_depth + 2 wait) is lost; an overrun stands in its place: rx_error as of uart. The
---           others never occur. A transfer that ends within a byte: the PC's is dropped, and ours is sent again.
+-- Clocks    sck clocks the bits itself, up to 25 MHz and beyond. clock must be at least as fast as sck. Put sck on a clock
+--           net. A byte crosses between the clocks with a toggle that goes through two flip-flops. The byte does not change
+--           meanwhile.
+-- Filler    Each side sends zeros as filler when it has nothing to send. Framed messages have zeros at their ends, and
+--           classic messages have none. Filler must not come within a framed message. So a message is sent when all of it
+--           is in the buffer, or when the buffer is full. Filler from the PC reaches rx_data like any byte.
+-- Waiting   `waiting` is high while there is something for the PC. The PC may poll this line or use it as an interrupt.
+-- Latency   From the last edge of a byte to rx_valid: 5 clocks. A byte that is ready is sent as the next byte but one.
+-- Errors    A byte without room (rx_depth + 2 wait) is lost, and an overrun takes its place (rx_error as in uart). Other
+--           errors never occur. If a transfer ends within a byte, the PC's byte is dropped, and the FPGA's byte is sent
+--           again.
 -- Pressure  tx_ready is low while the buffer is full.
--- Reset     Empties the buffers; a byte that is already offered to sck is still sent.
+-- Reset     Empties the buffers. A byte that is already offered to sck is still sent.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -27,7 +29,7 @@ library ieee;
 entity spi_slave is
   generic (
     rx_depth : positive := 64; -- bytes, a power of two
-    tx_depth : positive := 64; -- bytes, a power of two; the longest message, if filler must never stand inside one
+    tx_depth : positive := 64; -- bytes, a power of two; the longest message, if filler must never come within one
     filler   : std_ulogic_vector(7 downto 0) := x"00"
   );
   port (
@@ -57,17 +59,17 @@ architecture rtl of spi_slave is
 
   subtype byte_t is std_ulogic_vector(7 downto 0);
 
-  -- In the clock of sck.
-  signal place       : unsigned(2 downto 0) := "000";   -- of the bit on the lines, 0 is the highest
-  signal shift       : std_ulogic_vector(6 downto 0);   -- what came of this byte
+  -- In the clock domain of sck.
+  signal place       : unsigned(2 downto 0) := "000";   -- of the bit on the lines; 0 is the highest
+  signal shift       : std_ulogic_vector(6 downto 0);   -- received bits of this byte
   signal came        : byte_t := (others => '0');       -- the last whole byte
-  signal came_toggle : std_ulogic := '0';               -- turned with it
+  signal came_toggle : std_ulogic := '0';               -- toggles with it
   signal goes        : byte_t := filler;                -- the byte on miso
-  signal took_toggle : std_ulogic := '0';               -- as offer_toggle, of the offer that was taken
-  signal goes_one    : std_ulogic := '0';               -- … and it is no filler
+  signal took_toggle : std_ulogic := '0';               -- a copy of offer_toggle, of the offer that was taken
+  signal goes_one    : std_ulogic := '0';               -- … which is not filler
   signal offer_1, offer_2 : std_ulogic := '0';
 
-  -- In the clock of the streams.
+  -- In the clock domain of the streams.
   signal offer        : byte_t := (others => '0');
   signal offer_toggle : std_ulogic := '0';
   signal took_1, took_2 : std_ulogic := '0';
@@ -79,11 +81,11 @@ architecture rtl of spi_slave is
   signal item_error            : receive_error_t := no_receive_error; -- an overrun in place of the byte
   signal lost                  : std_ulogic := '0';
 
-  signal said, send            : std_ulogic_vector(8 downto 0); -- the byte; above it: the last of a message
+  signal said, send            : std_ulogic_vector(8 downto 0); -- the byte, with a bit above it: the last of a message
   signal room, may_go          : std_ulogic;
   signal send_valid, send_take : std_ulogic;
   signal whole                 : natural range 0 to tx_depth + 1 := 0; -- messages in the buffer
-  signal inside                : std_ulogic := '0';              -- one is on its way
+  signal inside                : std_ulogic := '0';              -- a message is being sent
 
 begin
 
@@ -142,7 +144,7 @@ begin
         item_valid <= new_byte or lost;
         item_data  <= came;
         item_error <= (overrun_error_bit => lost, others => '0');
-        lost       <= '0'; -- a byte that comes in this clock shares the overrun
+        lost       <= '0'; -- a byte that comes in this clock is part of the overrun
       elsif item_valid = '1' then
         lost <= lost or new_byte;
       else

@@ -1,18 +1,19 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- UART physical layer: an asynchronous line on one side, byte streams with buffers on the other.
+-- UART physical layer. On one side is an asynchronous line, on the other are byte streams with buffers.
 --
 --   rx_line --> uart_rx --> receive_buffer --+--> rx_valid/ready/data
 --                                            +--> rx_error              in its place between the bytes
 --   tx_line <-- uart_tx <------------ fifo <----- tx_valid/ready/data
 --
--- Errors    What went wrong travels through the receive buffer with the bytes. rx_error pulses for one clock after every
---           byte before it was taken and before any behind it is offered, so that the datalink blames the right message.
---           No ready: it must be taken at once. Bits as in physical_pkg: parity, framing, overrun.
--- Pressure  tx_ready is low while the transmit buffer is full. The line cannot be stalled: once rx_depth + 2 characters
---           wait, further ones are lost and an overrun stands in their place.
--- Latency   Receive: 7 clocks from the middle of the stop bit to rx_valid. Transmit: 3 clocks from tx_valid to the start bit.
--- Baud rate, guard against metastability and spikes, break: see uart_rx and uart_tx.
+-- Errors    Errors go through the receive buffer with the bytes. rx_error pulses for one clock after all bytes before it
+--           were taken, and before any byte after it is offered. So the datalink assigns the error to the right message.
+--           There is no ready: take it at once. The bits are those of physical_pkg: parity, framing, overrun.
+-- Pressure  tx_ready is low while the transmit buffer is full. The line cannot be stalled. Once rx_depth + 2 characters
+--           wait, further ones are lost, and an overrun takes their place.
+-- Latency   Receive: 7 clocks from the middle of the stop bit to rx_valid. Transmit: 3 clocks from tx_valid to the start
+--           bit.
+-- Baud rate, break, protection against metastability and spikes: see uart_rx and uart_tx.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -33,7 +34,7 @@ entity uart is
 
     rx_line    : in  std_ulogic; -- asynchronous
     tx_line    : out std_ulogic;
-    line_break : out std_ulogic; -- one clock, when the line saw it: not in its place between the bytes
+    line_break : out std_ulogic; -- for one clock, when the line sees it: not in its place between the bytes
 
     rx_valid : out std_ulogic;
     rx_ready : in  std_ulogic;

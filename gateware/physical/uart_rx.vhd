@@ -1,20 +1,20 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- UART receiver: an asynchronous line becomes a stream of characters, the broken ones in their place.
+-- UART receiver: turns an asynchronous line into a stream of characters, with the broken ones in their place.
 --
 --   line   ‾‾‾‾\_____/ d0 X d1 X … X d7 X parity X‾stop‾‾       idle high, least significant bit first
 --                 |     |    |        |      |       |
 --              sampled once, in the middle of each bit
 --
 -- Baud rate   Any up to clock_hz / 8: a phase accumulator divides the clock by fractions. The sender may be 3 % fast or
---             slow at any of them: sampling is at most 1/8 bit off the middle, 3 % is 0.32 bit at the stop bit.
--- Guard       Two flip-flops against metastability, then the median of three samples: a spike shorter than one clock
---             period is not seen, and edges stay where they are. A start bit that is over by its middle is not one.
--- Errors      rx_error, with rx_valid, says what went wrong; if it is not zero the item is no byte and rx_data is void.
---             parity, framing (no stop bit), overrun (one or more characters found no room; they stood here).
---             A broken frame waits for the line to be high before the next start bit is looked for.
--- Break       A frame that is low all through pulses line_break once, and is a framing error as well.
--- Pressure    rx_ready may stay low for the length of one character; after that, characters are lost to an overrun.
+--             slow at any of them. Sampling is at most 1/8 bit off the middle, and 3 % is 0.32 bit at the stop bit.
+-- Guard       Two flip-flops against metastability, then the median of three samples. So a spike shorter than one clock
+--             period is ignored, and edges do not move. A start bit that is over by its middle is ignored.
+-- Errors      rx_error, with rx_valid, gives the error. If it is not zero, the item is not a byte, and rx_data is void. The
+--             bits are parity, framing (no stop bit), and overrun (at least one character found no room at this place).
+--             After a broken frame, the line must be high before the next start bit is accepted.
+-- Break       A frame that is low throughout pulses line_break once, and is also a framing error.
+-- Pressure    rx_ready may stay low for the length of one character. After that, characters are lost, with an overrun.
 -- Latency     5 clocks from the middle of the stop bit at the pin to rx_valid.
 
 library ieee;
@@ -34,7 +34,7 @@ entity uart_rx is
     reset : in std_ulogic; -- synchronous
 
     line       : in  std_ulogic; -- asynchronous
-    line_break : out std_ulogic; -- one clock
+    line_break : out std_ulogic; -- for one clock
 
     rx_valid : out std_ulogic;
     rx_ready : in  std_ulogic;
@@ -48,8 +48,8 @@ architecture rtl of uart_rx is
   constant bits      : positive := phase_bits(clock_hz, baud_hz);
   constant increment : positive := phase_increment(clock_hz, baud_hz);
 
-  -- The first tick comes half a bit after the start edge. Two clocks less: the edge was, on average, half a clock
-  -- before it was seen, a tick comes half a clock late, and is acted on one clock after.
+  -- The first tick comes half a bit after the start edge, less two clocks. The edge was, on average, half a clock before it
+  -- was seen. A tick comes half a clock late, and takes effect one clock later.
   constant start_phase : positive := 2 ** (bits - 1) + 2 * increment;
 
   type state_t is (
@@ -61,8 +61,8 @@ architecture rtl of uart_rx is
     stop         -- until the middle of the stop bit
   );
 
-  signal samples  : std_ulogic_vector(3 downto 0); -- of the line, newest first; 0 may be metastable
-  signal level    : std_ulogic;                    -- the line, guarded and filtered
+  signal samples  : std_ulogic_vector(3 downto 0); -- of the line, newest first; number 0 may be metastable
+  signal level    : std_ulogic;                    -- the line, synchronised and filtered
   signal phase    : unsigned(bits downto 0);
   signal tick     : std_ulogic;
   signal state    : state_t;
@@ -70,7 +70,7 @@ architecture rtl of uart_rx is
   signal count    : unsigned(2 downto 0);
   signal odd_ones : std_ulogic;                    -- of the data and parity bits so far
   signal all_low  : std_ulogic;                    -- no bit of this frame was high so far
-  signal lost     : std_ulogic;                    -- an overrun waits to be told
+  signal lost     : std_ulogic;                    -- an overrun is not yet reported
 
 begin
 
@@ -159,7 +159,7 @@ begin
 
       free := rx_valid = '0' or rx_ready = '1';
       if free then
-        -- A lost character is told as soon as there is room, so that it stands before what comes after it.
+        -- An overrun is reported as soon as there is room, so that it stands before the later characters.
         rx_valid                 <= ended or lost;
         rx_data                  <= shift;
         error(overrun_error_bit) := lost;

@@ -1,14 +1,14 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- UART transmitter: a stream of bytes becomes an asynchronous line.
+-- UART transmitter: turns a stream of bytes into an asynchronous line.
 --
 --   line   ‾‾‾‾\_____/ d0 X d1 X … X d7 X parity X‾stop‾‾       idle high, least significant bit first
 --
 -- Baud rate   Any up to clock_hz / 4: a phase accumulator divides the clock by fractions. An edge is at most one clock
---             late, and over many frames the rate is exact to 0.05 %; frames follow one another without a gap.
+--             late. Over many frames the rate is exact to 0.05 %, and frames follow one another without a gap.
 -- Latency     The start bit begins in the clock after tx_valid and tx_ready.
--- Pressure    tx_ready is high for one clock a frame while there is something to send.
--- Errors      None: whatever is taken is sent.
+-- Pressure    tx_ready is high for one clock per frame while there is something to send.
+-- Errors      None: every byte that is taken is sent.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -25,7 +25,7 @@ entity uart_tx is
   );
   port (
     clock : in std_ulogic;
-    reset : in std_ulogic; -- synchronous; a frame under way is cut short
+    reset : in std_ulogic; -- synchronous; cuts the current frame short
 
     tx_valid : in  std_ulogic;
     tx_ready : out std_ulogic;
@@ -52,8 +52,8 @@ architecture rtl of uart_tx is
 
   signal phase : unsigned(bits downto 0);
   signal tick  : std_ulogic;
-  signal shift : std_ulogic_vector(9 downto 0);      -- the bit on the line, then those to come; ones behind them
-  signal left  : natural range 0 to frame_bits;      -- bits of the frame that are not over; 0 is idle
+  signal shift : std_ulogic_vector(9 downto 0);      -- the bit on the line, then those to come, then ones
+  signal left  : natural range 0 to frame_bits;      -- bits of the frame that are still to end; 0 is idle
 
 begin
 
@@ -70,7 +70,7 @@ begin
     variable check : std_ulogic;
   begin
     if rising_edge(clock) then
-      -- While one frame follows the other the phase runs on, so that fractions of a clock add up to whole ones.
+      -- Between frames without a gap the phase runs on, so that fractions of a clock add up to whole ones.
       if left = 0 then
         phase <= to_unsigned(increment, bits + 1);
       else
