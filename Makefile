@@ -4,27 +4,29 @@
 #   make demo-walker   the 18-DOF walker walks; make demo-pa10: two PA10 arms move hand in hand (RTL=1: on the VHDL)
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
-#   make test    tries all of it (checks, unit, native, conformance, end to end)
+#   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests these only)
 #   make check   lint, types, C++ warnings as errors, the import rule
-#   make bench   the performance figures, as ratios within one run
-#   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner)
+#   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these only)
+#   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner; ONLY=peers: this part)
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
 #   make docs    regenerates what is generated in docs/, checks every link, and builds the site in build/site
-#   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record gateware/coverage.json
+#   make coverage  which lines of the gateware its benches execute, at least 95 %, into the record gateware/coverage.json (BENCHES=gpio: only these, and no record)
 #   make synth   area and clock of the gateware on two FPGAs, compared with the record (ACCEPT=1: record them; ROWS="core lite": these only)
 #   make formal  proves the properties of the gateware, and that each proof notices planted faults (BLOCKS="fifo": these only; STALE=1: those whose sources have changed)
 #   make boards  what `unitylink build` needs for a bitstream: yosys, nextpnr and what belongs to them
 #   make fuzz    the long form of the fuzz loops, with sanitizers (SECONDS=60; STRINGS=10000000: so many hostile strings), and of the histories of
 #                programs that get killed (SECONDS=7200 MESSAGES=4000000: so many of their messages)
-#   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads
-#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 360000); make mutants: what it must catch
+#   make sanitize  the native tests with the sanitizers of addresses, undefined behaviour and threads (KINDS=thread: with this one)
+#   make soak    the long form of the fault simulation (MESSAGES=1000000000, SEED=1: the next shard's is SEED + MESSAGES / 360000); make mutants: what it must catch (SAMPLE=3: three of them)
 #   make wheel   a wheel that installs without a compiler and without a checkout, in build/wheels
 #   make sbom    the bill of materials, in CycloneDX: build/sbom.cdx.json; make wheel puts it beside the wheel
 #   make build   the library in .venv only; with PYTHON=python3.12 for another Python
-#   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a build of the sdist
+#   make long    the tests that take minutes for what a shorter one of `make test` nearly implies: more bitstreams, a build of the sdist (TESTS=tests/ros: of these)
 #   make unit    the Python tests that need no board process, in about a minute
 #   make native-tests   the C++ tests alone
 #   make clean   removes build/ and .venv/
+#   make fresh   runs each target of this list in its short form, each in a new clone with an empty home and empty caches (TARGETS="bench soak": these only;
+#                DOWNLOADS=FOLDER: keep pip's there, so fetching them is not tried again; DEBIAN=1: as root, each on a bare Debian, with apt-get)
 SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
@@ -34,8 +36,10 @@ NATIVE_SOURCES := $(shell find native CMakeLists.txt pyproject.toml -type f 2>/d
 SECONDS ?= 60
 MESSAGES ?= 1000000000
 SEED ?= 1
+KINDS ?= address,undefined thread
+TESTS ?= tests
 
-.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean help
+.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -69,29 +73,34 @@ demo-ros: $(VENV)/.built
 	@tools/demo_ros.sh
 
 test:
-	@tools/test.sh
+	@tools/test.sh $(TESTS)
 
 unit: $(VENV)/.built
 	@tools/setup.sh group test
+	@tools/setup.sh boards
 	$(BIN)/python -m pytest tests/unit -q -n 2
 
 long: $(VENV)/.built $(NATIVE)/.built
 	@for name in test demo wheel boards; do tools/setup.sh group $$name || exit 1; done
 	@tools/setup.sh system
-	$(BIN)/python -m pytest tests -q -m long
+	$(BIN)/python -m pytest $(TESTS) -q -m long
 
 check: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/check.sh
 
 bench: $(VENV)/.built $(NATIVE)/.built
-	$(BIN)/unitylink bench
+	@tools/setup.sh group all
+	@tools/setup.sh rtl
+	@tools/setup.sh ros
+	$(BIN)/unitylink bench $(if $(QUICK),--quick) $(ONLY:%=--only %)
 
 experiments: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh rtl
 	@tools/setup.sh group ros2
-	-@tools/setup.sh ros
-	$(BIN)/unitylink experiments $(if $(QUICK),--quick) --out build/experiments
+	@tools/setup.sh ros
+	$(BIN)/unitylink experiments $(if $(QUICK),--quick) $(ONLY:%=--only %) --out build/experiments
+
 experiments-json:
 	@$(MAKE) --no-print-directory experiments QUICK=1
 	$(BIN)/python tools/docs/experiments.py --from build/experiments/results.json
@@ -99,7 +108,7 @@ experiments-json:
 coverage: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh coverage
-	$(BIN)/python tools/coverage.py
+	$(BIN)/python tools/coverage.py $(if $(BENCHES),--benches $(BENCHES))
 
 synth: $(VENV)/.built
 	@tools/setup.sh group boards
@@ -127,7 +136,7 @@ docs: $(VENV)/.built
 	$(BIN)/python tools/docs/build_site.py
 
 fuzz: $(VENV)/.built
-	@tools/setup.sh system
+	@tools/setup.sh rtl
 	@tools/setup.sh sanitized address,undefined
 	@for fuzzer in $(SANITIZED)-address,undefined/fuzz_*; do $$fuzzer $(if $(STRINGS),--strings $(STRINGS),--seconds $(SECONDS)) || exit 1; done
 	UNITYLINK_FAIL_EACH=1 $(SANITIZED)-address,undefined/unitylink_tests -tc="the n-th*,the clock jumps*"
@@ -139,12 +148,11 @@ fuzz: $(VENV)/.built
 	$(BIN)/python tests/gateware/fuzz_rtl_faults.py --seconds $(SECONDS)
 
 sanitize: $(VENV)/.built
-	@tools/setup.sh system
-	@for kind in address,undefined thread; do \
+	@for kind in $(KINDS); do \
 	  tools/setup.sh sanitized $$kind && $(SANITIZED)-$$kind/unitylink_tests || exit 1; done
 
 mutants: $(NATIVE)/.built
-	$(BIN)/python tools/mutants.py
+	$(BIN)/python tools/mutants.py $(if $(SAMPLE),--sample $(SAMPLE))
 
 soak: $(VENV)/.built
 	$(BIN)/unitylink faults --messages $(MESSAGES) --seed $(SEED) --jobs 2
@@ -179,8 +187,10 @@ $(VENV)/.built: $(NATIVE_SOURCES) build/.modules tools/setup.sh
 	@PYTHON='$(PYTHON)' tools/setup.sh build
 
 $(NATIVE)/.built: $(NATIVE_SOURCES) $(wildcard bench/native/*) $(VENV)/.built
-	@tools/setup.sh system
 	@tools/setup.sh native
+
+fresh:
+	@$(or $(PYTHON),python3) tools/fresh/every_target.py $(if $(DOWNLOADS),--downloads '$(DOWNLOADS)') $(if $(DEBIAN),--debian) $(TARGETS)
 
 clean:
 	rm -rf build $(VENV)

@@ -3,6 +3,7 @@
 
     python tools/coverage.py             run tests/gateware, count, and record it in gateware/coverage.json
     python tools/coverage.py --report    the same of the last run
+    python tools/coverage.py --benches gpio fifo    run these only: nothing is recorded and no share is asked for
 
 The benches run with the gcc backend of GHDL, whose programs gcov understands. Netlists are left out: nobody
 wrote them. A line that has no code of its own (declarations, `when`, `end`) does not count.
@@ -40,9 +41,10 @@ def designs() -> set[Path]:
     return {path for path in GATEWARE.rglob("*.vhd") if path.parent.name not in ("test", "formal")}
 
 
-def run_benches() -> None:
+def run_benches(only: list[str]) -> None:
     subprocess.run(["rm", "-rf", str(COUNTS)], check=True)
-    options = ["-q", "-n", "2", "-k", "not netlist and not synthesis"]
+    chosen = f"({' or '.join(only)}) and " if only else ""
+    options = ["-q", "-n", "2", "-k", f"{chosen}not netlist and not synthesis"]
     tests = ROOT / "tests" / "gateware"
     options += ["--ignore", str(tests / "test_coverage.py")]  # it asks for what is being made here
     command = [sys.executable, "-m", "pytest", str(tests), *options]
@@ -77,11 +79,12 @@ def ranges(numbers: list[int]) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    if arguments not in ([], ["--report"]):
+    benches = arguments[1:] if arguments[:1] == ["--benches"] else []
+    if arguments not in ([], ["--report"]) and not benches:
         print(__doc__, file=sys.stderr)
         return 2
-    if not arguments:
-        run_benches()
+    if arguments != ["--report"]:
+        run_benches(benches)
     total = executed()
     absent = designs() - set(total)
     lines = reached = 0
@@ -96,6 +99,8 @@ def main(arguments: list[str]) -> int:
         print(f"{name!s:44} {len(counts):5} {len(counts) - len(missed):5} {percent:5.1f}  {ranges(missed)}")
     percent = 100 * reached / lines
     print(f"{'all':44} {lines:5} {reached:5} {percent:5.1f}")
+    if benches:
+        return 0
     for path in sorted(absent):
         print(f"{path.relative_to(GATEWARE)}: nothing of it was executed")
     if absent or percent < PERCENT_LEAST:

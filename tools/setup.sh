@@ -10,6 +10,7 @@
 #   setup.sh boards         Debian packages that make bitstreams, and measure the gateware's area
 #   setup.sh formal         Debian packages that prove properties of the gateware
 #   setup.sh coverage       Debian packages that count the executed lines of the gateware
+#   setup.sh doctest        the Debian package of the native tests' framework
 #   setup.sh native         the native tests, fuzzers and benches
 #   setup.sh sanitized KIND the same with sanitizers: address,undefined or thread
 set -euo pipefail
@@ -18,7 +19,7 @@ venv=.venv
 mkdir -p build
 case "${1:-}" in                          # two makes at once must not do the same; different things they may
   native | sanitized | ros2) exec 9>"build/.lock-$1" ;;
-  rtl | ros | system | boards | formal | coverage) exec 9>build/.lock-system ;;
+  rtl | ros | system | boards | formal | coverage | doctest) exec 9>build/.lock-system ;;
   *) exec 9>build/.lock ;;
 esac
 flock 9
@@ -77,6 +78,11 @@ need_ros() {                              # the generated nodes run on the real 
   need rospy ros-base-python-dev /usr/bin/python3 -c 'import rospy, diagnostic_msgs.msg, sensor_msgs.msg, std_srvs.srv'
 }
 
+need_doctest() {
+  cxx=${CXX:-c++}
+  need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
+}
+
 install_missing() {
   if [ ${#packages[@]} -gt 0 ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     echo "installing with apt-get, as root: ${packages[*]}"
@@ -95,6 +101,7 @@ progress() {                              # of ninja's lines, ten
 # native FOLDER [cmake option...]: the native tests, fuzz loops and benches
 native() {
   local folder=$1; shift
+  tools/setup.sh doctest
   touch "$folder.started"
   tools/setup.sh group build
   PATH="$PWD/$venv/bin:$PATH" cmake -S . -B "$folder" -G Ninja -DUNITYLINK_TESTS=ON -DUNITYLINK_WERROR=ON "$@" > build/cmake.log 2>&1 \
@@ -103,7 +110,7 @@ native() {
   touch -r "$folder.started" "$folder/.built"
 }
 
-case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|coverage|system|native|sanitized}" in
+case "${1:?usage: setup.sh build|group|rtl|ros|ros2|boards|formal|coverage|system|doctest|native|sanitized}" in
 build)
   if [ -e "$venv/bin/activate" ] && ! grep -qF "$(pwd -P)/$venv" "$venv/bin/activate"; then
     echo "the checkout has moved: building anew"
@@ -161,16 +168,16 @@ boards)
   install_missing
   ;;
 system)
-  cxx=${CXX:-c++}
   need_rtl
   need_formal
   need_boards
   need pkg-config pkg-config command -v pkg-config                     # how C programs without cmake find the core
   need tshark tshark command -v tshark                                 # opens captures with our dissector
   need_ros
-  need doctest doctest-dev compiles <<< '#include <doctest/doctest.h>'   # the native tests' framework
+  need_doctest
   install_missing
   ;;
+doctest) need_doctest; install_missing ;;
 native) native build/native -DUNITYLINK_OBJECTS="$(strict_objects)" ;;
 sanitized) native "build/sanitized-$2" -DUNITYLINK_SANITIZE="$2" ;;
 *) stop "unknown step '$1'" ;;

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The whole proof. A part that cannot run is a failure, not a skip. What does not need the other runs beside it, for much of it leaves a
-# processor idle: a download, a robot that moves in real time, a program of one thread.
+# processor idle: a download, a robot that moves in real time, a program of one thread. `test.sh FOLDER...`: of the Python tests these only.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=.venv/bin
-logs=build/test
+logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
@@ -64,5 +64,5 @@ join
 beside sources native packages ros2
 join
 say "tests"
-"$bin/python" -m pytest tests --ignore tests/unit/house -q -n 3 --dist loadgroup   # `sources` has kept the house
+"$bin/python" -m pytest "${tests[@]}" --ignore tests/unit/house -q -n 3 --dist loadgroup   # `sources` has kept the house
 printf '\nall passed in %d s\n' $((SECONDS - started))

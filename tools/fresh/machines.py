@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where a target is tried: on this machine with an empty home, or on a bare Debian in a folder."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+# What a command may know of this machine: its programs, its language, its network, its compiler.
+KEPT = re.compile(
+    r"PATH|LANG|LC_\w+|TERM|TZ|CC|CXX|\w+_proxy|SSL_CERT_\w+|REQUESTS_CA_BUNDLE|PIP_\w+|CMAKE_\w+_LAUNCHER|CCACHE_\w+",
+    re.IGNORECASE,
+)
+# What README.md asks for, and what apt-get and pip need to reach a server.
+ASKED = ("git", "make", "python3", "python3-venv", "python3-dev", "g++", "ca-certificates")
+RELEASE, ARCHIVE = "bookworm", "http://deb.debian.org/debian"
+
+
+class Absent(Exception):
+    """The machine that is asked for cannot be had here."""
+
+
+@dataclass(frozen=True)
+class Here:
+    """This machine. Its Debian packages stay: that a target installs what it needs of them is not tried.
+
+    `downloads`: a folder that keeps what pip has fetched. Without it each target fetches anew.
+    """
+
+    downloads: Path | None = None
+
+    def run(self, folder: Path, command: list[str], log: int) -> subprocess.Popen[bytes]:
+        """Start `command` in the clone folder/checkout, with folder/home as its empty home."""
+        home = folder / "home"
+        home.mkdir()
+        return subprocess.Popen(
+            command,
+            cwd=folder / "checkout",
+            env=self.environment(home, os.environ),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    def environment(self, home: Path, mine: Mapping[str, str]) -> dict[str, str]:
+        """Return the environment of a new user of this machine."""
+        kept = {name: value for name, value in mine.items() if KEPT.fullmatch(name)}
+        kept.pop("PIP_CACHE_DIR", None)
+        virtual = Path(mine.get("VIRTUAL_ENV") or "/nowhere")  # an active environment is not the machine's
+        places = [
+            place for place in mine.get("PATH", os.defpath).split(":") if Path(place) != virtual / "bin"
+        ]
+        caches = {"PIP_CACHE_DIR": str(self.downloads / "pip")} if self.downloads else {}
+        return kept | {"HOME": str(home), "PATH": ":".join(places)} | caches
+
+
+@dataclass(frozen=True)
+class Debian:
+    """A bare Debian in `base`, which each target changes for itself alone: as root, with debootstrap.
+
+    `downloads` keeps what pip and apt-get have fetched.
+    """
+
+    base: Path
+    downloads: Path | None = None
+
+    def make(self) -> None:
+        """Make the base if it is not there. It has what README.md asks for, and no more."""
+        if os.geteuid() != 0 or not shutil.which("debootstrap"):
+            raise Absent("a bare Debian needs root and debootstrap: apt-get install debootstrap")
+        if (self.base / ".made").exists():
+            return
+        shutil.rmtree(self.base, ignore_errors=True)
+        self.base.mkdir(parents=True)
+        options = ["--variant=minbase", f"--include={','.join(ASKED)}"]
+        with (self.base.parent / "debootstrap.log").open("wb") as log:
+            made = subprocess.run(
+                ["debootstrap", *options, RELEASE, self.base, ARCHIVE],
+                stdout=log,
+                stderr=log,
+                check=False,
+            )
+        if made.returncode:
+            raise Absent(f"debootstrap made no Debian: {log.name}")
+        for file in ("/etc/resolv.conf", "/etc/ssl/certs/ca-certificates.crt"):  # the way to the servers
+            shutil.copyfile(file, f"{self.base}{file}")
+        services = self.base / "usr/sbin/policy-rc.d"
+        services.write_text("#!/bin/sh\nexit 101\n")  # a package starts no service here
+        services.chmod(0o755)
+        (self.base / ".made").touch()
+
+    def run(self, folder: Path, command: list[str], log: int) -> subprocess.Popen[bytes]:
+        """Start `command` in the clone folder/checkout. What it changes of the system is in folder/changes."""
+        for name in ("changes", "work", "root"):
+            (folder / name).mkdir()
+        kept = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
+        words = ["env", "-i", "HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
+        words += [
+            f"{name}={value}" for name, value in kept.items() if name in ("PIP_CERT", "PIP_DEFAULT_TIMEOUT")
+        ]
+        return subprocess.Popen(
+            ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-euc", _ENTER, "enter"]
+            + [str(self.base), str(folder), str(self.downloads or ""), *words, *command],
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+
+# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, and the clone in it
+_ENTER = """
+base=$1 folder=$2 downloads=$3 root=$2/root
+shift 3
+mount -t overlay overlay -o "lowerdir=$base,upperdir=$folder/changes,workdir=$folder/work" "$root"
+mount -t proc proc "$root/proc"
+mount --rbind /dev "$root/dev"
+mount --rbind /sys "$root/sys"
+mkdir "$root/root/checkout"
+mount --bind "$folder/checkout" "$root/root/checkout"
+if [ -n "$downloads" ]; then
+  mkdir -p "$downloads/apt/partial" "$downloads/pip" "$root/root/.cache/pip"
+  mount --bind "$downloads/apt" "$root/var/cache/apt/archives"
+  mount --bind "$downloads/pip" "$root/root/.cache/pip"
+fi
+exec chroot "$root" bash -c 'cd /root/checkout && exec "$@"' make "$@"
+"""

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The targets of `make help`, each with the variables of its short form: all of its set-up, little of its work."""
+
+from __future__ import annotations
+
+import re
+
+SHORT_FORMS = {
+    "demo": "",
+    "demo-walker": "RTL=1",  # what the gateware's own VHDL needs beside
+    "demo-pa10": "",
+    "demo-ros": "",
+    "extras": "",
+    "test": "TESTS=tests/unit/values",
+    "check": "",
+    "bench": "QUICK=1",
+    "experiments": "QUICK=1 ONLY=simplicity",
+    "experiments-json": "",
+    "docs": "",
+    "coverage": "BENCHES=gpio",
+    "synth": "ROWS=lite",
+    "formal": "BLOCKS=fifo",
+    "boards": "",
+    "fuzz": "SECONDS=2 STRINGS=20000 MESSAGES=1000",
+    "sanitize": "KINDS=thread",
+    "soak": "MESSAGES=200000",
+    "mutants": "SAMPLE=3",
+    "wheel": "",
+    "sbom": "",
+    "build": "",
+    "long": "TESTS=tests/gateware/test_own_core.py",
+    "unit": "",
+    "native-tests": "",
+    "clean": "",
+    "fresh": "TARGETS=clean",
+}
+
+
+def targets(told: str) -> list[str]:
+    """Return the targets that the text of `make help` names, in its order.
+
+    >>> targets("make demo    a robot moves; make soak: for hours, as `make demo` does")
+    ['demo', 'soak']
+    """
+    return list(dict.fromkeys(re.findall(r"\bmake ([a-z][a-z0-9-]*)", told)))
