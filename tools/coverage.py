@@ -3,7 +3,7 @@
 
     python tools/coverage.py             run tests/gateware, count, and record it in gateware/coverage.json
     python tools/coverage.py --report    the same of the last run
-    python tools/coverage.py --benches gpio fifo    run these only: nothing is recorded and no share is asked for
+    python tools/coverage.py --benches gpio fifo    these benches only, with no record and no least share
 
 The benches run with the gcc backend of GHDL, whose programs gcov understands. Netlists are left out: nobody
 wrote them. A line that has no code of its own (declarations, `when`, `end`) does not count.

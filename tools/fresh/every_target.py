@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run targets of `make help` as on a fresh machine: each in a clone of its own, with an empty home and empty caches.
+"""Run targets of `make help` as on a fresh machine, each in a clone of its own, with an empty home.
 
     make fresh                           all targets, in their short forms
     make fresh TARGETS="bench soak"      these only
     make fresh DOWNLOADS=FOLDER          pip's downloads are kept there; fetching them is not tried again
-    make fresh DEBIAN=1                  as root, each on a bare Debian of its own, where apt-get installs what is absent
+    make fresh DEBIAN=1                  as root, each on a bare Debian, where apt-get installs what is absent
 
 What is committed is tried. The machine's Debian packages stay, but with DEBIAN=1. A compiler launcher of the
 environment (CMAKE_CXX_COMPILER_LAUNCHER) stays too. What each target printed is in build/fresh.
@@ -22,6 +22,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,16 +55,24 @@ def try_target(checkout: Path, machine: Here | Debian, name: str, variables: str
     clone = folder / "checkout"
     started = time.monotonic()
     try:
-        subprocess.run(["git", "clone", "--quiet", checkout, clone], check=True)
+        git = _git(folder)
+        subprocess.run(["git", "clone", "--quiet", checkout, clone], env=git, check=True)
         with log.open("wb") as out:
             running = machine.run(folder, command, out.fileno())
             complaint = _end_of(running)
-        status = ["git", "-c", "safe.directory=*", "status", "--porcelain"]
-        told = subprocess.run(status, cwd=clone, capture_output=True, text=True, check=True).stdout
+        status = ["git", "status", "--porcelain"]
+        told = subprocess.run(status, cwd=clone, env=git, capture_output=True, text=True, check=True).stdout
         changed = ", ".join(line.split(maxsplit=1)[1] for line in told.splitlines())
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return Outcome(shlex.join([command[0], *command[2:]]), time.monotonic() - started, complaint, changed)
+
+
+def _git(folder: Path) -> dict[str, str]:
+    """Return an environment in which git reads a checkout of somebody else: in a container it often is."""
+    settings = folder / "gitconfig"
+    settings.write_text("[safe]\n\tdirectory = *\n")
+    return {**os.environ, "GIT_CONFIG_GLOBAL": str(settings)}
 
 
 def _end_of(running: subprocess.Popen[bytes]) -> str:
@@ -74,10 +83,8 @@ def _end_of(running: subprocess.Popen[bytes]) -> str:
     except subprocess.TimeoutExpired:
         return f"not done after {LONGEST_S} s"
     finally:
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(running.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         running.wait()
 
 

@@ -96,17 +96,15 @@ class Debian:
         (self.base / ".made").touch()
 
     def run(self, folder: Path, command: list[str], log: int) -> subprocess.Popen[bytes]:
-        """Start `command` in the clone folder/checkout. What it changes of the system is in folder/changes."""
+        """Start `command` in the clone folder/checkout. Its changes of the system are in folder/changes."""
         for name in ("changes", "work", "root"):
             (folder / name).mkdir()
-        kept = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
         words = ["env", "-i", "HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
-        words += [
-            f"{name}={value}" for name, value in kept.items() if name in ("PIP_CERT", "PIP_DEFAULT_TIMEOUT")
-        ]
+        network = ("PIP_CERT", "PIP_DEFAULT_TIMEOUT")
+        words += [f"{name}={os.environ[name]}" for name in network if name in os.environ]
+        inside = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-euc", _ENTER, "enter"]
         return subprocess.Popen(
-            ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-euc", _ENTER, "enter"]
-            + [str(self.base), str(folder), str(self.downloads or ""), *words, *command],
+            [*inside, str(self.base), str(folder), str(self.downloads or ""), *words, *command],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,

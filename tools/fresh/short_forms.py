@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The targets of `make help`, each with the variables of its short form: all of its set-up, little of its work."""
+"""The targets of `make help`, each with the variables of its short form: all the set-up, little work."""
 
 from __future__ import annotations
 
