@@ -22,7 +22,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,7 +58,7 @@ def try_target(checkout: Path, machine: Here | Debian, name: str, variables: str
         subprocess.run(["git", "clone", "--quiet", checkout, clone], env=git, check=True)
         with log.open("wb") as out:
             running = machine.run(folder, command, out.fileno())
-            complaint = _end_of(running)
+            complaint = _end_of(machine, folder, running)
         status = ["git", "status", "--porcelain"]
         told = subprocess.run(status, cwd=clone, env=git, capture_output=True, text=True, check=True).stdout
         changed = ", ".join(line.split(maxsplit=1)[1] for line in told.splitlines())
@@ -75,7 +74,7 @@ def _git(folder: Path) -> dict[str, str]:
     return {**os.environ, "GIT_CONFIG_GLOBAL": str(settings)}
 
 
-def _end_of(running: subprocess.Popen[bytes]) -> str:
+def _end_of(machine: Here | Debian, folder: Path, running: subprocess.Popen[bytes]) -> str:
     """Wait, and end what the target left running. Return what is wrong with its end."""
     try:
         code = running.wait(LONGEST_S)
@@ -83,9 +82,9 @@ def _end_of(running: subprocess.Popen[bytes]) -> str:
     except subprocess.TimeoutExpired:
         return f"not done after {LONGEST_S} s"
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(running.pid, signal.SIGKILL)
+        running.kill()
         running.wait()
+        machine.end_all(folder)
 
 
 def run(
@@ -128,11 +127,9 @@ def main() -> int:
             machine.make()
         except Absent as why:
             parser.exit(1, f"{why}\n")
-    told = subprocess.run(
-        ["git", "status", "--porcelain"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    if told.stdout:
+    if subprocess.check_output(["git", "status", "--porcelain"], cwd=ROOT):
         print("note: what is not committed is not tried")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # what runs is ended, and its clone is removed
     outcomes = run(names, SHORT_FORMS, ROOT, machine, logs)
     failed = sum(bool(outcome.complaint) for outcome in outcomes)
     print(

@@ -6,8 +6,10 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import subprocess
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,6 +50,16 @@ class Here:
             start_new_session=True,
         )
 
+    def end_all(self, folder: Path) -> None:
+        """End what still runs with that home. Ninja gives each compiler a process group of its own."""
+        mark = f"HOME={folder / 'home'}".encode()
+        while pids := [
+            int(name) for name in os.listdir("/proc") if name.isdigit() and mark in _started_with(name)
+        ]:
+            for pid in pids:
+                with suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+
     def environment(self, home: Path, mine: Mapping[str, str]) -> dict[str, str]:
         """Return the environment of a new user of this machine."""
         kept = {name: value for name, value in mine.items() if KEPT.fullmatch(name)}
@@ -58,6 +70,14 @@ class Here:
         ]
         caches = {"PIP_CACHE_DIR": str(self.downloads / "pip")} if self.downloads else {}
         return kept | {"HOME": str(home), "PATH": ":".join(places)} | caches
+
+
+def _started_with(pid: str) -> list[bytes]:
+    """Return the environment a process was started with; of one that has ended, nothing."""
+    try:
+        return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    except OSError:
+        return []
 
 
 @dataclass(frozen=True)
@@ -110,6 +130,9 @@ class Debian:
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
+
+    def end_all(self, folder: Path) -> None:
+        """Do nothing: with its first process all others of a process namespace end."""
 
 
 # enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, and the clone in it

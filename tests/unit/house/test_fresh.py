@@ -26,7 +26,7 @@ know:
 fail:
 \t@echo what went wrong; exit 3
 stay:
-\t@sleep 600 & echo $$! > $(PID)
+\t@setsid sleep 600 & echo $$! > $(PID)
 hang:
 \t@sleep 600
 """
