@@ -82,7 +82,8 @@ def test_every_scheme_has_what_its_recipe_asks_for(name: str) -> None:
 
 @pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
 def test_every_core_of_the_library_has_what_its_recipe_asks_for(path: Path) -> None:
-    for file in ("gateware/cores/README.md", "docs/gateware/README.md", "tests/gateware/test_cores.py"):
+    pages = ("gateware/cores/README.md", "docs/gateware/README.md", "docs/ul-spec.md")
+    for file in (*pages, "src/unitylink/spec/library/README.md", "tests/gateware/test_cores.py"):
         assert has(path.stem, text(file)), file
     assert (ROOT / "gateware" / "test" / f"{path.stem}_tb.vhd").is_file()
 
