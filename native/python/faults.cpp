@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fault simulation for Python; tools/faults.py runs it.
+// The fault simulation for Python; commands/faults.py runs it.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command `unitylink`: the table of commands, and how all of them end.
 
-A command is a module of `tools/` with a click command named `command`. It is imported when it is run. So
+A command is a module of `commands/` with a click command named `command`. It is imported when it is run. So
 `unitylink --version` and a spec's `check` load neither the native core nor rich. Exit codes: 0 done, 1 an
 error, 2 wrong usage, 130 interrupted, 141 the reader of a pipe went away.
 """
@@ -16,11 +16,11 @@ from io import TextIOWrapper
 
 import click
 
+from unitylink.connection.schemes import forms
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
-from unitylink.schemes import forms
 
-# name -> (module of tools/, one line for `unitylink --help`), in the order a user meets them
+# name -> (module of commands/, one line for `unitylink --help`), in the order a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
@@ -83,7 +83,7 @@ class Commands(click.Group):
         """Import and return the command."""
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"unitylink.tools.{COMMANDS[cmd_name][0]}").command
+        command = import_module(f"unitylink.commands.{COMMANDS[cmd_name][0]}").command
         assert isinstance(command, click.Command)
         return command
 
@@ -96,7 +96,7 @@ class Commands(click.Group):
                 f"'{args[0]}' needs a checkout of the source; there it is `make {args[0]}`", ctx
             )
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            from unitylink.spec.suggest import nearest
+            from unitylink.spec.report.suggest import nearest
 
             meant = nearest(args[0], available())
             hint = f"did you mean '{meant}'?" if meant else f"there are: {', '.join(available())}"
@@ -111,7 +111,7 @@ class Commands(click.Group):
 
 def available() -> dict[str, tuple[str, str]]:
     """Return the commands that this installation has: in a wheel, all that need no checkout."""
-    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "tools")
+    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "commands")
     return {
         name: row
         for name, row in COMMANDS.items()
@@ -214,7 +214,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def complain(message: str, help_line: str = "") -> None:
     """Print an error on stderr, with what to do about it where that is known."""
-    from unitylink.tools.output import colours
+    from unitylink.commands.output import colours
 
     red, bold, off = ("\x1b[1;31m", "\x1b[1m", "\x1b[0m") if colours(sys.stderr) else ("", "", "")
     text = message if message.startswith("error") else f"error: {message}"

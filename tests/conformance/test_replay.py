@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
+from unitylink.commands.conformance import RecordingError, Report, difference, render, replay
+from unitylink.commands.conformance_bench import play_on_twin, same
 from unitylink.layer1_stream import ClassicDecoder, Reply
 from unitylink.simulate import BoardConfiguration
-from unitylink.tools.conformance import RecordingError, Report, difference, render, replay
-from unitylink.tools.conformance_bench import play_on_twin, same
 
 FILE = Path(__file__).with_name("classic-transcripts.json")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.commands.bench.figure import Run
 from unitylink.experiments.peer_faults import FAULTS, Fault, met
-from unitylink.tools.bench.figure import Run
 
 HERE = Run(True, Path(__file__).resolve().parents[2], lambda text: None)
 NAMED = {fault.name: fault for fault in FAULTS}

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.simulate import Board
 
 CLIENT = Path(__file__).resolve().parents[2] / "examples" / "plain_client" / "client.py"

@@ -270,7 +270,7 @@ def test_the_commands_of_the_page_of_the_language(run: Run, tmp_path: Path) -> N
     }
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     (tmp_path / "my_robot.ul").write_text(BAD.replace("IDD", "ID"))
-    rdl = ROOT / "tests" / "unit" / "cli" / "rdl"
+    rdl = ROOT / "tests" / "unit" / "commands" / "rdl"
     (tmp_path / "registers.rdl").write_text(next(iter(sorted(rdl.glob("*.rdl")))).read_text("utf-8"))
     for name, arguments in commands:
         if name == "lsp":

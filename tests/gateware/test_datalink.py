@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.tools.conformance_bench import bench
+from unitylink.commands.conformance_bench import bench
 
 CONFIGURATION = bench({"FREQ": 100000})
 ROWS = {

@@ -12,7 +12,7 @@ from reference.framing import Borders, Frame, field
 from reference.rs485 import token
 
 from unitylink import protocol as p
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 
 SAFE = [(0x10, 1), (0x11, 0xFFFFFFFF)]  # of replay_tb
 TICKS = 3

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from unitylink._native import Device
-from unitylink.board_configuration import BoardConfiguration, FifoConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration, FifoConfiguration
 
 FIFO = 0x40
 DEPTH = 16

@@ -17,7 +17,7 @@ from reference.scenario import Scenario, under_a_used_id
 from reference.settings import Settings
 
 from unitylink import protocol as p
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 
 SAFE = ((0x10, 1), (0x11, 0xFFFFFFFF))  # of replay_tb
 BAD = 0x38  # four words that answer with an error, and four that do not answer

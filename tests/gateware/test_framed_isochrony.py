@@ -17,8 +17,8 @@ from reference.framing import Frame, field
 
 from tests.gateware.strobes import PUBLISHED, Watch
 from unitylink import protocol as p
-from unitylink.isochrony import framed, isochrony
 from unitylink.simulate import BoardConfiguration
+from unitylink.spec.isochrony import framed, isochrony
 
 EPOCH = 0x1234
 PERIODS = (1.13, 1.37)  # between base strobes, in bounds: other phases of the load

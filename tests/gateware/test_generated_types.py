@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import Spec, compile_text, render
 
 TEXT = """

@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 
 from unitylink import Link
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import DeviceMismatch
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.layer4_data import load_spec_objects
 from unitylink.simulate import Board
 from unitylink.simulate.rtl import RtlBoard, rtl_configuration

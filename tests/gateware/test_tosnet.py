@@ -12,7 +12,7 @@ import pytest
 
 from unitylink import Link, protocol
 from unitylink._native import Bus
-from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
+from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration, TosnetNode
 from unitylink.simulate import Board
 from unitylink.simulate.rtl import RtlBoard
 from unitylink.spec import load

@@ -13,7 +13,7 @@ import click
 
 from unitylink.cli import COMMANDS, cli
 from unitylink.spec import CODES
-from unitylink.spec.explain import explain
+from unitylink.spec.report.explain import explain
 
 # module -> what its page is called, in the order a user meets them
 MODULES = {

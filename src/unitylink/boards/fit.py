@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields
 from typing import Union
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
-from unitylink.spec.suggest import nearest
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.spec.report.suggest import nearest
 
 Setting = Union[int, str, bool]
 

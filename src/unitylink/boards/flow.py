@@ -10,12 +10,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError, ToolError
 from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
 from unitylink.generate import write
-from unitylink.spec.budget import DeviceBudget, budget
-from unitylink.spec.latency import BITS_PER_BYTE
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.spec.isochrony.budget import DeviceBudget, budget
+from unitylink.spec.isochrony.latency import BITS_PER_BYTE
 from unitylink.spec.model import Spec
 
 from .families import FAMILIES, Family, overflow

@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from unitylink.board_configuration import BoardConfiguration, check_one_board
 from unitylink.errors import BoardError
 from unitylink.generate import generate
 from unitylink.generate.quoting import Vhdl
 from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import FOLDER, Leaf, Plan, component_ports, design_name, plan
 from unitylink.generate.vhdl.names import Names
+from unitylink.interface.board_configuration import BoardConfiguration, check_one_board
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import BoardError
+from unitylink.interface.board_configuration import BoardConfiguration, told_physical
 from unitylink.resources import resource_folder
 from unitylink.settings import SETTINGS
 from unitylink.spec.model import SEND_IMMEDIATE, Spec
-from unitylink.spec.suggest import nearest
+from unitylink.spec.report.suggest import nearest
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from unitylink.errors import BoardError
 from unitylink.gateware import Port
-from unitylink.spec.suggest import nearest
+from unitylink.spec.report.suggest import nearest
 
 from .manifest import Board, Pin
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from unitylink.errors import BoardError
-from unitylink.spec.budget import DeviceBudget
+from unitylink.spec.isochrony.budget import DeviceBudget
 
 NAME = "report"
 

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_sources, netlist, ports_of
 from unitylink.generate import write
 from unitylink.generate.quoting import Tcl
+from unitylink.interface.board_configuration import BoardConfiguration
 
 from .folder import make_folder
 from .line import check_line, told_baud_hz

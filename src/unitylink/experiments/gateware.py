@@ -10,8 +10,8 @@ from typing import Any
 
 from unitylink import _native
 from unitylink import protocol as p
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError
+from unitylink.interface.board_configuration import BoardConfiguration
 
 from .exchange import EPOCH, SPEC, frame, plain_client
 

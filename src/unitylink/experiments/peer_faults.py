@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from unitylink.tools.bench import litex
-from unitylink.tools.bench.board import ADDRESS, FIRST_VALUE
-from unitylink.tools.bench.figure import BenchError, Run
-from unitylink.tools.bench.programs import Process
-from unitylink.tools.bench.report import machine
+from unitylink.commands.bench import litex
+from unitylink.commands.bench.board import ADDRESS, FIRST_VALUE
+from unitylink.commands.bench.figure import BenchError, Run
+from unitylink.commands.bench.programs import Process
+from unitylink.commands.bench.report import machine
 
 from .document import Block, Code, Paragraph, Table
 from .peers import Peer, Theirs, attempt, peer

@@ -17,12 +17,12 @@ from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, Protocol
 
+from unitylink.commands.bench import litex
+from unitylink.commands.bench.board import ADDRESS, FIRST_VALUE
+from unitylink.commands.bench.figure import BenchError, Run
+from unitylink.commands.bench.programs import Process, Silence, native, twin
+from unitylink.commands.bench.timing import times
 from unitylink.errors import LinkError
-from unitylink.tools.bench import litex
-from unitylink.tools.bench.board import ADDRESS, FIRST_VALUE
-from unitylink.tools.bench.figure import BenchError, Run
-from unitylink.tools.bench.programs import Process, Silence, native, twin
-from unitylink.tools.bench.timing import times
 
 OPERATIONS = ("read", "write", "block", "cycle")
 BLOCK = litex.BLOCK_WORDS

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import unitylink
+from unitylink.commands.bench.figure import Run
+from unitylink.commands.bench.programs import find_checkout
+from unitylink.commands.bench.report import machine
 from unitylink.errors import UnityLinkError
 from unitylink.protocol import FRAME_WINDOW_DEFAULT
-from unitylink.tools.bench.figure import Run
-from unitylink.tools.bench.programs import find_checkout
-from unitylink.tools.bench.report import machine
 
 from . import level_one, peers, ros_rates, software_cost
 from .ablations import ablations

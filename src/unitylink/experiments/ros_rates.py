@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from unitylink.tools.bench import run
+from unitylink.commands.bench import run
 
 PAPER_HZ = {"out": 1800.0, "in": 300.0}
 FIGURES = ("ros1-out", "ros1-in", "dds-out", "dds-in")

@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from unitylink.tools.bench.programs import twin
+from unitylink.commands.bench.programs import twin
 
 from .software_cost import on_processors, thread_s
 

@@ -112,7 +112,7 @@ def _spec(words: int) -> Any:
 
 
 def _configuration(base_hz: int) -> Any:
-    from unitylink.board_configuration import BoardConfiguration
+    from unitylink.interface.board_configuration import BoardConfiguration
 
     return BoardConfiguration(
         address_bits=16,

@@ -39,8 +39,8 @@ class Description:
     exchanges: int
     exchange_size: int
     spec_hash: int
-    """The wire hash of the spec that the gateware was built from (`unitylink.wire_hash`). 0: it does not
-    know."""
+    """The wire hash of the spec that the gateware was built from (`unitylink.interface.wire_hash`). 0: it
+    does not know."""
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import DeviceMismatch, ValueRangeError
 from unitylink.layer3_hardware.arguments import positive
+from unitylink.spec.expand.publishing import split
 from unitylink.spec.model import Publish
-from unitylink.spec.publishing import split
 
 from .polling import Poller
 from .publication import (

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from unitylink.errors import BindingError, DeviceMismatch, shown
+from unitylink.interface.wire_hash import wire_hashes
 from unitylink.spec.model import Element, Group, Instance, Spec
 from unitylink.values import Quantity
-from unitylink.wire_hash import wire_hashes
 
 from .binding import Tree
 from .names import attribute_of, event_lines, python_names

@@ -17,9 +17,9 @@ from urllib.parse import parse_qsl
 
 from unitylink import protocol
 from unitylink.errors import BusError, DeviceMismatch, LinkError, LinkTimeout, UrlError
+from unitylink.interface.wire_hash import part_behind
 from unitylink.layer0_driver import Driver
 from unitylink.layer2_message import Link, check_url
-from unitylink.wire_hash import part_behind
 
 from .findings import Finding, finding
 from .ftdi import chosen, ftdi_channels

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from unitylink.board_configuration import (
+from unitylink.interface.board_configuration import (
     BoardConfiguration,
     DoubleBufferConfiguration,
     FifoConfiguration,

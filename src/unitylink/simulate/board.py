@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from unitylink import _native
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError, ValueRangeError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 from unitylink.values import Codec, Quantity
 

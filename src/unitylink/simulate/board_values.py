@@ -8,7 +8,7 @@ from typing import Any
 
 from unitylink.errors import UnityLinkError
 from unitylink.spec.model import Element, Spec
-from unitylink.spec.suggest import nearest
+from unitylink.spec.report.suggest import nearest
 from unitylink.values import Codec, Quantity
 
 from .registers import Registers

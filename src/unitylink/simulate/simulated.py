@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from urllib.parse import parse_qsl, quote, urlencode
 
-from unitylink.board_configuration import BoardConfiguration, told_physical
 from unitylink.errors import UnityLinkError, UrlError
+from unitylink.interface.board_configuration import BoardConfiguration, told_physical
 from unitylink.settings import SETTINGS
 from unitylink.spec import load
 from unitylink.spec.model import Spec

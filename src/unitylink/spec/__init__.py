@@ -9,10 +9,7 @@
 from __future__ import annotations
 
 from .annotation import Annotation
-from .codes import CODES, Code
 from .compile import Result, compile_file, compile_text, load
-from .diagnostics import Diagnostic, Fix, Label, render, summary
-from .format import format_text
 from .model import (
     Component,
     Device,
@@ -27,6 +24,9 @@ from .model import (
     Spec,
     SubscriptionGroup,
 )
+from .report.codes import CODES, Code
+from .report.diagnostics import Diagnostic, Fix, Label, render, summary
+from .text.format import format_text
 from .types import EnumType, EnumValue, Field, ValueType
 
 __all__ = [

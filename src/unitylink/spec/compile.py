@@ -10,18 +10,18 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 
 from ..errors import SpecError
-from .checks import check_model
+from .check.addresses import check_model
+from .check.unused import check_notes, check_unused
 from .collector import collector_paused
-from .declared import Declared
-from .diagnostics import Diagnostic, Reporter, render
+from .expand.publishing import devices
+from .expand.resolve import Resolver
 from .fingerprint import fingerprint
-from .imports import Importer
+from .meaning.declared import Declared
+from .meaning.scope import Scopes
 from .model import Link, Spec
-from .publishing import devices
-from .resolve import Resolver
-from .scope import Scopes
+from .report.diagnostics import Diagnostic, Reporter, render
 from .source import MAX_BYTES, Source, decode
-from .unused import check_notes, check_unused
+from .text.imports import Importer
 
 
 @dataclass(frozen=True)

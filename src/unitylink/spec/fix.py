@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .compile import Result, compile_text
-from .diagnostics import Diagnostic, Edit
+from .report.diagnostics import Diagnostic, Edit
 
 _ROUNDS = 20  # a fix may bring another mistake to light
 _TRIALS = 50  # diagnostics whose fixes are tried one by one, if all together did not help

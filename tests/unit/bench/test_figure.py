@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.tools.bench import Report
-from unitylink.tools.bench.figure import Figure
-from unitylink.tools.bench.timing import in_turns, times
+from unitylink.commands.bench import Report
+from unitylink.commands.bench.figure import Figure
+from unitylink.commands.bench.timing import in_turns, times
 
 positive = st.floats(min_value=1e-3, max_value=1e9)
 
@@ -61,7 +61,7 @@ def test_a_slow_second_does_not_move_the_ratio() -> None:
 
 def test_times_calls_as_often_as_asked_and_times_each(monkeypatch: pytest.MonkeyPatch) -> None:
     clock_ns = [0]
-    monkeypatch.setattr("unitylink.tools.bench.timing.perf_counter_ns", lambda: clock_ns[0])
+    monkeypatch.setattr("unitylink.commands.bench.timing.perf_counter_ns", lambda: clock_ns[0])
     calls: list[int] = []
 
     def call() -> None:

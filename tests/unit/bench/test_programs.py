@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.tools.bench.figure import BenchError, Run
-from unitylink.tools.bench.programs import Process, Silence, made, native
+from unitylink.commands.bench.figure import BenchError, Run
+from unitylink.commands.bench.programs import Process, Silence, made, native
 
 Program = Callable[[str], Path]
 
@@ -214,6 +214,6 @@ def test_what_is_made_once_fails_by_name(monkeypatch: pytest.MonkeyPatch) -> Non
     assert made(["sh", "-c", "echo $WORD"], {"WORD": "here"}) == "here\n"
     with pytest.raises(BenchError, match=r"`sh -c .*` failed: no room"):
         made(["sh", "-c", "echo no room >&2; exit 3"])
-    monkeypatch.setattr("unitylink.tools.bench.programs._MADE_S", 0.1)
+    monkeypatch.setattr("unitylink.commands.bench.programs._MADE_S", 0.1)
     with pytest.raises(BenchError, match="`sleep 60` does not end"):
         made(["sleep", "60"])

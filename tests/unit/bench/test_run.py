@@ -5,16 +5,16 @@ from __future__ import annotations
 
 import pytest
 
-from unitylink.tools.bench import BenchError, Figure, run
-from unitylink.tools.bench.figure import Run
-from unitylink.tools.bench.start_up import flat_spec
+from unitylink.commands.bench import BenchError, Figure, run
+from unitylink.commands.bench.figure import Run
+from unitylink.commands.bench.start_up import flat_spec
 
 
 def test_a_figure_that_cannot_be_measured_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(context: Run) -> Figure:
         raise BenchError("there is no index to install LiteX from")
 
-    monkeypatch.setattr("unitylink.tools.bench.litex.measure_single", broken)
+    monkeypatch.setattr("unitylink.commands.bench.litex.measure_single", broken)
     report = run(only=["litex-single", "version"], quick=True, say=lambda message: None)
     assert [figure.name for figure in report.figures] == ["version"]
     assert report.failures == {"litex-single": "there is no index to install LiteX from"}

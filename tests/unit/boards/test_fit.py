@@ -7,9 +7,9 @@ import json
 
 import pytest
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.boards.fit import REMEDIES, remedies, settings_of
 from unitylink.errors import BoardError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.resources import resource_folder
 
 

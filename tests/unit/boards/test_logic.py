@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.boards.logic import Logic, Wanted, design_sources, logic_of
 from unitylink.errors import BoardError
 from unitylink.gateware import netlist, ports_of
 from unitylink.generate import write
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import load
 
 SPEC = """

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from unitylink import cli
-from unitylink.tools.bench import FIGURES
+from unitylink.commands.bench import FIGURES
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 

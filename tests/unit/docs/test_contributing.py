@@ -11,8 +11,8 @@ import click
 import pytest
 
 from unitylink import cli
+from unitylink.connection.schemes import SCHEMES
 from unitylink.generate import ARTEFACTS
-from unitylink.schemes import SCHEMES
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
@@ -76,7 +76,7 @@ def test_every_scheme_has_what_its_recipe_asks_for(name: str) -> None:
             assert f'url.scheme == "{name}"' in told or (name, file) == ("fd", "open_driver")
     table = text("docs/command-line.md").partition("\n## LINK\n")[2].partition("\nOptions")[0]
     assert f"`{name}:" in table, "docs/command-line.md has a table LINK"
-    tried = text("tests/unit/cli/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
+    tried = text("tests/unit/commands/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
     assert f'"{name}:' in tried or f'("{name}"' in tried, "no test tries all commands on it"
 
 
@@ -102,7 +102,7 @@ def test_every_generator_has_what_its_recipe_asks_for(name: str) -> None:
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_every_command_has_what_its_recipe_asks_for(name: str) -> None:
     module, _ = cli.COMMANDS[name]
-    assert f"`{module}.py`" in text("src/unitylink/tools/README.md")
+    assert f"`{module}.py`" in text("src/unitylink/commands/README.md")
     command = cli.cli.get_command(click.Context(cli.cli), name)
     assert command is not None
     assert "unitylink " + name in (command.help or ""), "the help ends with examples"

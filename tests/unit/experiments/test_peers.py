@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.commands.bench.figure import Run
 from unitylink.experiments import peer_faults, peers
 from unitylink.experiments.wire import Pty, Wire
-from unitylink.tools.bench.figure import Run
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 HERE = Run(True, Path(), lambda text: None)
@@ -71,9 +71,9 @@ def test_each_kind_of_wire_has_one_of_ours_that_the_others_are_over() -> None:
 
 
 def test_what_is_not_here_is_told(tmp_path: Path) -> None:
+    from unitylink.commands.bench.programs import native
     from unitylink.experiments.results import _measured
     from unitylink.experiments.tables import peers as table
-    from unitylink.tools.bench.programs import native
 
     told = _measured(lambda: [{"path": str(native(tmp_path, "bench_uartbone"))}])
     assert told["rows"] == [] and "make bench" in told["failure"]

@@ -16,6 +16,9 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
+from unitylink.commands.bench import FIGURES, Report
+from unitylink.commands.bench.figure import Figure
+from unitylink.commands.experiments import command
 from unitylink.experiments import PARTS, markdown, pictures, report, ros_rates, scaling, software_cost, write
 from unitylink.experiments.ablations import ABLATIONS, ablations
 from unitylink.experiments.claims import CLAIMS
@@ -34,9 +37,6 @@ from unitylink.experiments.table_one import (
     TEXT,
     Cell,
 )
-from unitylink.tools.bench import FIGURES, Report
-from unitylink.tools.bench.figure import Figure
-from unitylink.tools.experiments import command
 
 ROOT = Path(__file__).resolve().parents[3]
 RESULTS: dict[str, Any] = json.loads((ROOT / "docs" / "experiments.json").read_text(encoding="utf-8"))

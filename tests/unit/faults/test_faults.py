@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from unitylink import _native
-from unitylink.tools.faults import RUN_MESSAGES, History, command, histories
+from unitylink.commands.faults import RUN_MESSAGES, History, command, histories
 
 ROOT = Path(__file__).resolve().parents[3]
 PROFILES = [name for name, _ in _native.fault_profiles()]

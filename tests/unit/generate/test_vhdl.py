@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.commands.generate import command
 from unitylink.errors import BindingError, ValueRangeError
 from unitylink.generate import generate, generate_vhdl
 from unitylink.generate.quoting import Vhdl
@@ -23,10 +23,10 @@ from unitylink.generate.vhdl import blocks as plan_blocks
 from unitylink.generate.vhdl import design_name, names, planner, value_types, word_map, words
 from unitylink.generate.vhdl.blocks import WINDOW, blocks
 from unitylink.generate.vhdl.names import KEYWORDS, Names
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.settings import SETTINGS
 from unitylink.spec import compile_text, load
 from unitylink.spec.model import Spec
-from unitylink.tools.generate import command
 
 ROOT = Path(__file__).resolve().parents[3]
 GOLDEN = ROOT / "tests" / "golden"

@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 from unitylink.cli import main
+from unitylink.commands.names import Names
 from unitylink.spec import Spec, load
-from unitylink.tools.names import Names
 
 ROOT = Path(__file__).resolve().parents[3]
 TYPED = ROOT / "tests" / "unit" / "generate" / "typed.ul"

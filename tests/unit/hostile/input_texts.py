@@ -13,10 +13,10 @@ from unitylink import connect
 from unitylink.boards import load_board
 from unitylink.boards import read_report as report_of
 from unitylink.boards.fit import settings_of
+from unitylink.commands.value_text import parse_value
+from unitylink.connection.schemes import SCHEMES
 from unitylink.generate import ARTEFACTS, generate
-from unitylink.schemes import SCHEMES
 from unitylink.spec import compile_text
-from unitylink.tools.typed import parse_value
 from unitylink.values import Codec, Quantity
 
 _PORT = re.compile(r"\s*(?!sim:)(" + "|".join(SCHEMES) + "):")
@@ -41,7 +41,7 @@ def read_spec(data: bytes, folder: Path) -> None:
 
 
 def imports(_: Path) -> list[bytes]:
-    return [path.read_bytes() for path in (ROOT / "tests" / "unit" / "cli" / "rdl").glob("*.rdl")]
+    return [path.read_bytes() for path in (ROOT / "tests" / "unit" / "commands" / "rdl").glob("*.rdl")]
 
 
 def read_import(data: bytes, folder: Path) -> None:

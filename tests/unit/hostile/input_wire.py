@@ -11,12 +11,12 @@ from input_base import TYPED, Registers, allowed, elements, typed
 
 from unitylink import connect
 from unitylink.capture import messages, read_packets
+from unitylink.commands.names import Names
+from unitylink.commands.plot import _draw, _recorded
+from unitylink.commands.term import prepare
+from unitylink.commands.wire_reader import wire_reader
 from unitylink.recording import Origin, Sample, create
 from unitylink.simulate.plants.recording import RecordingPlant
-from unitylink.tools.names import Names
-from unitylink.tools.plot import _draw, _recorded
-from unitylink.tools.term import prepare
-from unitylink.tools.wire_reader import wire_reader
 
 DRAWN = 40  # one of so many recordings is drawn, which costs a hundred times as much as reading it
 

@@ -18,11 +18,11 @@ from unitylink.boards import load_board, read_report
 from unitylink.capture import messages
 from unitylink.capture.pcapng import RECEIVED, SENT, Packet
 from unitylink.cli import main
+from unitylink.commands.names import Names
+from unitylink.commands.wire_reader import wire_reader
+from unitylink.connection.schemes import scheme_of
 from unitylink.errors import BoardError, UrlError
 from unitylink.recording import Origin, Sample, create
-from unitylink.schemes import scheme_of
-from unitylink.tools.names import Names
-from unitylink.tools.wire_reader import wire_reader
 
 PER_SHARE = 3  # inputs of a kind, for each of its shares
 

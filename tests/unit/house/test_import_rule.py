@@ -22,17 +22,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "optional": {"errors"},
     "output_file": {"errors"},
     "lazy": set(),
-    "isochrony": SHARED,
-    # How late a publish can be counts in the budget.
-    "spec": {"isochrony", *SHARED},
+    "spec": SHARED,
     "values": {"spec", "errors"},
-    "safe_words": {"values", "spec", *SHARED},
-    "wire_hash": {"spec", *SHARED},
-    "board_configuration": {"safe_words", "wire_hash", "spec", *SHARED},
+    "interface": {"values", "spec", *SHARED},
     # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
     "generate": {
-        "board_configuration",
-        "wire_hash",
+        "interface",
         "resources",
         "ros",
         "spec",
@@ -45,10 +40,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "layer2_message": {"layer1_stream", "_native", *SHARED},
     "layer3_hardware": {"layer2_message", *SHARED},
     # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
-    "layer4_data": {"wire_hash", "lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
+    "layer4_data": {"interface", "lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
     # The RTL board compiles what the VHDL generator makes; a recording is played as a plant.
     "simulate": {
-        "board_configuration",
+        "interface",
         "generate",
         "gateware",
         "recording",
@@ -63,17 +58,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "resources": SHARED,
     "recording": {"optional", "output_file", *SHARED},
     # The doctor tries what a link would do, below it and through it.
-    "ports": {"wire_hash", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
+    "ports": {"interface", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
     "gateware": {"resources", *SHARED},
     # A bitstream is made of generated VHDL; its report has the budget of the spec.
-    "boards": {"board_configuration", "generate", "gateware", "resources", "spec", *SHARED},
+    "boards": {"interface", "generate", "gateware", "resources", "spec", *SHARED},
     # Captures are read with the codec of layer 1, above no link.
     "capture": {"layer1_stream", "output_file", *SHARED},
     # The table of link URLs; what makes a virtual board is imported when one is asked for.
-    "schemes": {"simulate", *SHARED},
-    "connection": {"schemes", "layer0_driver", "layer2_message", *SHARED},
+    "connection": {"lazy", "simulate", "layer0_driver", "layer2_message", *SHARED},
 }
-UNRESTRICTED = {"tools", "cli", "experiments", "testing", "__main__", "__init__"}
+UNRESTRICTED = {"commands", "cli", "experiments", "testing", "__main__", "__init__"}
 
 
 def unit_of(path: Path) -> str:

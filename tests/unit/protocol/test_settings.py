@@ -15,11 +15,11 @@ import pytest
 from click.testing import CliRunner
 
 from unitylink import _native
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.commands.simulate import command
 from unitylink.errors import UrlError, ValueRangeError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.settings import SETTINGS, Setting, Settings
 from unitylink.simulate import simulated_board
-from unitylink.tools.simulate import command
 
 ROOT = Path(__file__).resolve().parents[3]
 SCARA = ROOT / "examples" / "scara" / "scara.ul"

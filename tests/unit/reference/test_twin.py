@@ -14,7 +14,7 @@ from reference.settings import Settings
 
 from unitylink import _native
 from unitylink import protocol as p
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 
 EPOCH = 5
 SAFE = ((0x10, 0), (0x11, 0xFFFF))

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from unitylink import connect
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import ToolError, UrlError, ValueRangeError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.simulate.rtl import RtlDesign, build_model, design_of
 from unitylink.simulate.rtl.verilog import (
     Port,

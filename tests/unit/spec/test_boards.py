@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from unitylink.interface.wire_hash import wire_hash, wire_hashes
 from unitylink.spec import Spec, compile_text, load
-from unitylink.wire_hash import wire_hash, wire_hashes
 
 PAIR = Path(__file__).resolve().parents[3] / "examples" / "pa10" / "pa10_pair.ul"
 RIG = """link lab.rig;

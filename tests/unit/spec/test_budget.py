@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unitylink.isochrony import isochrony
 from unitylink.layer0_driver import Driver
 from unitylink.simulate import Board, BoardConfiguration
 from unitylink.spec import compile_text, load
-from unitylink.spec.budget import DeviceBudget, budget, publish_bytes
-from unitylink.spec.latency import BITS_PER_BYTE
+from unitylink.spec.isochrony import isochrony
+from unitylink.spec.isochrony.budget import DeviceBudget, budget, publish_bytes
+from unitylink.spec.isochrony.latency import BITS_PER_BYTE
 from unitylink.spec.model import Device
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"

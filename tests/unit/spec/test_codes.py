@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every diagnostic code: a spec that gives it, alone and at one place; and the mended spec, which gives none.
 
-The specs are those of src/unitylink/spec/explanations; those too long for a page are built here.
+The specs are those of src/unitylink/spec/report/explanations; those too long for a page are built here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import pytest
 
 import unitylink.spec
 from unitylink.spec import CODES, Result, compile_file, compile_text
-from unitylink.spec.explain import explain
+from unitylink.spec.report.explain import explain
 
 SHOWN = [code for code in CODES if explain(code).wrong]
 
@@ -105,7 +105,7 @@ def test_every_code_has_an_example() -> None:
 
 
 def test_every_page_is_a_code() -> None:
-    folder = Path(unitylink.spec.__file__).parent / "explanations"
+    folder = Path(unitylink.spec.__file__).parent / "report" / "explanations"
     assert {page.stem for page in folder.glob("*.md")} == {*CODES, "README"}
 
 

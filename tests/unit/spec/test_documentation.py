@@ -7,9 +7,10 @@ import re
 
 import pytest
 
-from unitylink.spec import compile_text, lexer
-from unitylink.spec.diagnostics import Reporter
+from unitylink.spec import compile_text
+from unitylink.spec.report.diagnostics import Reporter
 from unitylink.spec.source import Source
+from unitylink.spec.text import lexer
 
 
 class Counted:

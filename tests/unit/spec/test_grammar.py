@@ -16,10 +16,10 @@ from lark import Lark
 from lark.exceptions import UnexpectedInput
 
 from unitylink.spec import CODES, Diagnostic, compile_text
-from unitylink.spec.diagnostics import Reporter
-from unitylink.spec.explain import explain
-from unitylink.spec.lexer import KEYWORDS, tokenize
+from unitylink.spec.report.diagnostics import Reporter
+from unitylink.spec.report.explain import explain
 from unitylink.spec.source import Source
+from unitylink.spec.text.lexer import KEYWORDS, tokenize
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unitylink.spec import Component, Spec, compile_text
-from unitylink.spec.allocate import Occupied
+from unitylink.spec.expand.allocate import Occupied
 
 ROOT = Path(__file__).parents[3]
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 
 from unitylink.spec import compile_text, format_text, render
-from unitylink.spec.diagnostics import KEPT, SHOWN
-from unitylink.spec.latency import publishes_of
+from unitylink.spec.isochrony.latency import publishes_of
+from unitylink.spec.report.diagnostics import KEPT, SHOWN
 
 
 def codes(text: str) -> set[str]:

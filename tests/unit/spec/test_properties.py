@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from unitylink.errors import SpecError
 from unitylink.spec import CODES, Diagnostic, Instance, Spec, compile_text, format_text, render
-from unitylink.spec.explain import explain
+from unitylink.spec.report.explain import explain
 
 ROOT = Path(__file__).parents[3]
 WORDS = re.split(

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.spec.diagnostics import Reporter
-from unitylink.spec.lexer import KEYWORDS, tokenize
+from unitylink.spec.report.diagnostics import Reporter
 from unitylink.spec.source import Source
+from unitylink.spec.text.lexer import KEYWORDS, tokenize
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "editors" / "vscode"

@@ -9,6 +9,7 @@ import re
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 
+from unitylink.interface.wire_hash import wire_hashes
 from unitylink.layer4_data.names import (
     ATTRIBUTE_NAMES,
     BINDING_VERSION,
@@ -21,14 +22,13 @@ from unitylink.spec.model import Element, Group, Instance, LinkBinding, Publish,
 from unitylink.spec.model import Member as SpecMember
 from unitylink.spec.types import INT32, UINT32
 from unitylink.values import Quantity
-from unitylink.wire_hash import wire_hashes
 
 from ..kept import kept
 from ..quoting import Python, file_name
+from .docstrings import places as _places
+from .docstrings import shown as _shown
+from .docstrings import value_facts
 from .modules import module_name, variable_name
-from .said import places as _places
-from .said import shown as _shown
-from .said import value_facts
 from .text import WIDTH, Argument, Call, call, docstring, repeated
 from .types import TypeClass, Types
 

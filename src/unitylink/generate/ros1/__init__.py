@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from unitylink.spec.model import Spec
 
-from ..ros_cpp import cpp_robot
-from ..ros_package import definitions, headers, packages, proxies, rendered
+from ..ros_common.cpp import cpp_robot
+from ..ros_common.package import definitions, headers, packages, proxies, rendered
 
 __all__ = ["generate_ros1"]
 

@@ -7,8 +7,8 @@ import re
 
 from unitylink.spec.model import Spec
 
-from ..ros_cpp import cpp_robot
-from ..ros_package import definitions, headers, packages, proxies, rendered
+from ..ros_common.cpp import cpp_robot
+from ..ros_common.package import definitions, headers, packages, proxies, rendered
 from .control import control
 
 __all__ = ["generate_ros2"]

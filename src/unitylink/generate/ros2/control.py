@@ -10,7 +10,7 @@ from unitylink.ros.interface import JOINTS, Topic
 from unitylink.ros.joints import PARTS
 
 from ..quoting import Cpp
-from ..ros_package import Package, rendered
+from ..ros_common.package import Package, rendered
 
 
 @dataclass(frozen=True)

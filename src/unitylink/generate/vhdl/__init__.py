@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Union
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
 from ..templates import environment

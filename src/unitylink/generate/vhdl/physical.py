@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.protocol import RS485_NODES_MAX
 
 from ..quoting import Vhdl

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from unitylink.board_configuration import BoardConfiguration, TosnetConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration, TosnetConfiguration
 
 from ..quoting import Part, Vhdl
 from .functions import Function

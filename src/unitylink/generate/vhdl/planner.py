@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Union
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import BindingError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.settings import SETTINGS
 from unitylink.spec.model import Element, Spec
 from unitylink.spec.types import Number

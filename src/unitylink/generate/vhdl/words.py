@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from unitylink.board_configuration import BoardConfiguration
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.protocol import (
     TOSNET_ADDRESS_BITS,
     TOSNET_IN_BIT,

@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import Any
 
 from unitylink import _native
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.errors import UnityLinkError
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
 from ..board import Board

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Union
 
-from unitylink.board_configuration import BoardConfiguration
 from unitylink.generate.templates import environment
 from unitylink.generate.vhdl import design_name, generate_vhdl, plan, word_map
+from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
 _HERE = Path(__file__).parent

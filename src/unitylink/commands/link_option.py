@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The argument LINK and the option `--spec`, and opening what they name."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import parse_qsl
+
+import click
+
+from unitylink.connection.schemes import SCHEMES, forms
+
+from .failure import Failure
+from .names import Names
+from .root_option import part_of
+
+if TYPE_CHECKING:
+    from unitylink.layer2_message import Link
+    from unitylink.spec.model import Spec
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")  # of a URL, as RFC 3986 has it
+
+
+def is_link(text: str) -> bool:
+    """Tell a LINK from a name: a LINK begins with a scheme and a colon, which no name has."""
+    return bool(_SCHEME.match(text))
+
+
+def _checked(ctx: click.Context, parameter: click.Parameter, value: str) -> str:
+    if is_link(value):
+        return value
+    if value.endswith(".ul"):
+        raise click.UsageError(f"LINK comes first and '{value}' is a spec; did you mean sim:{value}?", ctx)
+    if value.startswith("/dev/"):
+        raise click.UsageError(f"'{value}' is no LINK; did you mean serial:{value}?", ctx)
+    raise click.UsageError(
+        f"LINK comes first and '{value}' is none; a LINK is like {forms()}",
+        ctx,
+    )
+
+
+link_argument = click.argument("link", metavar="LINK", callback=_checked)
+spec_option = click.option(
+    "--spec",
+    "spec_file",
+    metavar="FILE",
+    help="The spec that gives the names. A sim: or rtl: link brings its own.",
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """An open link and the names on it."""
+
+    link: Link
+    names: Names
+
+    @property
+    def spec(self) -> Spec | None:
+        return self.names.spec
+
+
+def simulated_spec(link: str) -> str | None:
+    """Return the file a `sim:` or `rtl:` link simulates, None for other links.
+
+    >>> simulated_spec("sim:arms/scara.ul?plant=ramp")
+    'arms/scara.ul'
+    """
+    kind, _, rest = link.partition(":")
+    return rest.partition("?")[0] if kind in SCHEMES and SCHEMES[kind].virtual else None
+
+
+def load_names(link: str | None, spec_file: str | None) -> Names:
+    """Return the names that belong to a link: those of `--spec`, of the `sim:` link, or none."""
+    from unitylink.spec import load
+
+    simulated = simulated_spec(link) if link else None
+    if (
+        simulated is not None
+        and spec_file is not None
+        and Path(simulated).resolve() != Path(spec_file).resolve()
+    ):
+        raise click.UsageError(f"a sim: or rtl: link brings its own spec; leave --spec {spec_file} out")
+    file = spec_file if spec_file is not None else simulated
+    if file is None:
+        return Names(None)
+    if not file:
+        raise Failure("sim: names no spec", "write the file after the colon: sim:arm.ul")
+    spec = load(file)
+    root = dict(parse_qsl(link.partition("?")[2])).get("root") if link and simulated else None
+    return Names(part_of(spec, root), file)
+
+
+class _Complaints(logging.Handler):
+    """Prints logged messages, such as a failed read, while the link lives. The error at the end of the
+    command reports the end of the link."""
+
+    link: Link | None = None
+
+    def __init__(self, quiet: bool) -> None:
+        super().__init__(logging.WARNING)
+        self._quiet = quiet
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not self._quiet and (self.link is None or not self.link.closed):
+            click.echo(record.getMessage(), err=True)
+
+
+@contextmanager
+def open_target(
+    link: str, spec_file: str | None, *, quiet: bool = False, check: bool = True
+) -> Iterator[Target]:
+    """Open LINK and load its names. The link is closed at the end.
+
+    Raises DeviceMismatch if the gateware was built from another spec, unless `check` is False. Logged
+    messages go to stderr, unless `quiet` says that the command shows them itself.
+    """
+    names = load_names(link, spec_file)  # first: a mistake in the spec needs no device to be reported
+    from unitylink import connect
+
+    logger, complaints = logging.getLogger("unitylink"), _Complaints(quiet)
+    logger.addHandler(complaints)
+    try:
+        with connect(link) as opened:
+            complaints.link = opened
+            if check:
+                names = names.on(opened)
+            yield Target(opened, names)
+    finally:
+        logger.removeHandler(complaints)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""connect(url): a Link to whatever a URL names; open_driver(url): the bytes alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Literal
+
+from unitylink.connection.schemes import scheme_of
+from unitylink.errors import UrlError
+from unitylink.layer0_driver import Driver
+from unitylink.layer2_message import Link
+
+_RECONNECT = re.compile(r"[?&]reconnect=")
+
+
+def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Link:
+    """Return an open Link to the device that `url` names.
+
+        connect("serial:/dev/ttyUSB0?baud=3000000")
+        connect("tcp://192.168.1.10:5555?crc=1&fifo=1024")
+        connect("ftdi:FT1234?channel=B&baud=3000000")          # an FTDI chip, past the kernel's driver
+        connect("spi:/dev/spidev0.0?speed_hz=10000000")        # an SPI port of the kernel's
+        connect("rs485:/dev/ttyUSB0?node=3&baud=3000000")      # one of many nodes on a pair
+        connect("mmap:/dev/uio0?size=4096")                    # registers that are memory here
+        connect("sim:examples/scara/scara.ul?plant=scara")     # a virtual board in this process
+        connect("rtl:examples/scara/scara.ul?plant=scara")     # the same, but the VHDL itself, compiled
+
+    The link speaks the framed protocol if the device knows it. It falls back to the classic one if the device
+    answers eight classic questions and no HELLO (`link.protocol`, and `link.notice`, which is logged). Then a
+    PULSE or a value with SAFE is a DeviceMismatch, unless the URL says `protocol=classic`.
+
+    Options: `protocol=auto|classic|framed`, `deadman=SECONDS` (of silence until the device makes its outputs
+    safe), `spec_hash=HEX` (DeviceMismatch if the gateware has another wire hash) or `spec_hash=any` (objects
+    are made although the gateware was built from another spec, which is logged).
+
+    With `reconnect=1` in the URL, or `reconnect=True`, a line that is lost or silent is opened again, and
+    subscriptions go on (`Link.on_event`, `Link.wait_up`). Requests meanwhile are LinkDown at once. With
+    `wait=SECONDS` reads wait that long instead. This is not for `fd:` and `mmap:`. `reconnect="auto"` does so
+    if the URL does not say otherwise and names hardware that allows it.
+
+    `mmap:` has no protocol, and options of its own: `offset= size= address_bytes= base_hz=`. All others have
+    `timeout=0.1` (s per attempt), `attempts=3`, `fifo=16` or `fifo=RX,TX` (bytes of the device's buffers),
+    `crc=0|1`, `publish_crc=1`, `polynomial=0x07` (or `xor`, or `none` for gateware without checksums, which
+    never gets a `$`), `window=64`, `gateware=auto|2012|corrected`, `trace=FILE` (a capture of all bytes, for
+    `unitylink decode` and Wireshark). For gateware without RLC also `address_bytes= data_bytes= read_many=
+    publish_mode= base_hz= groups= group_size= rate_bytes=`.
+
+    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout (nothing answers), DeviceMismatch.
+    """
+    scheme = scheme_of(url)
+    if reconnect == "auto":
+        reconnect = True if scheme.lasting and not _RECONNECT.search(url) else None
+    if reconnect is not None:
+        url = _with_reconnect(url, reconnect)
+    if scheme.make is None:
+        return Link(url)
+    device, driver_url = scheme.make(url)
+    try:
+        link = Link(driver_url)
+    except UrlError as error:
+        device.close()
+        raise UrlError(str(error).replace(driver_url, url)) from None
+    except BaseException:
+        device.close()
+        raise
+    link.url = url
+    link.board = device if scheme.virtual else None
+    link.call_on_close(device.close)
+    return link
+
+
+def _with_reconnect(url: str, reconnect: bool) -> str:
+    if _RECONNECT.search(url):
+        raise UrlError(f"link URL {url!r}: reconnect stands in the URL, and is given beside it")
+    return f"{url}{'&' if '?' in url else '?'}reconnect={int(reconnect)}"
+
+
+@contextmanager
+def open_driver(url: str) -> Iterator[Driver]:
+    """Open the bytes of what `url` names, for callers with a protocol of their own. The `with` closes it.
+
+    Raises UrlError, LinkNotFound, LinkBusy, LinkTimeout.
+    """
+    scheme = scheme_of(url)
+    if not scheme.stream:
+        raise UrlError(f"link URL {url!r}: {scheme.what} has no bytes, only registers")
+    device, driver_url = (None, url) if scheme.make is None else scheme.make(url)
+    try:
+        with Driver(driver_url) as driver:
+            yield driver
+    finally:
+        if device is not None:
+            device.close()

@@ -1,0 +1,361 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gateware that a spec asks for: its settings and the slaves on its bus, virtual and in VHDL."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from unitylink.errors import ValueRangeError
+from unitylink.interface.safe_words import safe_words
+from unitylink.interface.wire_hash import wire_hash
+from unitylink.protocol import (
+    CLOCK_HZ_DEFAULT,
+    GROUPS_MAX,
+    TOSNET_ADDRESS_BITS,
+    TOSNET_IN_BIT,
+    TOSNET_MEMORY_WORDS,
+    TOSNET_NODE_SHIFT,
+    TOSNET_REGISTER_SHIFT,
+)
+from unitylink.settings import SETTINGS, Setting, Settings
+from unitylink.spec.expand.publishing import split
+from unitylink.spec.model import LINES, Instance, Link, Spec
+
+
+@dataclass(frozen=True)
+class TosnetNode:
+    """A node of the network beside the PC's own. Bit r of `registers` says that register r is enabled."""
+
+    id: int
+    registers: int = 0xFF
+
+
+@dataclass(frozen=True)
+class TosnetConfiguration:
+    """A TosNet bus slave at word address `base` and the network behind it.
+
+    `master_id` is the PC's own node, `cycle_s` the network cycle. After `max_skipped_writes` cycles without a
+    commit the network halts (0: never).
+    """
+
+    base: int = 0
+    master_id: int = 1
+    master_registers: int = 0xFF
+    cycle_s: float = 100e-6
+    max_skipped_writes: int = 0
+    nodes: tuple[TosnetNode, ...] = ()
+    clock_hz: int = CLOCK_HZ_DEFAULT
+
+    @property
+    def cycle_clocks(self) -> int:
+        return max(1, round(self.cycle_s * self.clock_hz))
+
+
+@dataclass(frozen=True)
+class FifoConfiguration:
+    """A FIFO slave: `base`+0 data, +1 words waiting for the PC, +2 words of room for the PC's.
+
+    Its event line drives the event input of `event_group`, one of `edge_events`. A group with the one address
+    `base` then publishes each word once, as soon as it can. The event rises again if nothing has been taken
+    for `remind_clocks`.
+    """
+
+    base: int
+    depth: int = 16
+    event_group: int | None = None
+    remind_clocks: int = 1 << 20
+
+
+@dataclass(frozen=True)
+class DoubleBufferConfiguration:
+    """A double-buffered memory: `base`+0 to +size-1 the words, +size the commit."""
+
+    base: int
+    size: int = 16
+
+
+@dataclass(frozen=True)
+class BoardConfiguration(Settings):
+    """Every setting of a device (docs/settings.md), the tables of its spec, and the slaves on its bus.
+
+    Widths are in bits, addresses in words. `safe_words` is what the dead-man writes: (address, word) in
+    order. At the addresses in `flag_words` a write clears bits (W1C). At those in `strobe_words` a PULSE
+    shares its word with a READ, which stays. Raises ValueRangeError for what no device can have.
+
+    >>> BoardConfiguration(baud_hz=3_000_000, fifo=16).byte_clocks
+    166
+    """
+
+    safe_words: tuple[tuple[int, int], ...] = ()
+    flag_words: tuple[int, ...] = ()
+    strobe_words: tuple[int, ...] = ()
+    bus_error_ranges: tuple[tuple[int, int], ...] = ()  # first..last address answered with a bus error
+    silent_ranges: tuple[tuple[int, int], ...] = ()  # first..last address not answered at all
+    tosnet: TosnetConfiguration | None = None
+    fifos: tuple[FifoConfiguration, ...] = ()
+    double_buffers: tuple[DoubleBufferConfiguration, ...] = ()
+
+    def __post_init__(self) -> None:
+        for setting in SETTINGS.values():
+            if wrong := _wrong(setting, getattr(self, setting.name)):
+                raise ValueRangeError(f"board configuration: {wrong}")
+        if self.protocol == "both" and (self.datalink != "full" or self.published_2012):
+            # if data may be any byte, a 00 is not a border; gateware of 2012 has no frames
+            object.__setattr__(self, "protocol", "classic")
+        if self.physical == "rs485":  # its tokens are not classic text
+            if self.protocol == "classic":
+                raise ValueRangeError(
+                    "board configuration: an RS-485 pair carries frames only; choose protocol 'framed'"
+                )
+            object.__setattr__(self, "protocol", "framed")
+        if self.baud_hz and self.physical not in LINES:
+            raise ValueRangeError(
+                f"board configuration: {self.physical} has no baud rate; leave out baud_hz={self.baud_hz}"
+            )
+        if self.baud_hz > self.clock_hz:
+            raise ValueRangeError(
+                f"board configuration: baud_hz is {self.baud_hz}; choose 0 to {self.clock_hz} (clock_hz)"
+            )
+        if self.fifo != 0 and self.fifo < 4:
+            raise ValueRangeError(
+                f"board configuration: fifo is {self.fifo}; choose at least 4 bytes, or 0 for large"
+            )
+        if self.tosnet is not None and self.tosnet.clock_hz != self.clock_hz:
+            object.__setattr__(self, "tosnet", replace(self.tosnet, clock_hz=self.clock_hz))
+
+    @property
+    def byte_clocks(self) -> int:
+        """Clock cycles of one byte on the line: start, eight data and stop bit. 0 without a line."""
+        return self.clock_hz * 10 // self.baud_hz if self.baud_hz else 0
+
+    @classmethod
+    def for_spec(cls, spec: Spec, **overrides: Any) -> BoardConfiguration:
+        """Return the board that `spec` asks for. `overrides` are fields of this class.
+
+        With a TOSNET binding it has the 11-bit map at BASE and one node for every node that the spec uses.
+        Otherwise it has plain memory, as wide as the highest address needs. The link properties of the spec
+        apply. It has as many publish groups as the spec needs, as large as needed, and at least 16 of 32
+        words. An exchange group holds the cycle of the largest device, as far as a frame can define it, and
+        at least 30 words. Raises ValueRangeError.
+        """
+        unknown = sorted(set(overrides) - set(cls.__dataclass_fields__))
+        if unknown:
+            raise ValueRangeError(f"board configuration: no field {', '.join(unknown)}")
+        elements = [element for _, element in spec.walk()]
+        tosnet = _tosnet_of(spec) if any(element.link.kind == "tosnet" for element in elements) else None
+        ends = [
+            element.link.base + element.link.words - 1
+            for element in elements
+            if element.link.kind != "tosnet"
+        ]
+        highest = max([0, *ends, *(element.addresses[-1] for element in elements)])
+        address_bits = next(bits for bits in (8, 16, 24, 32) if highest < 1 << bits)
+        if tosnet is not None:
+            slave_bits = (tosnet.base + (1 << TOSNET_ADDRESS_BITS) - 1).bit_length()
+            wide = max(slave_bits, highest.bit_length())
+            address_bits = wide if wide <= TOSNET_ADDRESS_BITS else -(-wide // 8) * 8
+        plain = [element for element in elements if element.link.kind == "memory"]
+        read, strobes, flags = (
+            {address for e in plain if e.access in accesses for address in e.addresses}
+            for accesses in (("READ", "READCLEAR"), ("PULSE",), ("W1C",))
+        )
+        chosen: dict[str, Any] = {
+            "address_bits": address_bits,
+            "flag_words": tuple(sorted(flags)),
+            "strobe_words": tuple(sorted(strobes & read)),
+            "tosnet": tosnet,
+            "fifos": _fifos_of(spec, overrides.get("clock_hz", CLOCK_HZ_DEFAULT)),
+            "double_buffers": tuple(
+                DoubleBufferConfiguration(base, size)
+                for base, size in sorted(
+                    {(e.link.base, e.link.size) for e in elements if e.link.kind == "double_buffer"}
+                )
+            ),
+        }
+        board = cls(**{**chosen, **_link_of(spec), **_publishing_of(spec), **overrides})
+        found: dict[str, Any] = {
+            "groups": _groups_of(spec, board),
+            "exchange_size": _exchange_size_of(spec, board),
+            "spec_hash": wire_hash(spec),
+            "safe_words": safe_words(spec, board.data_bits),
+        }
+        board = replace(board, **{name: value for name, value in found.items() if name not in overrides})
+        if wrong := board.beyond_frames():
+            raise ValueRangeError(f"board configuration: {wrong}")
+        return board
+
+    @property
+    def address_bytes(self) -> int:
+        return -(-self.address_bits // 8)
+
+    @property
+    def data_bytes(self) -> int:
+        return -(-self.data_bits // 8)
+
+    @property
+    def publish_words(self) -> int:
+        """Words that one publish can carry in either protocol."""
+        if self.protocol == "classic":
+            return self.group_size
+        defined = (self.request_max - 9) // self.address_bytes  # behind the head of DEFINE_GROUP
+        carried = (self.reply_max - 7) // self.data_bytes  # behind the head of a publish
+        return min(self.group_size, defined, carried)
+
+    @property
+    def exchange_words_most(self) -> int:
+        """Words of the largest exchange group that one frame can define."""
+        return (self.request_max - 5) // (self.address_bytes + 1)
+
+    def beyond_frames(self) -> str:
+        """Return what the framed side of gateware cannot hold, and the remedy, or ""."""
+        if self.protocol == "classic":
+            return ""
+        if self.exchanges and self.exchange_size > self.exchange_words_most:
+            return (
+                f"exchange_size is {self.exchange_size}; at {self.address_bits} address bits one frame can "
+                f"define {self.exchange_words_most} words: choose at most that many, and make several groups"
+            )
+        return ""
+
+
+def _wrong(setting: Setting, value: Any) -> str:
+    """Return what is wrong with the value of a setting, and what it can be, or ""."""
+    name = setting.name
+    if setting.type == "switch" and not isinstance(value, bool):
+        return f"{name} is {value!r}; choose True or False"
+    if setting.type == "count" and not (isinstance(value, int) and setting.least <= value <= setting.most):
+        return f"{name} is {value!r}; choose {setting.least} to {setting.most}"
+    if setting.type == "choice" and value not in setting.choices:
+        return f"{name} is {value!r}; choose {', '.join(setting.choices)}"
+    if setting.type == "groups" and not all(0 <= group < GROUPS_MAX for group in value):
+        return f"{name} has {max(value)}; choose numbers from 0 to {GROUPS_MAX - 1}"
+    return ""
+
+
+def _link_of(spec: Spec) -> dict[str, Any]:
+    """Return the gateware settings of the spec's link."""
+    check_one_board(spec)
+    told = {_told(device.link) for device in spec.devices}
+    return {key: value for key, value in told.pop() if value is not None} if told else {}
+
+
+def check_one_board(spec: Spec) -> None:
+    """Raise ValueRangeError if the spec has several boards. Choose one with `Spec.only`."""
+    names = [board.name for board in spec.boards]
+    if len(names) > 1:
+        raise ValueRangeError(
+            f"{spec.source} has a board behind each of its links: {', '.join(names)}; "
+            f"choose one: --root {names[0]}, or ?root={names[0]} in a URL"
+        )
+
+
+def _told(link: Link) -> tuple[tuple[str, Any], ...]:
+    keys = ("data_bits", "address_bits", "base_hz", "physical", "send_immediate", "node")
+    return tuple((key, getattr(link, key)) for key in keys)
+
+
+def told_physical(spec: Spec) -> str | None:
+    """Return the physical layer of the spec's links, None if they name none or several."""
+    told = {device.link.physical for device in spec.devices}
+    return told.pop() if len(told) == 1 else None
+
+
+def _publishing_of(spec: Spec) -> dict[str, Any]:
+    """Return a subscription manager that holds every publish group of the spec."""
+    groups = [group for device in spec.devices for group in device.groups]
+    plain = BoardConfiguration()
+    divisor = max((group.divisor for group in groups), default=0)
+    edges = {group.number for group in groups if group.trigger in ("event", "change")}
+    return {
+        "group_size": max([plain.group_size, *(len(group.addresses) for group in groups)]),
+        "rate_bytes": max(plain.rate_bytes, -(-divisor.bit_length() // 8)),
+        "edge_events": tuple(sorted(edges)),
+    }
+
+
+def _fifos_of(spec: Spec, clock_hz: int) -> tuple[FifoConfiguration, ...]:
+    """Return the FIFOs of a spec. The event of a FIFO triggers the group that is published on its
+    `arrival`."""
+    arrivals = {
+        (device.root, group.event): group.number
+        for device in spec.devices
+        for group in device.groups
+        if group.trigger == "event"
+    }
+    fifos: dict[int, FifoConfiguration] = {}
+
+    def below(instance: Instance, root: str) -> None:
+        link = instance.link
+        if link.kind == "fifo":
+            group = arrivals.get((root, link.event_at(instance.path)))
+            known = fifos.get(link.base)
+            if known is None or known.event_group is None:
+                fifos[link.base] = FifoConfiguration(link.base, link.size, group, max(4, clock_hz // 50))
+        for inner in instance.instances:
+            below(inner, root)
+
+    for root in spec.roots:
+        below(root, root.name)
+    return tuple(fifos[base] for base in sorted(fifos))
+
+
+def _groups_of(spec: Spec, board: BoardConfiguration) -> int:
+    """Return how many publish groups the spec takes. One that is too large for a publish takes several."""
+    most = board.publish_words
+    needed = [
+        sum(len(split(group.elements, lambda element: element.words, most)) for group in device.groups)
+        for device in spec.devices
+    ]
+    return max([BoardConfiguration.groups, *needed])
+
+
+def _exchange_size_of(spec: Spec, board: BoardConfiguration) -> int:
+    """Return the words of an exchange group: the largest cycle of the spec, as far as a frame can define
+    it."""
+    cycle = max((_cycle_words(root) for root in spec.roots), default=0)
+    return min(max(board.exchange_size, cycle), board.exchange_words_most)
+
+
+def _cycle_words(root: Instance) -> int:
+    """Return the words of a control cycle of `root`: all that it writes and all that may be read again."""
+    return sum(element.words * (element.pollable + element.writable) for element in root.walk())
+
+
+def _tosnet_of(spec: Spec) -> TosnetConfiguration:
+    """Find the network that a spec needs: its nodes, and which of them is the PC's."""
+    bound = [element for _, element in spec.walk() if element.link.kind == "tosnet"]
+    bases = sorted({element.link.base for element in bound})
+    if len(bases) > 1:
+        raise ValueRangeError(
+            f"the spec binds TosNet at {', '.join(hex(base) for base in bases)}; a virtual board has one "
+            "network: simulate each public constructor on its own"
+        )
+    memory = [(element.address - bases[0], element.access) for element in bound]
+    memory = [(word, access) for word, access in memory if 0 <= word < TOSNET_MEMORY_WORDS]
+    own = {_node(word) for word, access in memory if access == "WRITE" and not _is_input(word)} - {0}
+    remote = {_node(word) for word, access in memory if access == "READ" and not _is_input(word)} - {0}
+    remote |= {_node(word) for word, _ in memory if _is_input(word)} - {0}
+    master = _first(own) or _first(set(range(1, 16)) - remote) or 1
+    enabled = dict.fromkeys(sorted(remote - {master}), 0)
+    for word, _ in memory:
+        if _node(word) in enabled:
+            enabled[_node(word)] |= 1 << (word >> TOSNET_REGISTER_SHIFT & 7)
+    return TosnetConfiguration(
+        base=bases[0],
+        master_id=master,
+        nodes=tuple(TosnetNode(id, registers) for id, registers in enabled.items()),
+    )
+
+
+def _node(word: int) -> int:
+    return word >> TOSNET_NODE_SHIFT
+
+
+def _is_input(word: int) -> bool:
+    return bool(word >> TOSNET_IN_BIT & 1)
+
+
+def _first(numbers: Iterable[int]) -> int | None:
+    return min(numbers, default=None)

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From TOSNET, MEMORY, DOUBLE_BUFFER and FIFO as they are written to the hardware proxy of an instance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..meaning.evaluate import Evaluator, RunTime, Value
+from ..meaning.scope import ADDRESS_MAX, Scope
+from ..model import LinkBinding
+from ..text.syntax import Number, Property
+
+_DEPTH_DEFAULT = 16  # words of a FIFO whose DEPTH is not given
+_SIZE_MAX = 1 << 20  # words of a double buffer
+_DEPTH_MAX = 1 << 16
+
+
+def bind_link(
+    scope: Scope, outer: LinkBinding, names: Mapping[str, Value], evaluator: Evaluator
+) -> LinkBinding:
+    """Return the proxy of an instance. Missing properties come from `outer`, except BASE, which is 0."""
+    node = scope.link_kind
+    assert node is not None  # the caller looked
+    objects: dict[str, str | None] = {"CTRL": outer.ctrl, "COMM": outer.comm}
+    for key in objects:
+        one = scope.link_property(key)
+        if one is not None and one.name is not None:
+            value = names.get(one.name.text)
+            objects[key] = value.name if isinstance(value, RunTime) else None
+    base = _number(scope.link_property("BASE"), (0, ADDRESS_MAX), 0, names, evaluator)
+    chosen = scope.link_property("LINK")
+    link = chosen.name.text if chosen is not None and chosen.name is not None else outer.link
+    kind = node.kind.lower()
+    size = 0
+    if kind == "double_buffer":
+        if scope.link_property("SIZE") is None:
+            message, hint = (
+                "a double buffer needs its SIZE in words",
+                "write `DOUBLE_BUFFER(BASE=…, SIZE=16)`",
+            )
+            evaluator.reporter.report("UL058", node.start, node.end, message, hint)
+        size = _number(scope.link_property("SIZE"), (1, _SIZE_MAX), 1, names, evaluator)
+    elif kind == "fifo":
+        depth = scope.link_property("DEPTH")
+        size = _number(depth, (2, _DEPTH_MAX), _DEPTH_DEFAULT, names, evaluator)
+        if depth is not None and depth.argument is not None and size & size - 1:
+            place = depth.argument.start, depth.argument.end
+            message = f"a queue of {size} words: the gateware's hold a power of two"
+            hint = f"write {1 << size.bit_length()}, or {1 << size.bit_length() - 1}"
+            evaluator.reporter.report("UL058", *place, message, hint)
+    return LinkBinding(kind, base, objects["CTRL"], objects["COMM"], size, link)
+
+
+def _number(
+    given: Property | None,
+    limits: tuple[int, int],
+    default: int,
+    names: Mapping[str, Value],
+    evaluator: Evaluator,
+) -> int:
+    if given is None or given.argument is None:
+        return default
+    part = given.argument.parts[0]
+    if isinstance(part, Number) and part.value > ADDRESS_MAX:
+        return default  # reported with the constructor
+    value = evaluator.integer(given.argument, names, given.key, *limits)
+    return default if value is None else value

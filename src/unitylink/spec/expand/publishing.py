@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which values are published together: the compiler's table of subscription groups, one table a device.
+
+Hardware publishes of one device with the same trigger, rate and group name are one group and one snapshot.
+Groups are numbered in the order of their first element. The number is also that of the gateware's group and
+of its event line. So gateware, twin and PC agree without asking.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import TypeVar
+
+from ..model import Device, Element, Instance, Link, Publish, SubscriptionGroup
+
+_Key = tuple[str, int, str, str]  # trigger, divisor, event, name
+_Value = TypeVar("_Value")
+
+
+def devices(roots: tuple[Instance, ...], links: Mapping[str, Link]) -> tuple[Device, ...]:
+    """Return the devices of a spec in the order of the text. `links` has "" for bindings that name none."""
+    found: dict[tuple[str, str | None], tuple[Link, dict[_Key, list[Element]]]] = {}
+    for root in roots:
+        for element in root.walk():
+            binding = element.link
+            link = links[binding.link if binding.link in links else ""]
+            _, table = found.setdefault((root.name, binding.comm), (link, {}))
+            publish = element.publish
+            if publish is not None and publish.mode == 1:
+                table.setdefault(key_of(publish), []).append(element)
+    return tuple(
+        Device(root, comm, link, tuple(_group(number, key, table[key]) for number, key in enumerate(table)))
+        for (root, comm), (link, table) in found.items()
+    )
+
+
+def split(values: Iterable[_Value], words_of: Callable[[_Value], int], most: int) -> list[tuple[_Value, ...]]:
+    """Return values in groups of a gateware that carry `most` words: filled in order, no value torn.
+
+    >>> split(["a", "b", "c"], lambda value: 2, 5)
+    [('a', 'b'), ('c',)]
+    """
+    parts: list[list[_Value]] = []
+    room = 0
+    for value in values:
+        words = words_of(value)
+        if words > room:
+            parts.append([])
+            room = most
+        parts[-1].append(value)
+        room -= words
+    return [tuple(part) for part in parts]
+
+
+def key_of(publish: Publish) -> _Key:
+    """Return the facts that publishes of one group share."""
+    return publish.trigger, publish.divisor, publish.event, publish.group
+
+
+def _group(number: int, key: _Key, elements: list[Element]) -> SubscriptionGroup:
+    trigger, divisor, event, name = key
+    first = elements[0].publish
+    assert first is not None  # it was put into the table by its publish
+    if not name:
+        name = f"{first.rate_hz:g} Hz" if trigger == "rate" else f"on {event or trigger}"
+    return SubscriptionGroup(number, name, trigger, divisor, first.rate_hz, event, tuple(elements))

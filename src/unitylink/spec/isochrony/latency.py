@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How late each publish of a device can be: the earlier work of the gateware, and the time on the line."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from unitylink import protocol as constants
+
+from ..model import Device
+from . import isochrony
+from .framed import PUBLISH_HEAD
+
+BITS_PER_BYTE = 10  # on the line: start, eight data, stop
+UART_FIFO_BYTES = 16  # of the gateware's transmitter: bytes that are said before and still wait
+_ROUNDS_MAX = 100  # of the fixed point, and
+_MESSAGES_MAX = 1_000  # that it may put before a publish; beyond, the line is as good as full
+
+
+_Kind = tuple[float, int, int]  # period in s, words and bytes of a publish: what is alike is as late
+
+
+@dataclass(frozen=True)
+class Latency:
+    """The longest times from the tick (or event) of a publish: until its first word is sampled, and until its
+    last byte has left. Both are None if the next publish may be due earlier."""
+
+    sampled_s: float | None
+    sent_s: float | None
+
+
+@dataclass(frozen=True)
+class _Gateware:
+    """The gateware of a device as far as its time matters. See isochrony.Gateware."""
+
+    address_bits: int
+    data_bits: int
+    groups: int
+    group_size: int
+    rate_bytes: int
+    byte_clocks: int
+    protocol: str
+    clock_hz: int
+    read_many: int = constants.READ_MANY_MAX
+    publish_mode: int = 2
+    datalink: str = "full"
+    checksum: str = "crc8"
+
+
+def publishes_of(words: int, data_bits: int, protocol: str) -> list[int]:
+    """Return the words of each message in which a group publishes: of frames there may be several.
+
+    >>> publishes_of(70, 32, "framed"), publishes_of(70, 32, "classic")
+    ([60, 10], [70])
+    """
+    framed = (constants.FRAMED_LATENCY_PAYLOAD_MAX - PUBLISH_HEAD) // (data_bits // 8)
+    most = words if protocol == "classic" else framed
+    return [min(most, words - start) for start in range(0, words, max(1, most))]
+
+
+def latencies(
+    device: Device,
+    message_bytes: Sequence[int],
+    baud_hz: int,
+    read_many: int,
+    *,
+    protocol: str,
+    clock_hz: int,
+) -> list[Latency]:
+    """Return the bounds of each group of `device`. Its publishes have `message_bytes` each.
+
+    They hold for the gateware that is generated, at `clock_hz`, whatever requests of up to `read_many` words
+    come in by `protocol`. Every other group goes before, as often as it is due meanwhile. A group with an
+    event goes once.
+    """
+    groups, base_hz = device.groups, device.link.base_hz
+    never = [Latency(None, None)] * len(groups)
+    rated = [cost / group.divisor for group, cost in zip(groups, message_bytes, strict=True) if group.divisor]
+    if sum(rated) * base_hz * BITS_PER_BYTE > baud_hz:
+        return never
+    gateware = _gateware(device, baud_hz, protocol, clock_hz)
+    kinds = [
+        (group.divisor / base_hz if group.divisor else math.inf, len(group.addresses), cost)
+        for group, cost in zip(groups, message_bytes, strict=True)
+    ]
+    there = Counter(kinds)
+    known = {kind: _latency(gateware, kind, there - Counter([kind]), baud_hz, read_many) for kind in there}
+    return [known[kind] for kind in kinds]
+
+
+def _gateware(device: Device, baud_hz: int, protocol: str, clock_hz: int) -> _Gateware:
+    """Return the gateware of the generator. Without a stated address width the widest counts."""
+    link = device.link
+    plain_groups, plain_size = constants.GROUPS_2012, constants.GROUP_SIZE_2012
+    return _Gateware(
+        address_bits=link.address_bits or constants.ADDRESS_BITS_MAX,
+        data_bits=link.data_bits,
+        groups=max(plain_groups, len(device.groups)),
+        group_size=max([plain_size, *(len(group.addresses) for group in device.groups)]),
+        rate_bytes=constants.RATE_BYTES_MAX,
+        byte_clocks=-(-clock_hz * BITS_PER_BYTE // baud_hz),
+        protocol=protocol,
+        clock_hz=clock_hz,
+    )
+
+
+def _latency(
+    gateware: _Gateware, kind: _Kind, others: Counter[_Kind], baud_hz: int, read_many: int
+) -> Latency:
+    """Find the time that all earlier publishes and requests take. None if the next is due before that."""
+    period_s, words, message_bytes = kind
+    own_clocks = words * (constants.LATENCY_PUBLISH_WORD + -(-gateware.data_bits // 8))
+    own_s = (message_bytes + UART_FIFO_BYTES) * BITS_PER_BYTE / baud_hz + own_clocks / gateware.clock_hz
+    sent_s = 0.0
+    for _ in range(_ROUNDS_MAX):
+        due = [(one, count * max(1, math.ceil(sent_s / one[0]))) for one, count in others.items()]
+        if sum(count for _, count in due) > _MESSAGES_MAX:
+            break
+        before = [
+            part
+            for one, count in due
+            for part in publishes_of(one[1], gateware.data_bits, gateware.protocol) * count
+        ]
+        found = isochrony(gateware, read_many=read_many, before=before)
+        sampled_s = found.bound_clocks / found.clock_hz
+        if sampled_s + own_s > period_s:
+            break
+        if sampled_s + own_s <= sent_s:
+            return Latency(sampled_s, sent_s)
+        sent_s = sampled_s + own_s
+    return Latency(None, None)

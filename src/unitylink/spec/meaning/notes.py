@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From annotations of the syntax tree to those of the model, and to components.
+
+`@component("pwm")` names the entity of the gateware library for a constructor. `@generic(name=value)` gives
+its generics. `@pin("pins", "out", 4)` and `@event("changed")` name the ports to be connected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+
+from ..annotation import Annotation, AnnotationValue
+from ..model import Component
+from ..text.syntax import AnnotationNode, Notes
+from .evaluate import Evaluator, Value
+
+RESERVED = ("component", "generic", "pin", "event")
+_DIRECTIONS = ("in", "out", "inout")
+_MAX_BITS = 4096
+_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*", re.ASCII)  # of an entity, a port or a generic in VHDL
+
+
+def annotations_of(notes: Notes, evaluator: Evaluator, names: Mapping[str, Value]) -> tuple[Annotation, ...]:
+    """Return the annotations except those of a component."""
+    found = []
+    for node in notes.annotations:
+        if node.name.text not in RESERVED:
+            values: list[AnnotationValue] = []
+            options: list[tuple[str, AnnotationValue]] = []
+            for argument in node.arguments:
+                value = _plain(evaluator.value(argument, names))
+                if value is None:
+                    continue
+                if argument.key is None:
+                    values.append(value)
+                else:
+                    options.append((argument.key.text, value))
+            found.append(Annotation(node.name.text, tuple(values), tuple(options)))
+    return tuple(found)
+
+
+def _plain(value: Value | None) -> AnnotationValue | None:
+    if isinstance(value, Fraction):
+        return float(value)
+    return value if isinstance(value, (int, str)) else None
+
+
+def component(
+    notes: Notes, evaluator: Evaluator, names: Mapping[str, Value], base: int, words: int
+) -> Component | None:
+    """Return the component a constructor stands for, or None if it is none or has a mistake."""
+    entity = ""
+    generics: list[tuple[str, int]] = []
+    pins: list[tuple[str, str, int]] = []
+    events: list[str] = []
+    for node in notes.annotations:
+        kind = node.name.text
+        if kind not in RESERVED:
+            continue
+        texts = [
+            v for a in node.arguments if a.key is None and isinstance(v := evaluator.value(a, names), str)
+        ]
+        keys = [a.key.text for a in node.arguments if a.key is not None]
+        wrong = next((name for name in (*texts[:1], *keys) if not _NAME.fullmatch(name)), None)
+        if wrong is not None:
+            message = f"{wrong!r} is no name of VHDL"
+            hint = "a letter first, then letters, digits and single `_` between them"
+            evaluator.reporter.report("UL098", node.name.start, node.name.end, message, hint)
+        elif kind == "component" and len(texts) == 1 and len(node.arguments) == 1:
+            entity = texts[0]
+        elif kind == "event" and len(texts) == 1 and len(node.arguments) == 1:
+            events.append(texts[0])
+        elif kind == "generic" and node.arguments and all(a.key is not None for a in node.arguments):
+            for argument in node.arguments:
+                value = evaluator.integer(argument, names, "a generic", -(1 << 31), (1 << 31) - 1)
+                if value is not None and argument.key is not None:
+                    generics.append((argument.key.text, value))
+        elif kind == "pin" and len(texts) == 2 and texts[1] in _DIRECTIONS and len(node.arguments) <= 3:
+            bits: int | None = 0
+            if len(node.arguments) == 3:
+                bits = evaluator.integer(node.arguments[2], names, "the number of pins", 0, _MAX_BITS)
+            if bits is not None:
+                pins.append((texts[0], texts[1], bits))
+        else:
+            _wrong(node, evaluator)
+    if not entity:
+        return None
+    return Component(entity, base, words, tuple(generics), tuple(pins), tuple(events))
+
+
+def _wrong(node: AnnotationNode, evaluator: Evaluator) -> None:
+    kind = node.name.text
+    hint = {
+        "component": '`@component("entity")`',
+        "generic": "`@generic(name=number)`",
+        "pin": '`@pin("port", "in")`, `@pin("port", "out", bits)`',
+        "event": '`@event("port")`',
+    }[kind]
+    message = f"this is no `@{kind}` of a component"
+    evaluator.reporter.report("UL098", node.name.start, node.name.end, message, f"write it like {hint}")

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every command that takes a LINK takes one of every scheme: `rtl:` in tests/end_to_end/test_rtl.py."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from unit.commands.every_command import SPEC, converse
+
+from tests.reference.rs485 import ModelNode, Pair
+from unitylink.commands.link_option import is_link
+from unitylink.connection.schemes import SCHEMES
+from unitylink.simulate import Board
+from unitylink.spec import load
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def spec(tmp_path: Path) -> Path:
+    file = tmp_path / "plain.ul"
+    file.write_text(SPEC)
+    return file
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def test_every_form_is_a_link() -> None:
+    for scheme in SCHEMES.values():
+        assert is_link(scheme.form), scheme.form
+    assert not any(map(is_link, ["arm.mcap", "x.position", "j*.cpos", "0x88", "/dev/ttyUSB0", "a.ul"]))
+
+
+def check(said: dict[str, str], *, one_board: bool = True) -> None:
+    """Look whether the commands did what they are for; what was written is read on the same board only."""
+    assert "target" in said["list"] and "0x001A" in said["list"]
+    assert said["write"].splitlines()[-1] == "target = -7 mm"
+    assert "0x0013" in said["read"] and ("-7" in said["read"]) == one_board
+    assert said["watch"].count("position=") == 2
+    assert "samples in" in said["record"]
+    assert "the robot has 3 values" in said["bridge"]
+
+
+@pytest.mark.parametrize(("scheme", "endpoint"), [("tcp", "tcp"), ("udp", "udp"), ("serial", "pty")])
+def test_boards_at_a_port(stack: ExitStack, spec: Path, tmp_path: Path, scheme: str, endpoint: str) -> None:
+    board = stack.enter_context(Board(load(spec), endpoint=endpoint))
+    assert board.url.startswith(f"{scheme}:")
+    check(converse(lambda: f"{board.url}?timeout=2", spec, tmp_path))
+
+
+def test_a_descriptor(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
+    def url() -> str:
+        board = stack.enter_context(Board(load(spec)))
+        assert board.url.startswith("fd:")
+        return f"{board.url}?timeout=2"
+
+    check(converse(url, spec, tmp_path, refused={"doctor": "can be opened once"}), one_board=False)
+
+
+def test_a_virtual_board(spec: Path, tmp_path: Path) -> None:
+    doctor = {"doctor": "is a virtual board"}
+    check(converse(lambda: f"sim:{spec}", spec, tmp_path, own_spec=True, refused=doctor), one_board=False)
+
+
+def test_mapped_memory(spec: Path, tmp_path: Path) -> None:
+    (tmp_path / "registers").write_bytes(bytes(4096))
+    no_port = {"doctor": "memory of this machine", "term": "has no bytes, only registers"}
+    check(converse(lambda: f"mmap:{tmp_path / 'registers'}", spec, tmp_path, refused=no_port))
+
+
+def test_a_node_on_a_pair(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
+    board = stack.enter_context(Board(load(spec), endpoint="tcp"))
+    host, _, port = board.url.removeprefix("tcp://").rpartition(":")
+    pair = Pair({3: ModelNode(3, (host, int(port)))}, tmp_path / "tty", echo=False)
+    stack.callback(pair.close)
+    url = f"rs485:{pair.path}?node=3&timeout=2&silence=0.2"
+    check(converse(lambda: url, spec, tmp_path, refused={"term": "frames only"}))
+
+
+def test_an_ftdi_chip(
+    stack: ExitStack, spec: Path, tmp_path: Path, fake_library: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = stack.enter_context(Board(load(spec), endpoint="tcp"))
+    shutil.copy(fake_library, tmp_path / "fake_libusb.so")  # which keeps the chip's state
+    monkeypatch.setenv("UNITYLINK_LIBUSB", str(tmp_path / "fake_libusb.so"))
+    monkeypatch.setenv("FAKE_USB", f"serial=FT1 port={board.url.rpartition(':')[2]} log={tmp_path / 'log'}")
+    # the doctor looks for the chip among the machine's own, where it is not
+    no_chip = {"doctor": "The FTDI chip is not plugged in"}
+    check(converse(lambda: "ftdi:FT1?timeout=2", spec, tmp_path, refused=no_chip))
+
+
+def test_an_spi_port(stack: ExitStack, spec: Path, tmp_path: Path, spi_client: Callable[..., str]) -> None:
+    board = stack.enter_context(Board(load(spec), endpoint="tcp"))
+    code = f"""
+        import sys
+        sys.path[:0] = [{str(ROOT / "tests")!r}, {str(ROOT)!r}]
+        from pathlib import Path
+        from unit.commands.every_command import converse
+        url = "spi:/dev/spidev0.0?speed_hz=20000000&fifo=256&timeout=2"
+        no_port = {{"doctor": "The SPI port does not exist"}}  # it looks where the fake is not
+        print(converse(lambda: url, Path({str(spec)!r}), Path({str(tmp_path)!r}), refused=no_port))
+    """
+    check(eval(spi_client(code, port=board.url.rpartition(":")[2])))
