@@ -11,7 +11,7 @@
 -- Cycle     Every cycle_clocks a pending commit takes effect, and read_words are sampled. `cycle` is high in the first
 --           clock of each. So the written words belong to one moment, and so do the read words.
 -- Commit    write_words are the last committed words of write_addresses. All change in one clock, in which `committed` is
---           high. A write to the memory while a commit is pending aborts the commit. The abort is counted and shown (CWA).
+--           high. A write to the memory while a commit is pending aborts the commit (CWA). The write itself takes effect.
 -- Hazard    A commit swaps two banks and does not copy. A word that is not rewritten has its value of two commits ago.
 -- Block     While cyc is high, the PC reads words of one moment. A cycle that ends meanwhile is seen after the block.
 -- Memory    whole_memory: every word exists, as in TosNet, in 64 Kibit of block RAM. Otherwise only the words of

@@ -7,8 +7,8 @@
 --   drive    ___________________________________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\____
 --   node 3                                       | 00 | select 3 | frame 00 … | poll 0 |
 --
--- Tokens    Three bytes, the last of which is 00, between frames (docs/protocol.md, section 10). Up to three flipped bits
---           never make another valid token.
+-- Tokens    Three bytes, the last of which is 00, between frames (docs/protocol.md, section 10). One with up to three
+--           flipped bits is not accepted.
 -- Turn      It begins `turnaround_bits` after a poll, so that the master can release the pair. It ends at the first end of
 --           a message at which no byte waits or `turn_bytes` have been sent. If the core sends nothing for 255 bits within
 --           a message, the message is cut off and the turn ends. drive rises one bit before the first start bit and falls

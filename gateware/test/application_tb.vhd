@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- application: words of replies, bus cycles and their blocks, errors in the middle, turns between requests and publishes,
--- stalls. The bus and the subscription manager are played by the bench; what everything together answers is in
+-- application: words of replies, bus cycles and their blocks, errors within a block, turns between requests and publishes,
+-- stalls. The bench plays the bus and the subscription manager. The answers of the whole core are tested in tests/gateware
+-- (recordings, the twin).
 -- tests/gateware (recordings, the twin).
 
 library ieee;
@@ -38,13 +39,13 @@ architecture bench of application_tb is
   signal word_ready            : std_ulogic := '1';
   signal word_data             : word_t;
 
-  -- The request that is asked.
+  -- The current request.
   signal asked      : std_ulogic := '0';
   signal command    : natural := 0;
   signal checked    : std_ulogic := '0';
   signal size       : natural := 0;
-  signal bytes      : std_ulogic_vector(63 downto 0) := (others => '0');  -- of the request, the first one highest
-  signal taken      : natural := 0;                                       -- of it, what it is counts too
+  signal bytes      : std_ulogic_vector(63 downto 0) := (others => '0');  -- items of it that were taken, with the head item
+  signal taken      : natural := 0;                                       -- items taken from the request, including the first, which says what it is
 
   type words_t is array (0 to 3, 0 to 511) of std_ulogic_vector(31 downto 0);
   signal words      : words_t := (others => (others => (others => '0'))); -- of the groups
@@ -52,8 +53,8 @@ architecture bench of application_tb is
   signal length     : natural := 0;
   signal clear      : boolean := false;
   signal accesses   : natural := 0;
-  signal blocks     : natural := 0;                                       -- that have ended
-  signal outside    : natural := 0;                                       -- accesses of no block
+  signal blocks     : natural := 0;                                       -- blocks that have ended
+  signal outside    : natural := 0;                                       -- accesses outside a block
   signal writes     : natural := 0;
   signal rate       : std_ulogic_vector(31 downto 0) := (others => '0');
   signal mask       : std_ulogic_vector(15 downto 0) := (others => '0');
@@ -93,7 +94,7 @@ begin
     end if;
   end process;
 
-  -- The words of the groups, one clock late; groups are filled and active once they are said to be.
+  -- The words of the groups, one clock late. Groups are filled and active once the application says so.
   keep : process (clock)
     variable group_number, place : natural;
   begin
@@ -126,7 +127,7 @@ begin
   subscription_response.mask <=
     mask(15 downto 8) when subscription_request.place = 1 else mask(7 downto 0);
 
-  -- The bus: two clocks an access; word a is a in all four bytes; EE refuses, FF is silent.
+  -- The bus, with two clocks per access. Word a has a in all four bytes. EE refuses, and FF is silent.
   serve : process (clock)
     variable held : std_ulogic := '0';
   begin
@@ -236,7 +237,7 @@ begin
     ask(command_read, 1, x"EE00000000000000", "#?E_FBR;");
     ask(command_read, 1, x"FF00000000000000", "#?E_BAT;");
     ask(command_write, 5, x"EE00000000000000", "#?E_FBW;");
-    -- What is refused leaves the bus alone.
+    -- A refused request makes no access.
     before := accesses;
     ask(command_unknown, 0, x"0000000000000000", "#?E_ICC;");
     ask(command_read, 0, x"0000000000000000", "#?E_MAB;");
@@ -248,7 +249,7 @@ begin
     ask(command_read_many, 1, x"0100000000000000", "#S_RM:?E_MAB;");
     ask(command_error, 0, x"0000000000000000", "?F4;");
     check_equal(accesses, before, "bus accesses of refused requests");
-    -- One block a read-many, which an error ends.
+    -- One block for each read-many, which an error ends.
     before := blocks;
     ask(command_read_many, 4, x"0301020300000000", "#S_RM:010101010202020203030303;");
     check_equal(blocks, before + 1, "blocks");
@@ -270,7 +271,7 @@ begin
       ask(command_read_group, 1, x"0100000000000000", "#S_RSI:0102025556;");
       ask(command_write_group_addresses, 4, x"0103111200000000", "#?E_MAB;");
       ask(command_write_group_rate, 2, x"0107000000000000", "#?E_MDB;");
-      ask(command_read_group, 1, x"0100000000000000", "#S_RSI:0102025556;");  -- as it was
+      ask(command_read_group, 1, x"0100000000000000", "#S_RSI:0102025556;");  -- unchanged
       ask(command_write_event_mask, 2, x"0203000000000000", "#S_WIC;");
       ask(command_write_event_mask, 1, x"0700000000000000", "#?E_MDB;");
       ask(command_read_event_mask, 0, x"0000000000000000", "#S_RIC:0203;");
@@ -288,7 +289,7 @@ begin
         report "publish: " & heard(1 to length) severity failure;
       check_equal(blocks, before + 1, "blocks of a publish");
       ask(command_disable_publishing, 0, x"0000000000000000", "#S_DPS;");
-      -- Neither starves: with both always waiting, the preferred side has three of four turns.
+      -- Neither side starves: if both always wait, the preferred side has three of four turns.
       before := publishes;
       publish_always <= true;
       publish_due    <= '1';

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- async_fifo: two clocks of any ratio and phase, order, nothing lost or doubled under random stalls of both sides, capacity,
--- margin, a word a clock, reset.
+-- async_fifo: two clocks of any ratio and phase, order, no word lost or doubled under random stalls of both sides,
+-- capacity, margin, one word per clock, reset.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,7 +31,7 @@ architecture test of async_fifo_tb is
   signal write_ready, read_valid : std_ulogic;
   signal write_data, read_data   : std_ulogic_vector(width - 1 downto 0) := (others => '0');
 
-  signal write_percent, read_percent : natural := 0; -- chance of a word a clock
+  signal write_percent, read_percent : natural := 0; -- chance of a word in a clock
   signal written, taken              : natural := 0;
   signal done                        : boolean := false;
 
@@ -56,7 +56,7 @@ begin
   source : process is
     variable random    : random_t;
     variable next_word : natural := 0;
-    variable ready_then : std_ulogic_vector(0 to margin) := (others => '0'); -- as it was, so many clocks before
+    variable ready_then : std_ulogic_vector(0 to margin) := (others => '0'); -- its values, so many clocks before
   begin
     random.seed(seed);
     loop
@@ -73,7 +73,7 @@ begin
           write_valid <= '1' when random.chance(write_percent) else '0';
         end if;
       else
-        -- Hears of write_ready late, and what it gives must be taken.
+        -- It sees write_ready late, and its words must still be taken.
         if write_valid = '1' then
           next_word := next_word + 1;
         end if;
@@ -122,7 +122,7 @@ begin
     check_equal(taken, written, "words out of the full buffer");
     check_equal(read_valid, '0', "read_valid when empty");
 
-    -- A word a clock of the slower side.
+    -- One word per clock of the slower side.
     if depth - margin >= 8 then
       write_percent <= 100;
       wait for long;
@@ -143,7 +143,7 @@ begin
     check_equal(taken, written, "words after random traffic");
     check(taken > 500, "there was traffic");
 
-    -- Both in reset with words inside: empty, whoever leaves first.
+    -- A reset of both sides with words inside leaves it empty, whichever side leaves the reset first.
     for turn in 1 to 2 loop
       read_percent  <= 0;
       write_percent <= 100;

@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An AXI4-Lite memory that takes its time: on each channel it is ready, or answers, after a random number of clocks. Byte
--- address 4 * a is word a. It refuses words whose bits 7-4 are E, and answers those of F only after slow_clocks or more.
--- It watches the master keep the rules of axi_lite_pkg. `executed` counts the writes that have reached the memory.
+-- An AXI4-Lite memory with random delays: on each channel it is ready, or answers, after a random number of clocks. Byte
+-- address 4 * a is word a. It refuses words whose bits 7-4 are E. It answers words whose bits 7-4 are F only after at least
+-- slow_clocks. It checks that the master keeps the rules of axi_lite_pkg. `executed` counts the writes that have reached
+-- the memory.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -140,11 +141,11 @@ begin
     end loop;
   end process;
 
-  -- A valid stays, with its payload, until its ready; and there is one access at a time.
+  -- valid and its payload stay the same until ready, and there is only one access at a time.
   watch : process (clock) is
     variable before       : axi_lite_m2s_t := axi_lite_m2s_idle;
     variable before_ready : axi_lite_s2m_t := axi_lite_s2m_idle;
-    variable asked        : boolean := false; -- an address has been taken, and not been answered
+    variable asked        : boolean := false; -- an address was taken and is not yet answered
   begin
     if rising_edge(clock) and reset = '0' then
       check(not asked or (axi_lite_m2s.awvalid or axi_lite_m2s.arvalid) = '0', "an access before the last was answered");

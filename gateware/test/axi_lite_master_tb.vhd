@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- axi_lite_master at a slave that takes its time on every channel: words and errors arrive with the access they belong to,
--- every access ends, and nothing starts before a late response has come.
+-- axi_lite_master with a slave that delays every channel. Words and errors arrive with their own access, every access ends,
+-- and no access starts before a late response has come.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -15,7 +15,7 @@ entity axi_lite_master_tb is
     address_width    : positive := 8;
     data_width       : positive := 32;
     wait_clocks_most : natural  := 6;
-    timeout_clocks   : positive := 40; -- more than a slave that is merely slow takes
+    timeout_clocks   : positive := 40; -- more than a slow slave takes
     seed             : positive := 1
   );
 end entity;
@@ -33,7 +33,7 @@ architecture test of axi_lite_master_tb is
   signal axi_lite_s2m : axi_lite_s2m_t;
   signal hold         : std_ulogic;
   signal executed     : natural;
-  signal quick        : boolean := false; -- answered by a slave that never waits
+  signal quick        : boolean := false; -- the slave answers without delays
   signal from_slave   : axi_lite_s2m_t;
   signal from_quick   : axi_lite_s2m_t := (
     awready => '1', wready => '1', arready => '1', bvalid => '0', rvalid => '0', bresp => axi_okay_c, rresp => axi_okay_c,
@@ -73,7 +73,7 @@ begin
 
     variable random  : random_t;
     variable memory  : memory_t := (others => (others => '0'));
-    variable known   : known_t  := (others => true); -- false: a write of it was given up on
+    variable known   : known_t  := (others => true); -- false: a write to it has timed out
     variable address : natural range 0 to 255;
     variable data    : std_ulogic_vector(data_width - 1 downto 0);
     variable silents : natural := 0;
@@ -85,12 +85,12 @@ begin
       wait for 1 ps;
     end procedure;
 
-    -- Returns in the clock in which it is done.
+    -- Makes an access, and returns in the clock in which it is done.
     procedure go (write : std_ulogic) is
     begin
       bii_request.valid   <= '1';
       bii_request.write   <= write;
-      bii_request.address <= (others => '1'); -- bits beyond the width do not count
+      bii_request.address <= (others => '1'); -- bits beyond the width are ignored
       bii_request.address(address_width - 1 downto 0) <= std_ulogic_vector(to_unsigned(address, address_width));
       bii_request.data    <= (others => '1');
       bii_request.data(data_width - 1 downto 0)       <= data;
@@ -170,7 +170,7 @@ begin
     end loop;
     check(silents > 20, "few accesses were given up on");
 
-    -- While a late response is out, accesses end and do not reach the bus.
+    -- While a late response is outstanding, accesses end without reaching the bus.
     bii_request.block_hold <= '0';
     address := 1;
     for step in 1 to 5 * timeout_clocks loop
@@ -189,7 +189,7 @@ begin
     finish;
     check(executed = before + 2 or not known(2), "an answered write behind a late one");
 
-    -- A quick slave: three clocks, a write too.
+    -- A quick slave: three clocks per access, for a write too.
     for step in 1 to 5 * timeout_clocks loop
       tick;
     end loop;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- What every bench needs: seeded random numbers and checks that name what differed.
+-- Shared by all benches: seeded random numbers, and checks that name the difference.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -9,7 +9,7 @@ library ieee;
 
 package bench_pkg is
 
-  -- Random numbers from one seed; every process has its own.
+  -- Random numbers from one seed. Every process has its own.
   type random_t is protected
     procedure seed (value : positive);
     impure function integer_between (first : integer; last : integer) return integer;
@@ -22,7 +22,7 @@ package bench_pkg is
   procedure check_equal (got : std_ulogic; expected : std_ulogic; what : string);
   procedure check (condition : boolean; what : string);
 
-  -- The runner believes a bench only if it says this.
+  -- The runner accepts a bench only if it prints this.
   procedure wait_clocks (signal clock : in std_ulogic; count : natural);
   procedure report_passed (bench : string);
 

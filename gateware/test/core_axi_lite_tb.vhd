@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core_axi_lite at a memory that takes its time on all five channels: words, blocks, refusals, and an answer that comes too
--- late and is nobody's.
+-- core_axi_lite with a memory that delays all five channels: words, blocks, refusals, and a late answer that must not be
+-- used.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -100,7 +100,7 @@ begin
         ask("#W:E300000000", "#?E_FBW");
       end if;
       if turn mod 20 = 0 then
-        -- Until the late answer has come requests end as this one did; then all is as before.
+        -- Until the late answer has come, requests end like this one. After that they work again.
         ask("#R:F3", "#?E_BAT");
         ask("#R:" & hex(here), "#?E_BAT");
         for step in 1 to 20 * timeout_clocks loop

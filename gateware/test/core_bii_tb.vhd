@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core_bii with sixteen words on the bus-independent interface itself: the least there is to do behind it. A block is held
--- from its first word to its last, and each way an access can end has its reply.
+-- core_bii with sixteen words directly on the bus-independent interface. A block is held from its first word to its last,
+-- and each way in which an access can end has its reply.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -27,7 +27,7 @@ architecture test of core_bii_tb is
   signal bii_request        : bii_request_t;
   signal bii_response       : bii_response_t := bii_response_idle;
 
-  signal held   : std_ulogic_vector(1 to 16) := (others => '0'); -- block_hold at each access since the last look
+  signal held   : std_ulogic_vector(1 to 16) := (others => '0'); -- block_hold at each access since the last check
   signal access_count : natural := 0;
   signal forget : boolean := false;
 

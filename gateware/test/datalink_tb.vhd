@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- datalink, its transmitter wired to its own receiver: what is sent is what is received, in each variant, at any pace.
+-- datalink with its transmitter wired to its own receiver. In each variant and at any pace, it receives what it sends.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -45,7 +45,7 @@ architecture bench of datalink_tb is
   signal expected    : events_t;
   signal planned     : natural := 0;  -- events of the messages sent so far
   signal seen        : natural := 0;
-  signal last_byte   : natural := 0;  -- the event that ends the message in hand
+  signal last_byte   : natural := 0;  -- the event that ends the current message
 
 begin
 
@@ -153,12 +153,12 @@ begin
         expect(good);
       end if;
       send(word_tail, x"00");
-      if random.chance(20) or datalink = "none" then  -- `last_byte` is of one message only
+      if random.chance(20) or datalink = "none" then  -- `last_byte` is for one message only
         wait until rising_edge(clock) and seen = plan;
       end if;
     end loop;
     wait until rising_edge(clock) and seen = plan;
-    -- Only the full datalink hears of errors of the physical layer.
+    -- Only the full datalink uses the errors of the physical layer.
     rx_error <= "010";
     if datalink = "full" then
       expect(bad, x"F7");

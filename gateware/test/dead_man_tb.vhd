@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The dead-man between an application that reads and writes without end and a bus that answers at random, refuses, or is silent.
--- Round after round the signs of life end at another clock; each time it trips at its tick, writes its values, denies all writes,
--- lets reads through, and is armed again.
+-- The dead-man between an application that reads and writes without end and a bus that answers at random, refuses, or is
+-- silent. In each round the signs of life end at another clock. Each time it trips at its tick, writes its values, denies
+-- all writes, lets reads through, and is armed again.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -52,10 +52,10 @@ architecture bench of dead_man_tb is
 
   signal memory   : memory_t := (others => 0);
   signal deaf     : boolean := false;  -- the bus is silent
-  signal since    : natural := 0;      -- clocks behind the last sign of life
-  signal behind   : natural := 0;      -- clocks behind the trip
+  signal since    : natural := 0;      -- clocks since the last sign of life
+  signal behind   : natural := 0;      -- clocks since the trip
   signal denials, reads_behind : natural := 0;
-  signal working  : boolean := true;   -- the application is; else it stands still, with what it has asked
+  signal working  : boolean := true;   -- the application is running; false: it stops, and keeps its request on the bus
 
 begin
 

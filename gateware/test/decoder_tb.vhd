@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- decoder: the meaning of each of the 256 bytes, written down independently here, under random stalls.
+-- decoder: the meaning of each of the 256 bytes, from an independent table, under random stalls.
 
 library ieee;
   use ieee.std_logic_1164.all;

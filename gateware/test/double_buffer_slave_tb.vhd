@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- double_buffer_slave against two arrays and a pointer: the hazard of the swap, one moment in a block, words of the
--- FPGA's own.
+-- double_buffer_slave, compared with two arrays and a pointer: the hazard of the swap, one moment in a block, words written
+-- by the FPGA.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -170,7 +170,7 @@ begin
     wait_clocks(clock, 2);
     check_equal(pulses, commits, "pulses of committed");
 
-    -- The hazard: a word not rewritten before a commit has the value of two commits ago.
+    -- The hazard: a word that is not rewritten before a commit has the value of two commits ago.
     write_ok(0, 16#11#);
     write_ok(1, 16#22#);
     commit;
@@ -186,7 +186,7 @@ begin
     banks(1 - visible)(0) := x"00000033";
     banks(1 - visible)(1) := x"00000044";
 
-    -- In a block the FPGA's word waits, and is there for the next.
+    -- During a block the FPGA's word waits. The next block sees it.
     in_block := true;
     read_expect(0, 16#55#);
     user_write_valid   <= '1';
@@ -203,7 +203,7 @@ begin
     user_write_valid <= '0';
     read_expect(1, 16#66#);
 
-    -- Refusals change nothing.
+    -- A refused access changes nothing.
     write(words + 1, x"000000FF");
     check(refused, "a write beyond the commit was taken");
     read(words + 1);
@@ -212,7 +212,7 @@ begin
     check(refused, "a commit without bytes was taken");
     read_expect(0, 16#55#);
 
-    -- A reset begins to count again; the words stay.
+    -- A reset restarts the count, and keeps the words.
     reset <= '1';
     wait_clocks(clock, 1);
     reset <= '0';

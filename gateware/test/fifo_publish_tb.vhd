@@ -1,9 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The core with a fifo_slave at x40 whose event is the edge input of group 1. Words come at the clocks that words_file says,
--- requests at those of requests_file; what leaves the core goes to answers_file. Judged by tests/gateware/test_fifo_publish.py.
+-- The core with a fifo_slave at x40, whose event is the edge input of group 1. Words come at the clocks in words_file, and
+-- requests at the clocks in requests_file. The bytes from the core go to answers_file, which
+-- tests/gateware/test_fifo_publish.py checks.
 --
--- Lines: CLOCK WORD in words_file, CLOCK BYTES in requests_file, both in hexadecimal behind the clock; CLOCK BYTE in answers_file.
+-- Lines: CLOCK WORD in words_file, CLOCK BYTES in requests_file (both hexadecimal after the clock), CLOCK BYTE in
+-- answers_file.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- fifo_slave against two queues: irregular data both ways with stalls on both sides, full, empty, the event line.
+-- fifo_slave, compared with two queues: irregular data in both directions with stalls on both sides, full, empty, the event
+-- line.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -40,14 +41,14 @@ architecture test of fifo_slave_tb is
   signal from_pc_ready : std_ulogic := '0';
   signal from_pc_data  : data_t;
 
-  signal put_percent  : natural := 0; -- how often the FPGA has a word …
-  signal take_percent : natural := 0; -- … and takes one
+  signal put_percent  : natural := 0; -- how often the FPGA puts a word …
+  signal take_percent : natural := 0; -- … and takes a word
   signal watching     : boolean := false;
   signal edges        : natural := 0;
   signal put_count    : natural := 0;
   signal take_count   : natural := 0;
 
-  -- Word n of a stream: both sides can say what must come next.
+  -- Word n of a stream, so that both sides know the next word.
   function word_of (n : natural) return std_ulogic_vector is
   begin
     return std_ulogic_vector(to_unsigned((n * 193 + n / 7) mod 2 ** 16, 32));
@@ -142,7 +143,7 @@ begin
 
     variable got, given : natural := 0; -- words read, and written
     variable silence    : natural;      -- clocks in which a word waited and no edge came
-    variable served     : natural := 0; -- edges of the event line, as far as they were followed
+    variable served     : natural := 0; -- edges of the event line that were served
     variable waiting    : natural;
 
     procedure read_one is
@@ -174,14 +175,14 @@ begin
     reset <= '0';
     wait_clocks(clock, 2);
 
-    -- Empty: nothing to read, room for `depth`.
+    -- Empty: nothing to read, and room for `depth` words.
     read_expect(1, 0);
     read_expect(2, depth);
     check_equal(not_empty, '0', "not_empty of an empty queue");
     read_one;
     check(refused, "a word came from an empty queue");
 
-    -- Full, both ways: exactly `depth` words and no more.
+    -- Full in both directions: exactly `depth` words and no more.
     for index in 1 to depth + 2 loop
       write_one;
       check(refused = (index > depth), "write " & integer'image(index) & " of " & integer'image(depth));
@@ -194,7 +195,7 @@ begin
     check_equal(not_empty, '1', "not_empty of a full queue");
     read_expect(1, depth);
 
-    -- Irregular data, at every mixture of paces.
+    -- Irregular data, at every combination of speeds.
     for mixture in 0 to 8 loop
       put_percent  <= (mixture mod 3) * 25 + 3;
       take_percent <= (mixture / 3) * 25 + 3;
@@ -210,8 +211,9 @@ begin
       end loop;
     end loop;
 
-    -- Emptied. From here the edges of the event line alone say when to read, as a subscription group does: an edge while
-    -- one is pending is not counted twice. Every word arrives, and none is asked for that is not there.
+    -- Now the queue is empty. From here only the edges of the event line say when to read, as for a subscription group. An
+    -- edge while another one is pending is not counted twice. Every word arrives, and no word is requested that is not
+    -- there.
     put_percent  <= 0;
     take_percent <= 100;
     wait_clocks(clock, depth + 10);
@@ -240,7 +242,7 @@ begin
     put_percent <= 0;
     wait_clocks(clock, depth + 10);
 
-    -- Not heard, it rises again.
+    -- Without a read, it rises again.
     put_percent <= 100;
     wait_clocks(clock, depth + 10);
     served := edges;
@@ -249,7 +251,7 @@ begin
     put_percent <= 0;
     wait_clocks(clock, 2);
 
-    -- Drained, the counts agree.
+    -- After all words are read, the counts agree.
     put_percent  <= 0;
     take_percent <= 100;
     wait_clocks(clock, depth + 10);
@@ -263,7 +265,7 @@ begin
     read_expect(1, 0);
     read_expect(2, depth);
 
-    -- A word counts from the clock after it was put in, though it is still on its way through the queue.
+    -- A word counts from the clock after it was put in, even on its way through the queue.
     for distance in 0 to 5 loop
       put_percent <= 100;
       wait_clocks(clock, 1);
@@ -277,7 +279,7 @@ begin
       end if;
     end loop;
 
-    -- What may not be.
+    -- Refused accesses.
     write(1, x"00000001");
     check(refused, "a write of +1 was taken");
     write(2, x"00000001");
@@ -288,7 +290,7 @@ begin
     check(refused, "a write without bytes was taken");
     read_expect(2, depth);
 
-    -- A reset empties both.
+    -- A reset empties both queues.
     take_percent <= 0;
     wait_clocks(clock, 2);
     write_one;

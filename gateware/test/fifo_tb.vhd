@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- fifo: order, nothing lost or doubled under random stalls of both sides, capacity, one word a clock, reset.
+-- fifo: order, no word lost or doubled under random stalls of both sides, capacity, one word per clock, reset.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -27,7 +27,7 @@ architecture bench of fifo_tb is
   signal read_ready  : std_ulogic := '0';
   signal read_data   : std_ulogic_vector(15 downto 0);
 
-  signal write_percent, read_percent : natural := 0;  -- chance of a word a clock
+  signal write_percent, read_percent : natural := 0;  -- chance of a word in a clock
   signal written, taken : natural := 0;
 
 begin
@@ -110,7 +110,7 @@ begin
     wait_clocks(clock, depth + 10);
     check_equal(taken, written, "words out of the full buffer");
     check_equal(read_valid, '0', "read_valid when empty");
-    -- A word a clock through both sides.
+    -- One word per clock through both sides.
     write_percent <= 100;
     wait_clocks(clock, 20);
     before := taken;
@@ -127,7 +127,7 @@ begin
     wait_clocks(clock, depth + 10);
     check_equal(taken, written, "words after random traffic");
     check(taken > 500, "there was traffic");
-    -- Reset empties.
+    -- A reset empties it.
     read_percent  <= 0;
     write_percent <= 100;
     wait_clocks(clock, 6);

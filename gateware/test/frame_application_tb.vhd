@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- frame_application by itself: requests as the receiver gives them, replies as the transmitter takes them. A write that is
--- repeated, a post that is, and ids beyond the window open the bus exactly as often as they may.
+-- frame_application alone, with requests as from the receiver and replies as to the transmitter. Repeated writes, repeated
+-- posts, and ids beyond the window open the bus exactly as often as they may.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -40,7 +40,7 @@ architecture bench of frame_application_tb is
   signal answer  : std_ulogic_vector(8 * 64 - 1 downto 0) := (others => '0');  -- bytes shift in
   signal answers, reads, writes : natural := 0;
   signal word    : std_ulogic_vector(31 downto 0) := x"00000000";
-  signal changed : std_ulogic := '0';  -- the word, by somebody else
+  signal changed : std_ulogic := '0';  -- the word, changed by the other side
 
 begin
 

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- frame_receiver on a file of pieces of wire, judged by the reference (tests/gateware/test_framed_units.py).
+-- frame_receiver with a file of bytes on the wire, checked against the reference (tests/gateware/test_framed_units.py).
 --
 -- Lines:  e NUMBER          the epoch from here on
 --         s HEX             bytes from the host
---         x ENTRY PAYLOAD   the next frame; its payload is read, read again, and the frame is done
---         n                 no frame stands
+--        x ENTRY PAYLOAD   the next frame; its payload is read twice, and the frame is done
+--        n                 there is no frame
 
 library ieee;
   use ieee.std_logic_1164.all;

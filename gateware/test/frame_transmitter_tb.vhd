@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- frame_transmitter on a file of frames and their bytes on the wire, made by the reference (tests/gateware/test_framed_units.py).
+-- frame_transmitter with a file of frames and their bytes on the wire from the reference
+-- (tests/gateware/test_framed_units.py).
 --
 -- Lines:  e NUMBER              the epoch from here on
---         f KIND PAYLOAD WIRE   a payload (- is none) is put, with a false start before every third; these bytes must leave
+--        f KIND PAYLOAD WIRE   a payload (- is none) is put, with a false start before every third; WIRE must be sent
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +33,7 @@ architecture bench of frame_transmitter_tb is
   signal tx_ready : std_ulogic := '1';
   signal tx_data  : std_ulogic_vector(7 downto 0);
 
-  signal seen : natural := 0;  -- frames
+  signal seen : natural := 0;  -- frames seen
 
 begin
 

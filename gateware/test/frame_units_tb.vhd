@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The small pieces of the framed application, each by itself: frame_clock, frame_memory, frame_bus, frame_dispatcher,
+-- The small entities of the framed application, each alone: frame_clock, frame_memory, frame_bus, frame_dispatcher,
 -- frame_sequencer.
 
 library ieee;
@@ -53,7 +53,7 @@ architecture bench of frame_units_tb is
     end procedure;
   begin
     for place in p'range loop
-      p(place)(number_f) := std_ulogic_vector(to_unsigned(place, 8));  -- so that it can be seen
+      p(place)(number_f) := std_ulogic_vector(to_unsigned(place, 8));  -- so that the position can be seen
     end loop;
     set(0, number(0) or act(do_begin), 32, never, 0);
     set(34, number(34) or times(3), 5, if_chained, 9);
@@ -265,7 +265,7 @@ begin
     s_begins <= '1';
     at_place(0, '1');
     s_begins <= '0';
-    holds    <= '1';   -- which only counts the last time
+    holds    <= '1';   -- which counts only the last time
     at_place(34, '0');
     at_place(34, '0');
     act_now <= '0';
@@ -295,7 +295,7 @@ begin
     at_place(34, '1');
     holds <= '0';
     at_place(9, '0');
-    holds <= '1';      -- which counts any time here
+    holds <= '1';      -- which counts every time here
     at_place(9, '0');
     holds <= '0';
     at_place(12, '1');

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The classic and the framed side on one bus by application_switch, each by its own stream: a session, reads from both at
--- once, writes that only the framed side may do. Everything else about both: replay_tb, with what the reference says.
+-- The classic and the framed side on one bus through application_switch, each with its own stream: a session, reads from
+-- both at once, writes that only the framed side may make. replay_tb tests everything else, against the reference.
 --
--- The frames are those of the reference: HELLO, OPEN of nonce 1 and epoch 1234, a READ, a WRITE, eight READs, CLOSE.
+-- The frames are from the reference: HELLO, OPEN with nonce 1 and epoch 1234, a READ, a WRITE, eight READs, CLOSE.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -151,7 +151,7 @@ begin
       wait for 1 ns;
     end procedure;
 
-    -- The last bytes that have left.
+    -- The last bytes sent.
     impure function tail (bytes : positive) return std_ulogic_vector is
     begin
       return wired(8 * (wired_most - bytes) to 8 * wired_most - 1);

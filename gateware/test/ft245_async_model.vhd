@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An FT232H or FT2232H in asynchronous FIFO mode, with the USB behind it as byte streams. Delays are random within the
--- datasheet, and it complains of whatever the datasheet forbids: a strobe without its flag, too short, or both at once; data
--- that are not set up, or do not hold; a bus that both sides drive.
+-- An FT232H or FT2232H in asynchronous FIFO mode. The USB behind it is two byte streams. Its delays are random within the
+-- datasheet. It reports everything that the datasheet forbids: a strobe without its flag, a strobe that is too short, both
+-- strobes at once, data without setup or hold time, a bus that both sides drive.
 --
---   to_fpga_*    what the PC sends; room_bytes wait for the FPGA
---   from_fpga_*  what the PC gets; room_bytes wait for it, and while they do txe_n is high
+--   to_fpga_*    bytes from the PC; up to room_bytes wait for the FPGA
+--   from_fpga_*  bytes to the PC; up to room_bytes wait for it, and then txe_n is high
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,14 +14,14 @@ library ieee;
 
 entity ft245_async_model is
   generic (
-    busy_percent : natural  := 0;     -- chance that a flag stays away longer than it must, by up to a microsecond
-    slowest      : boolean  := false; -- every delay is the longest there is
-    pad_ns       : natural  := 3;     -- of the FPGA's pads and the board, each way
+    busy_percent : natural  := 0;     -- chance that a flag stays inactive for up to a microsecond longer
+    slowest      : boolean  := false; -- every delay is the longest possible
+    pad_ns       : natural  := 3;     -- delay of the FPGA's pads and the board, each way
     room_bytes   : positive := 64;
     seed         : positive := 1
   );
   port (
-    clock : in std_ulogic; -- of the streams alone
+    clock : in std_ulogic; -- for the streams only
 
     rxf_n         : out std_ulogic := '1';
     txe_n         : out std_ulogic := '1';
@@ -51,20 +51,20 @@ architecture model of ft245_async_model is
   constant strobe_least   : time := 30 ns; -- T4, T10
   constant inactive_least : time := 49 ns; -- T2, T7
   constant setup_least    : time := 5 ns;  -- T8
-  constant hold_least     : time := 5 ns;  -- T9, of FT232H: behind the end of wr_n
-  constant hold_begun     : time := 20 ns; -- T9, of FT2232H: behind its beginning
+  constant hold_least     : time := 5 ns;  -- T9, of FT232H: after the end of wr_n
+  constant hold_begun     : time := 20 ns; -- T9, of FT2232H: after its beginning
   constant si_least       : time := 200 ns;
 
   type bytes_t is array (0 to room_bytes - 1) of std_ulogic_vector(7 downto 0);
 
-  signal out_bytes, in_bytes        : bytes_t; -- out: of the PC
+  signal out_bytes, in_bytes        : bytes_t; -- out: from the PC
   signal out_put, out_got           : natural := 0;
   signal in_put, in_got             : natural := 0;
   signal chip_rd_n, chip_wr_n       : std_ulogic := '1'; -- as the chip sees them
   signal chip_drive, chip_siwu_n    : std_ulogic;
   signal chip_data                  : std_ulogic_vector(7 downto 0);
   signal rxf_now, txe_now           : std_ulogic := '1';
-  signal driving                    : boolean := false;  -- the chip
+  signal driving                    : boolean := false;  -- the chip drives
 
 begin
 

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An FT232H or FT2232H in synchronous FIFO mode, with the USB behind it as byte streams. It gives the clock; its delays are
--- random within the datasheet, and it complains of whatever the datasheet forbids: inputs that are not set up or do not hold,
--- rd_n without a clock of oe_n before, a byte that nobody drives, a bus that both sides drive.
+-- An FT232H or FT2232H in synchronous FIFO mode. The USB behind it is two byte streams. It gives the clock. Its delays are
+-- random within the datasheet. It reports everything that the datasheet forbids: inputs without setup or hold time, rd_n
+-- without a clock of oe_n before, a byte that nobody drives, a bus that both sides drive.
 --
---   to_fpga_*    what the PC sends; room_bytes wait for the FPGA
---   from_fpga_*  what the PC gets; room_bytes wait for it, and while they do txe_n is high
+--   to_fpga_*    bytes from the PC; up to room_bytes wait for the FPGA
+--   from_fpga_*  bytes to the PC; up to room_bytes wait for it, and then txe_n is high
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,14 +14,14 @@ library ieee;
 
 entity ft245_sync_model is
   generic (
-    busy_percent : natural  := 0; -- chance, a clock, that a flag goes high for 1 to 40 clocks
-    pad_ns       : natural  := 2; -- of the FPGA's pads and the board, each way
+    busy_percent : natural  := 0; -- chance per clock that a flag goes high for 1 to 40 clocks
+    pad_ns       : natural  := 2; -- delay of the FPGA's pads and the board, each way
     room_bytes   : positive := 512;
     seed         : positive := 1
   );
   port (
-    clock   : in std_ulogic; -- of the streams alone
-    running : in boolean;    -- the chip is in this mode: else chip_clock stands still
+    clock   : in std_ulogic; -- for the streams only
+    running : in boolean;    -- the chip is in this mode; otherwise chip_clock stops
 
     chip_clock   : out std_ulogic := '0';
     rxf_n        : out std_ulogic := '1';
@@ -57,7 +57,7 @@ architecture model of ft245_sync_model is
 
   type bytes_t is array (0 to room_bytes - 1) of std_ulogic_vector(7 downto 0);
 
-  signal out_bytes, in_bytes           : bytes_t; -- out: of the PC
+  signal out_bytes, in_bytes           : bytes_t; -- out: from the PC
   signal out_put, out_got              : natural := 0;
   signal in_put, in_got                : natural := 0;
   signal own_clock                     : std_ulogic := '0';
@@ -66,7 +66,7 @@ architecture model of ft245_sync_model is
   signal chip_drive                    : std_ulogic := '0';
   signal chip_data                     : std_ulogic_vector(7 downto 0) := x"00";
   signal rxf_now, txe_now              : std_ulogic := '1';
-  signal driving                       : boolean := false;  -- the chip
+  signal driving                       : boolean := false;  -- the chip drives
 
 begin
 
@@ -148,7 +148,7 @@ begin
       flag(rxf_now, rxf_n, got = out_put or rx_away > 0);
       flag(txe_now, txe_n, put - in_got >= room_bytes or tx_away > 0);
 
-      -- The byte on offer; where there is none, anything.
+      -- The byte on offer; without one, an undefined value.
       data_to_fpga <= transport (7 downto 0 => 'X') after delay_least + pad;
       if chip_oe_n = '0' then
         if got = out_put then
@@ -160,7 +160,7 @@ begin
     end if;
   end process;
 
-  -- Output enable acts at once, without the clock.
+  -- Output enable works at once, without the clock.
   enable : process (chip_oe_n) is
   begin
     if falling_edge(chip_oe_n) then

@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- ft245_async or ft245_sync against a model of the chip that checks its timing: how fast each way is alone, then both ways at
--- random with stalls on both sides, every byte once and in order; and siwu_n behind the last byte of each message that is
--- meant, at once and never before. The synchronous one also waits for its clock, and survives a reset without it.
+-- ft245_async or ft245_sync with a model of the chip that checks its timing. First the speed of each direction alone, then
+-- both directions at random with stalls on both sides. Every byte arrives once and in order. siwu_n falls at once after the
+-- last byte of each chosen message, and never before. The synchronous layer also waits for its clock, and survives a reset
+-- without it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -17,9 +18,9 @@ entity ft245_tb is
     send_immediate : send_immediate_t := both;
     bytes          : positive         := 1500;
     slowest        : boolean          := true;   -- asynchronous: every delay is the longest
-    busy_percent   : natural          := 0;  -- of the chip
-    stall_percent  : natural          := 30; -- of the streams
-    rate_hz_least  : natural          := 0;  -- bytes a second, one way
+    busy_percent   : natural          := 0;  -- busy clocks of the chip
+    stall_percent  : natural          := 30; -- stalled clocks of the streams
+    rate_hz_least  : natural          := 0;  -- bytes per second, one direction
     seed           : positive         := 1
   );
 end entity;
@@ -57,12 +58,12 @@ architecture test of ft245_tb is
   signal to_fpga_data, from_fpga_data         : std_ulogic_vector(7 downto 0) := x"00";
   signal written, si_pulses                   : natural;
 
-  signal stalls                : natural := 0; -- percent, of everybody
+  signal stalls                : natural := 0; -- percent, on all sides
   signal deaf                  : boolean := false; -- the FPGA takes nothing
   signal allowed_in            : natural := 0; -- bytes that may go to the PC
   signal allowed_out           : natural := 0; -- bytes that may go to the FPGA
   signal received, heard       : natural := 0; -- by the FPGA; by the PC
-  signal marks                 : marks_t := (others => false); -- siwu_n is due behind this byte
+  signal marks                 : marks_t := (others => false); -- siwu_n is due after this byte
   signal due                   : natural := 0;
   signal running               : boolean := false; -- the chip gives its clock
 
@@ -111,7 +112,7 @@ begin
         written => written, si_pulses => si_pulses);
   end generate;
 
-  -- Messages of the FPGA, none so short that it ends within the pulse of the one before.
+  -- Messages from the FPGA. None ends within the pulse of the message before.
   speak : process is
     variable data, moments : random_t;
     variable size, place   : natural := 0;
@@ -252,14 +253,14 @@ begin
     wait until received = rate_bytes;
     check_rate(start, "to the FPGA");
 
-    -- A buffer that fills while bytes follow as fast as they can.
+    -- A buffer that fills while bytes follow at full speed.
     deaf        <= true;
     allowed_out <= 2 * rate_bytes;
     wait for pause;
     deaf <= false;
     wait until received = 2 * rate_bytes;
 
-    -- Both ways at once: by turns, so that neither starves.
+    -- Both directions at once take turns, so neither starves.
     allowed_in  <= 2 * rate_bytes;
     allowed_out <= 3 * rate_bytes;
     wait until written = 2 * rate_bytes - 20 or received = 3 * rate_bytes - 20;
@@ -278,7 +279,7 @@ begin
     check((due > 0) = (send_immediate /= never), "messages that raise siwu_n");
     check_equal(written, total, "bytes written");
 
-    -- A reset lets go of the bus, whatever was under way; without its clock the synchronous one does so when that comes.
+    -- A reset releases the bus at any moment. Without its clock, the synchronous layer does so when the clock comes.
     running <= false;
     wait for 1 us;
     wait until rising_edge(clock);

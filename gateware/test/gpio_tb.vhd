@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- gpio: outputs set, cleared, read back; inputs synchronised; an event for watched pins only.
+-- gpio: outputs are set, cleared and read back; inputs are synchronised; only watched pins make an event.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -132,7 +132,7 @@ begin
           write_ok(5, data);
           watch := data(pins_t'range);
         when 5 =>
-          -- Let go in the middle of a clock, as pins do.
+          -- Pins change in the middle of a clock.
           new_levels := random.vector(pins);
           wait_clocks(clock, 4);
           wait for clock_period / 3;
@@ -144,7 +144,7 @@ begin
           levels := new_levels;
           check_equal(events, expected, "events");
         when others =>
-          -- A spike that is over before stable_clocks is neither a level nor an event.
+          -- A spike shorter than stable_clocks is neither a level nor an event.
           if stable_clocks > 1 then
             wait until rising_edge(clock);
             pin_in <= not levels;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- input_filter against a count of how long each pin has held.
+-- input_filter, compared with a count of how long each pin was stable.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -50,7 +50,7 @@ begin
     history := (others => pins);
     for index in 1 to 3000 loop
       wait until rising_edge(clock);
-      -- levels now is what the last clock made of samples up to two clocks older.
+      -- The levels come from the samples of the last clock, which are up to two clocks older.
       for pin in 0 to width - 1 loop
         held := true;
         for age in 2 to stable_clocks + 1 loop

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- lite_receiver behind the decoder: what it tells of texts right and wrong, with digits and without.
--- Events are written as text: ( start, the letter, : colon, two digits a byte, ) good, !xx bad.
+-- lite_receiver after the decoder: its events for good and bad texts, with digits and without. Events are written as text:
+-- ( start, the letter, : colon, two digits for a byte, ) good, !xx bad.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -35,7 +35,7 @@ begin
 
   clock <= not clock after 1 ns when not ended;
 
-  -- Without digits a message is over with its Z.
+  -- Without digits the byte Z ends a message.
   message_end <= '1' when receive.event = byte and receive.data = x"5A" else '0';
 
   decoder : entity work.decoder
@@ -62,7 +62,7 @@ begin
       length := length + text'length;
     end procedure;
 
-    -- One clock; there is room in half of them, and nothing may be told in the others.
+    -- One clock. There is room in half of the clocks, and no event may come in the others.
     procedure tick is
     begin
       wait until rising_edge(clock);
@@ -118,10 +118,10 @@ begin
       try("#R:1 2" & CR, "(R:12)");
       try("#R:1" & LF, "(R:)");
       try("#R:", "(R:");
-      try("#R:12" & LF, ")");  -- the head ends the message before, and is used up
+      try("#R:12" & LF, ")");  -- the head ends the message before, and begins no other
       try("$R:12*58" & LF, "!F1");
       try("%&", "!F1!F1");
-      -- A digit that is none leaves the message open.
+      -- A character that should be a digit but is not leaves the message open.
       try("#R:1Z2" & LF, "(R:");
       try("12:*" & LF, "");
       try("#R:12" & LF, ")");

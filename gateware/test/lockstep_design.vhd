@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A small design of the shape that is simulated live: the core, registers with a user's side, memory. It is run as source
--- in GHDL and compiled in Verilator, clock beside clock (tests/gateware/test_lockstep.py).
+-- A small design with the structure of a live simulation: the core, registers with a user's side, memory. It runs as source
+-- in GHDL and compiled in Verilator, clock by clock (tests/gateware/test_lockstep.py).
 --
---   addresses 0 to 7    read_words, 32 bits each, address 0 in the lowest; 0 and 1 turned by a wide constant
+--   addresses 0 to 7    read_words, 32 bits each, address 0 in the lowest; 0 and 1 inverted by a wide constant
 --   addresses 8 to 15   write_words
 --   addresses 16 to 63  none
 --   addresses 64 to 79  memory
@@ -58,7 +58,7 @@ architecture bench of lockstep_design is
   signal slaves_m2s : wishbone_m2s_vector_t(0 to 1);
   signal slaves_s2m : wishbone_s2m_vector_t(0 to 1);
 
-  -- Only one word is not zero: as one wide constant it would be lost.
+  -- Only one word is not zero: a single wide constant would lose it.
   function first_words return word_vector_t is
     variable words : word_vector_t(0 to 63) := (others => (others => '0'));
   begin
@@ -98,7 +98,7 @@ begin
       read_words => seen, write_words => written, written => open,
       was_read => open);
 
-  -- GHDL 2.0 prints constants of more than 32 bits wrongly in Verilog.
+  -- GHDL 2.0 writes constants of more than 32 bits wrongly in Verilog.
   turned  <= x"0123456789ABCDEF" when events(0) = '1' else x"FEDCBA9876543210";
   seen(0) <= read_words(31 downto 0) xor turned(31 downto 0);
   seen(1) <= read_words(63 downto 32) xor turned(63 downto 32);

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Gives lockstep_design what a file says, clock by clock, through registers as the compiled model has them, and writes down
--- all of its outputs. Each side's file has a line a clock; the other simulator has to write the same.
+-- Drives lockstep_design from a file, clock by clock, through registers as in the compiled model. It writes down all
+-- outputs of the design. A file has one line per clock, and the other simulator must write the same file.
 --
--- Stimulus  RESET RX_VALID RX_DATA RX_ERROR TX_READY EVENTS WORD VALUE   decimal; from the next clock on, but that the word
---           is there at once. A byte that is offered stays until the next line, taken or not.
--- Response  RX_READY TX_VALID TX_DATA W0 .. W7   in the clock that has begun; TX_DATA is 0 while there is none
+-- Stimulus  RESET RX_VALID RX_DATA RX_ERROR TX_READY EVENTS WORD VALUE, all decimal. They apply from the next clock on, but
+--           the word applies at once. A byte stays on offer until the next line, taken or not.
+-- Response  RX_READY TX_VALID TX_DATA W0 .. W7, in the clock that has begun. TX_DATA is 0 while TX_VALID is 0.
 
 library ieee;
   use ieee.std_logic_1164.all;

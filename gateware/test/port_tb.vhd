@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- port_splitter and port_joiner: random bytes and messages, both sides at random, against a few lines that say the same.
+-- port_splitter and port_joiner: random bytes and messages, both sides at random, compared with a short model.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -95,7 +95,7 @@ begin
     wait;
   end process;
 
-  -- Two senders of messages: the last byte has bit 7 set, classic bytes bit 6; the lower ones count.
+  -- Two senders of messages. Bit 7 marks the last byte, bit 6 marks classic bytes, and the lower bits count.
   texts : process
     variable random : random_t;
   begin

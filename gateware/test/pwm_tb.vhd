@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- pwm: each pulse and period measured at the pins, changes only between periods, servo pulses in microseconds and
--- within limits.
+-- pwm: each pulse and period is measured at the pins. Changes come only between periods. Servo pulses are in microseconds
+-- and within limits.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +32,7 @@ architecture test of pwm_tb is
 
   signal pins : std_ulogic_vector(channels - 1 downto 0);
 
-  -- Of every channel: clocks of the last whole pulse, from the rise before to the last one, and how many pulses.
+  -- For each channel: clocks of the last whole pulse, clocks between the last two rising edges, and the number of pulses.
   type numbers_t is array (0 to channels - 1) of natural;
   signal high_clocks, period_clocks, pulses : numbers_t := (others => 0);
 
@@ -127,7 +127,7 @@ begin
             & integer'image(whole));
     end procedure;
 
-    -- High clocks of one channel over some clocks.
+    -- Checks the number of high clocks of one channel over some clocks.
     procedure count_high (channel : natural; over : positive; expected : natural; what : string) is
       variable high : natural := 0;
     begin
@@ -154,7 +154,7 @@ begin
 
     count_high(0, 100, 0, "high before it is enabled");
 
-    -- Off while the period is zero, whatever the widths.
+    -- Off while the period is zero, for all widths.
     write_ok(2, 10);
     write_ok(0, on_pwm);
     count_high(0, 100, 0, "high with no period");
@@ -173,7 +173,7 @@ begin
         expect_channel(channel, widths(channel), period, 0);
         read_expect(2 + channel, widths(channel));
       end loop;
-      -- A new width at any time: each pulse is a whole old one or a whole new one.
+      -- A new width comes at any time: each pulse is a whole old one or a whole new one.
       before    := widths;
       widths(1) := random.integer_between(1, period - 1);
       wait_clocks(clock, random.integer_between(0, period));
@@ -186,7 +186,7 @@ begin
       expect_channel(1, widths(1), period, 0);
     end loop;
 
-    -- Always and never.
+    -- Always high and never high.
     write_ok(1, 50);
     write_ok(2, 50);
     write_ok(3, 0);
@@ -196,13 +196,13 @@ begin
     count_high(1, 200, 0, "high clocks at a width of zero");
     count_high(2, 200, 100, "high clocks at half");
 
-    -- Out of the counter's range: the longest there is, and a read says so.
+    -- Values beyond the counter's range become the longest possible, and a read gives this value.
     write_ok(2, x"FFFFFFFF");
     read_expect(2, 2 ** counter_bits - 1);
     write_ok(1, x"00010000");
     read_expect(1, 2 ** counter_bits - 1);
 
-    -- Servo: microseconds at 50 Hz, within the limits; zero is no pulse.
+    -- Servo mode: microseconds at 50 Hz, within the limits; zero is no pulse.
     write_ok(2, 1500);
     write_ok(3, 10);
     write_ok(4, 60000);

@@ -1,7 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- quadrature_encoder turned by a random walk: every step counted, presets that lose none, index, impossible steps,
--- snapshots.
+-- quadrature_encoder on a random walk: every step is counted, presets lose no step, index, impossible steps, snapshots.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -122,7 +121,7 @@ begin
 
     expect_all;
 
-    -- A random walk, as fast as the filter allows, edges anywhere in a clock.
+    -- A random walk, as fast as the filter allows, with edges anywhere in a clock.
     for walk in 1 to 60 loop
       for count in 1 to random.integer_between(1, 30) loop
         if random.chance(50 + 40 * (walk mod 2)) then
@@ -154,7 +153,7 @@ begin
           wrong := random.integer_between(0, 5);
           write_ok(3, as_word(wrong));
         when 4 =>
-          -- A spike shorter than the filter is no step.
+          -- A spike shorter than the filter is not a step.
           settle;
           if stable_clocks > 1 then
             wait until rising_edge(clock);
@@ -168,7 +167,7 @@ begin
       expect_all;
     end loop;
 
-    -- A preset that meets a step, at every distance: the step counts before or after it, never not at all.
+    -- A preset meets a step, at every distance: the step counts before the preset or after it, but is never lost.
     for distance in 0 to stable_clocks + 8 loop
       settle;
       write_ok(0, as_word(0));
@@ -183,14 +182,14 @@ begin
             "which of both came first");
     end loop;
 
-    -- Wraps at the word.
+    -- It wraps at the word.
     write_ok(0, as_word(2 ** (data_width - 2) + (2 ** (data_width - 2) - 1)));
     settle;
     step(1);
     settle;
     read_expect(0, std_ulogic_vector(shift_left(to_unsigned(1, 32), data_width - 1)));
 
-    -- In a block: the position when cyc rose.
+    -- In a block, reads give the position of the moment when cyc rose.
     write_ok(0, as_word(7));
     settle;
     in_block := true;
@@ -208,7 +207,7 @@ begin
     read(4);
     check(refused, "a read of +4 was answered");
 
-    -- A reset with the signals high is no step.
+    -- A reset with the signals high is not a step.
     reset <= '1';
     wait_clocks(clock, 6);
     reset <= '0';

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- rate_pkg: the accumulator's rate for clocks and rates of every size, against real arithmetic and by counting ticks.
+-- rate_pkg: the accumulator's rate for clocks and rates of every size, checked by real arithmetic and by counting ticks.
 
 library ieee;
   use ieee.std_logic_1164.all;

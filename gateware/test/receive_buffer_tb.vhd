@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- receive_buffer: bytes and errors in the order in which they came, each once, under random stalls of both sides; capacity,
--- latency, an error that nobody has to take, reset.
+-- receive_buffer: bytes and errors leave in the order of arrival, each once, under random stalls of both sides; capacity,
+-- latency, an error without a reader, reset.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -36,7 +36,7 @@ architecture test of receive_buffer_tb is
   signal came, went                 : natural := 0;
   signal bytes, errors              : natural := 0;
 
-  -- Item by item the same on both sides: a byte, or sometimes an error in place of one.
+  -- Both sides draw the same items: a byte, or sometimes an error instead.
   procedure next_item (variable random : inout random_t; variable error : out receive_error_t;
                        variable data : out std_ulogic_vector(7 downto 0)) is
   begin
@@ -80,7 +80,7 @@ begin
     reset <= '0';
     wait until rising_edge(clock);
 
-    -- An error is over after a clock, whether or not anybody wants bytes; the byte behind it stands.
+    -- An error lasts one clock, whether or not a byte can be taken. The byte after it stays.
     give("010", x"11");
     wait until rising_edge(clock);
     check_equal(rx_error, no_receive_error, "no error a clock behind the item");
@@ -93,7 +93,7 @@ begin
     check_equal(rx_valid, '1', "the byte behind the error");
     check_equal(rx_data, x"22", "the byte behind the error");
 
-    -- It stands in the output register; `depth` more find room, and the last one is an error that waits for its place.
+    -- One item is in the output register, and `depth` more find room. The last one is an error that waits for its place.
     for index in 1 to depth - 1 loop
       give(no_receive_error, x"33");
     end loop;

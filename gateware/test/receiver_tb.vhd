@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- receiver (behind the decoder): what it makes of messages right and wrong, with each kind of checksum.
+-- receiver after the decoder: its events for good and bad messages, with each kind of checksum.
 --
--- Events are written as text: ( start, [ checked start, the letter, : colon, two digits a byte, ) good, !xx bad.
+-- Events are written as text: ( start, [ checked start, the letter, : colon, two digits for a byte, ) good, !xx bad.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -146,7 +146,7 @@ begin
     else
       try("$R:12*58", "!F1");
     end if;
-    -- Physical errors: alone, in the middle of a message, and while there is no room.
+    -- Physical errors: outside a message, within a message, and while there is no room.
     rx_error <= "001";
     tick;
     rx_error <= "000";

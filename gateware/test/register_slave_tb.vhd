@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- register_slave against an array of words: random reads, writes, refusals, pauses; snapshots of a block.
+-- register_slave, compared with an array of words: random reads, writes, refusals, pauses; snapshots of a block.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,13 +31,13 @@ architecture test of register_slave_tb is
   constant words    : positive := 8;
   constant writable : std_ulogic_vector(0 to words - 1) := "01101-01";
 
-  -- What the writable words begin with.
+  -- The initial values of the writable words.
   constant initial : word_vector_t(0 to words - 1) := (1 => x"0000005A", 2 => x"000000C3", others => (others => '0'));
 
   signal read_words  : word_vector_t(0 to words - 1);
   signal write_words : word_vector_t(0 to words - 1);
   signal written     : std_ulogic_vector(0 to words - 1);
-  signal status      : word_vector_t(0 to words - 1) := (others => (others => '0')); -- what logic offers to be read
+  signal status      : word_vector_t(0 to words - 1) := (others => (others => '0')); -- the words that logic offers for reads
   signal strobes     : natural := 0;
 
 begin
@@ -144,7 +144,7 @@ begin
     for index in 1 to 600 loop
       address := random.integer_between(0, words + 1);
       if random.chance(10) then
-        address := 2 ** random.integer_between(3, 30); -- far outside, where low bits look inside
+        address := 2 ** random.integer_between(3, 30); -- far outside, where the low bits alone would be inside
       end if;
       data := random.vector(32);
       case random.integer_between(0, 2) is
@@ -158,7 +158,7 @@ begin
             check(refused, "a write of " & integer'image(address) & " was taken");
           end if;
           check_equal(clocks, 2, "clocks of a write");
-          wait_clocks(clock, 1); -- the next access is another block: it sees the new word even in a snapshot
+          wait_clocks(clock, 1); -- the next access is another block: a snapshot shows the new word, too
         when 1 =>
           if exists(address) then
             read_expect(address, model(address));
@@ -182,12 +182,12 @@ begin
     wait_clocks(clock, 1);
     check_equal(strobes, writes, "written strobes");
 
-    -- A write with a byte left out changes nothing.
+    -- A write that does not select all bytes changes nothing.
     bus_access(clock, m2s, s2m, '1', to_unsigned(1, 32), not model(1), "1110", false, word, refused, clocks);
     check(refused, "a write of part of a word was taken");
     read_expect(1, model(1));
 
-    -- A block sees the words of its first clock, or without snapshots the words of now.
+    -- A block sees the words of its first clock, or without snapshots the current words.
     status(0) <= masked(x"12345678");
     wait_clocks(clock, 3);
     in_block := true;
@@ -202,7 +202,7 @@ begin
       read_expect(0, masked(x"9ABCDEF0"));
       read_expect(3, masked(x"0F1E2D3C"));
     end if;
-    -- But what the block itself writes, and nothing else: the words beside it stay as they were.
+    -- It also sees the words that it writes itself. All other words stay as they were.
     write_ok(1, masked(x"13579BDF"));
     wait_clocks(clock, 1);
     read_expect(1, masked(x"13579BDF"));
@@ -220,7 +220,7 @@ begin
     read_expect(0, masked(x"9ABCDEF0"));
     read_expect(3, masked(x"0F1E2D3C"));
 
-    -- An access that is given up in the clock of its answer is not answered later.
+    -- An access that ends in the clock of its answer is not answered later.
     m2s <= (cyc => '1', stb => '1', we => '0', adr => x"00000001", dat => x"00000000", sel => "1111");
     wait_clocks(clock, 1);
     m2s <= wishbone_m2s_idle;

@@ -1,26 +1,26 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Plays a file of steps to the core and writes down what it answers, with clocks. What is right is judged by whoever wrote
--- the steps (tests/gateware): recordings, or the twin.
+-- Plays a file of steps to the core, and writes down its answers with their clocks. The author of the steps checks the
+-- answers (tests/gateware): recordings, or the twin.
 --
--- Steps, one a line:  s HEX  send these bytes back to back
---                     w N    wait N clocks
---                     q N    wait until no byte has moved either way for N clocks
---                     e N    set the event inputs to this mask
---                     x N    pulse the physical error bits for one clock
---                     r N    reset for N clocks
---                     d N    the host takes no more bytes, N clocks from now on; 0: it does again
---                     k N    nor does it send any, and what it would send is lost; likewise
--- Answers:            b CLOCK BYTE  a byte has left
---                     o CLOCK       the first byte of an `s` has entered
---                     i CLOCK       its last byte has
---                     t CLOCK ADDRESS  a bus strobe has begun (of the address, the low 16 bits)
---                     u CLOCK ADDRESS  a write has been acknowledged
---                     v CLOCK DATA  and this was written
---                     p CLOCK LEVEL  `tripped` is another one now
---                     k CLOCK LEVEL  the host is dead, or alive again
---                     s             a step is over
---                     end           all steps are
+-- Steps, one per line: s HEX  send these bytes back to back
+--                      w N    wait N clocks
+--                      q N    wait until no byte has moved in either direction for N clocks
+--                      e N    set the event inputs to this mask
+--                      x N    pulse the physical error bits for one clock
+--                      r N    reset for N clocks
+--                      d N    the host takes no more bytes, N clocks from now on; 0: it takes bytes again
+--                      k N    the same, and the bytes that it would send are lost
+-- Answers:             b CLOCK BYTE  a byte was sent
+--                      o CLOCK       the first byte of an `s` was taken
+--                      i CLOCK       its last byte was taken
+--                      t CLOCK ADDRESS  a bus strobe began (with the low 16 bits of the address)
+--                      u CLOCK ADDRESS  a write was acknowledged
+--                      v CLOCK DATA  the data of this write
+--                      p CLOCK LEVEL  `tripped` changed to this level
+--                      k CLOCK LEVEL  the host is dead, or alive again
+--                      s             a step has ended
+--                      end           all steps have ended
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -57,15 +57,15 @@ entity replay_tb is
     exchange_size : positive := 16;
     window        : positive := 32;
     clock_hz      : positive := 50_000_000;
-    recorded      : natural  := 1;       -- memory as in the recordings
+    recorded      : natural  := 1;       -- the memory of the recordings
     bad_base      : natural  := 0;       -- see bench_memory
-    registers     : natural  := 0;       -- so many words from 0 on are a register_slave, frozen while the bus is held
-    fifo_words    : natural  := 0;       -- 16: the core stands between two FIFOs of this depth
-    physical      : string   := "none";  -- or behind one, and the other end of its wires: see far_end
-    stall_percent : natural  := 0;       -- of the clocks in which the bench neither gives nor takes a byte
-    bus_stall_percent : natural := 0;    -- of the clocks in which the bus could acknowledge and does not
-    byte_clocks   : positive := 1;       -- clocks a byte that leaves takes on its line
-    bus_waits     : natural  := 0;       -- clocks an acknowledge is later than the soonest
+    registers     : natural  := 0;       -- so many words from 0 on are a register_slave with snapshots
+    fifo_words    : natural  := 0;       -- 16: the core is between two FIFOs of this depth
+    physical      : string   := "none";  -- the physical layer of the core, with the other end of its wires: see far_end
+    stall_percent : natural  := 0;       -- clocks in which the bench neither gives nor takes a byte
+    bus_stall_percent : natural := 0;    -- clocks in which the bus could acknowledge but does not
+    byte_clocks   : positive := 1;       -- clocks that a sent byte takes on its line
+    bus_waits     : natural  := 0;       -- clocks by which an acknowledge is late
     seed          : positive := 1
   );
 end entity;
@@ -77,7 +77,7 @@ architecture bench of replay_tb is
 
   constant step_clocks_most : natural := 4_000_000;  -- watchdog of one step
 
-  -- Chips have times, and then the clock must be of 50 MHz.
+  -- Chips have real times, so they need a clock of 50 MHz.
   function half_period return time is
   begin
     if physical = "none" then
@@ -355,7 +355,7 @@ begin
             report "replay_tb: a step is " & kind severity failure;
         end case;
       end if;
-      wait for 1 ps;  -- a byte that leaves in the last clock of a step belongs to it
+      wait for 1 ps;  -- a byte that is sent in the last clock of a step belongs to it
       write(answer, string'("s"));
       writeline(answers, answer);
     end loop;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- reply_cache against what the page says, word by word: a full id a place, and arrays of what was answered.
+-- reply_cache, compared with the page in docs: a full id for each place, and arrays of the answers.
 
 library ieee;
   use ieee.std_logic_1164.all;

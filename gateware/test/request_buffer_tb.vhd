@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- request_buffer: commands by their letters, data bytes in order, two requests at a time, errors in their places.
+-- request_buffer: commands from their letters, data bytes in order, two requests at a time, errors in their places.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,7 +12,7 @@ use work.datalink_pkg.all;
 
 entity request_buffer_tb is
   generic (
-    complete : boolean := true  -- else without read-many, publishing and RLC
+    complete : boolean := true  -- false: without read-many, publishing and RLC
   );
 end entity;
 
@@ -48,7 +48,7 @@ begin
       receive.event <= nothing;
     end procedure;
 
-    -- Letters, and `bytes` data bytes that count from `first` if there is a colon.
+    -- Sends letters, and after a colon `bytes` data bytes that count from `first`.
     procedure message(letters : string; marked : boolean; bytes : natural := 0; first : natural := 0) is
     begin
       event(start, checked => '1');
@@ -95,7 +95,7 @@ begin
       check_equal(request.valid, '1', "valid " & letters);
       check_equal(request.error, '0', "error " & letters);
       check_equal(request.checked, '1', "checked " & letters);
-      if expected = command_unknown then  -- or any number of no command
+      if expected = command_unknown then  -- or another number without a command
         assert unsigned(request.command) = expected or unsigned(request.command) >= command_spelling
           report letters & " is " & to_string(request.command) severity failure;
         assert unsigned(request.command) < command_error report letters & " is no request" severity failure;
@@ -142,7 +142,7 @@ begin
     understand("WIC", false, command_unknown);
     understand("RIC", false, command_read_event_mask);
 
-    -- Two requests at a time, then no room; data come in order, a byte a clock, and do not mix.
+    -- Two requests at a time, then no room. Data come in order, one byte per clock, and do not mix.
     message("R", true, 5, 10);
     event(good);
     message("W", true, 20, 100);
@@ -153,7 +153,7 @@ begin
     take_one;
     take_bytes(5, 10);
     check_equal(request.missing, '1', "nothing behind the first");
-    -- Back to the start, and again from there.
+    -- Back to the start, and read again.
     rewind <= '1';
     wait until rising_edge(clock);
     rewind <= '0';
@@ -167,7 +167,7 @@ begin
     check_equal(to_integer(unsigned(request.command)), command_write, "its command");
     take_one;
     take_bytes(10, 100);
-    -- A message that turns out bad takes only itself along, and its error stands in its place.
+    -- A bad message drops only itself, and its error takes its place.
     message("R", true, 3, 50);
     event(bad, 16#F4#);
     take_bytes(10, 110);
@@ -182,7 +182,7 @@ begin
     check_equal(request.data, std_ulogic_vector'(x"F1"), "its code");
     done;
     check_equal(request.valid, '0', "nothing left");
-    -- A reset forgets what is complete.
+    -- A reset drops complete requests.
     message("R", true, 1, 0);
     event(good);
     reset <= '1';

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- request_stream: events in as a lite_receiver tells them, in and out at random paces; commands, bytes, ends.
--- Events are written as text: ( start, letters, : colon, a digit a byte of that value, ) good, ! bad.
+-- request_stream: events as from a lite_receiver, in and out at random speeds; commands, bytes, ends. Events are written as
+-- text: ( start, letters, : colon, one digit for a byte of that value, ) good, ! bad.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,7 +28,7 @@ architecture bench of request_stream_tb is
   signal request      : request_t;
   signal take         : std_ulogic := '0';
   signal request_done : std_ulogic := '0';
-  signal fed          : natural := 0;  -- events of the text that have gone in
+  signal fed          : natural := 0;  -- events of the text that were sent
   signal told_end     : natural := 0;  -- events up to message_end; 0: there was none
 
 begin
@@ -47,7 +47,7 @@ begin
     variable bytes  : string(1 to 20);
     variable count  : natural;
 
-    -- Feeds the events of `text` and takes what comes of it: `most` bytes at most, and then the request is done.
+    -- Sends the events of `text`, and takes the request: at most `most` bytes, and then the request is done.
     procedure try(
       text : string; command : natural; expected : string := ""; most : natural := 20; ends_at : natural := 0) is
       variable next_event : natural := 1;
@@ -79,7 +79,7 @@ begin
         receive.event <= nothing;
         take         <= '0';
         request_done <= '0';
-        wait until falling_edge(clock);  -- all outputs of the clock before stand
+        wait until falling_edge(clock);  -- all outputs of the clock before are stable
         if request.valid = '1' and not gone then
           if not begun then
             check(request.error = '0' xor command = command_error, text & ": error");

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- reset_synchroniser: at power-up, at random moments within a clock, and for pulses shorter than a clock.
+-- reset_synchroniser: at power-up, at random moments within a clock, and with pulses shorter than a clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -30,7 +30,7 @@ begin
     generic map (clocks => clocks)
     port map (clock => clock, asynchronous_reset => asynchronous_reset, reset => reset);
 
-  -- It may begin at any time, but it ends at a rising edge of the clock.
+  -- It may begin at any time, but ends at a rising edge of the clock.
   ends : process (reset) is
   begin
     assert not falling_edge(reset) or clock'last_event = 0 ns or now = 0 ns
@@ -42,7 +42,7 @@ begin
 
     variable random : random_t;
 
-    -- From here on `reset` holds for exactly `clocks` rising edges.
+    -- From here on `reset` lasts for exactly `clocks` rising edges.
     procedure expect_reset is
     begin
       for edge in 1 to clocks loop
@@ -56,7 +56,7 @@ begin
 
   begin
     random.seed(seed);
-    expect_reset; -- power-up: nobody asked for it
+    expect_reset; -- power-up: without a request
     for index in 1 to 200 loop
       wait until falling_edge(clock);
       wait for random.integer_between(0, 40000) * 1 ps;
@@ -67,7 +67,7 @@ begin
         wait for random.integer_between(1, 100000) * 1 ps;
       end if;
       if clock'last_event < 2 ps then
-        wait for 2 ps; -- not at the edge itself: whether that edge counts is up to the flip-flop
+        wait for 2 ps; -- not at the edge itself: there the flip-flop may or may not see it
       end if;
       asynchronous_reset <= '0';
       expect_reset;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core: a reset at every clock while a message comes in, is executed and answered. Each time the core is quiet afterwards
--- and then answers a read rightly, with no subscription and no publishing left.
+-- core: a reset at every clock while a message comes in, is executed and answered. Each time the core is quiet afterwards.
+-- Then it answers a read correctly, with no subscription and no publishing left.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- rs485_node, character by character: what reaches the core of what the master says, tokens with each bit flipped, and whole
--- turns: with nothing to say, with messages, with more than a turn holds, with one that the core breaks off.
+-- rs485_node, character by character: which bytes of the master reach the core, tokens with each bit flipped, and whole
+-- turns. A turn has no message, some messages, more than fit, or a message that the core breaks off.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -44,9 +44,9 @@ architecture test of rs485_node_tb is
   signal out_ready              : std_ulogic := '1';
   signal out_data               : byte_t;
 
-  signal core_bytes : natural := 0;   -- that reached the core
-  signal has        : natural := 0;   -- bytes the core has to say: C0, C1, …
-  signal breaks     : boolean := false; -- … and no end of the message
+  signal core_bytes : natural := 0;   -- bytes that reached the core
+  signal has        : natural := 0;   -- bytes that the core has to send: C0, C1, …
+  signal breaks     : boolean := false; -- … without an end of the message
   signal turn       : bytes_t(0 to 63) := (others => x"FF");
   signal turn_size  : natural := 0;
 
@@ -97,7 +97,7 @@ begin
     end if;
   end process;
 
-  -- A frame lasts ten bits; it takes the next character in the last clock of one.
+  -- A frame lasts ten bits. The transmitter takes the next character in the last clock of a frame.
   transmitter : process (clock) is
     variable left : natural := 0;
   begin
@@ -152,7 +152,7 @@ begin
       end loop;
     end procedure;
 
-    -- The turn behind a poll, of these many bytes of the core.
+    -- Checks the turn after a poll, with so many bytes of the core.
     procedure check_turn (bytes : natural; broken : boolean := false) is
       variable border : natural := 0;
     begin
@@ -182,7 +182,7 @@ begin
     reset <= '0';
     wait until rising_edge(clock);
 
-    -- The border in front and a frame up to its error are for us, and the next frame; then somebody else's.
+    -- The core gets the border before it, a frame up to its error, and the next frame. Then a frame for another node comes.
     token(select_us);
     hear(x"80");
     hear(x"11");
@@ -211,7 +211,7 @@ begin
     check_turn(5);
     has <= 0;
     wait until rising_edge(clock);
-    has <= 40; -- eight are enough: the second message is the last
+    has <= 40; -- eight fit: the second message is the last
     check_turn(10);
     has <= 0;
     wait until rising_edge(clock);

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Three nodes and a master on one pair. Each node answers what is said to it, the others not; nobody drives unasked, never two at
--- once; a turn ends in time; a token with a flipped bit is none. The pair is pulled high; whoever drives it also hears it.
+-- Three nodes and a master on one pair. Only the addressed node answers. No node drives unless it is polled, and two never
+-- drive at once. A turn ends in time. A token with a flipped bit is ignored. The pair is pulled high, and a node that
+-- drives also receives its own signal.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,11 +24,11 @@ architecture test of rs485_tb is
   constant clock_period : time     := 1 sec / clock_hz;
   constant bit_time     : time     := 1 sec / baud_hz;
   constant nodes        : positive := 3;
-  constant turn_bytes   : positive := 256;  -- as the entity has it: a netlist has no other
+  constant turn_bytes   : positive := 256;  -- as in the entity: a netlist has no other
 
   subtype byte_t is std_ulogic_vector(7 downto 0);
   type numbers_t is array (1 to nodes) of natural;
-  constant number : numbers_t := (3, 2, 63); -- 3 and 2: the same but for a bit
+  constant number : numbers_t := (3, 2, 63); -- 3 and 2 differ in one bit
 
   signal clock : std_ulogic := '0';
   signal reset : std_ulogic := '1';
@@ -40,9 +41,9 @@ architecture test of rs485_tb is
   signal driven         : natural := 0; -- the node that may drive, as an index
 
   signal stuck  : boolean := false; -- the nodes stop within a message
-  signal chatty : boolean := false; -- the nodes always have more to say
-  signal heard  : numbers_t := (others => 0); -- bytes by each node
-  signal told   : numbers_t := (others => 0); -- errors, of each node
+  signal chatty : boolean := false; -- the nodes always have more to send
+  signal heard  : numbers_t := (others => 0); -- bytes received by each node
+  signal told   : numbers_t := (others => 0); -- errors reported by each node
 
 begin
 
@@ -72,7 +73,7 @@ begin
         rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
         tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last);
 
-    -- Answers each message with one of the same bytes, but C0 and its number in front.
+    -- Answers each message with its bytes, after C0 and its own number.
     core : process is
       variable moments : random_t;
 
@@ -183,7 +184,7 @@ begin
       master_drive <= '0';
     end procedure;
 
-    -- One byte from the pair; `silence`: none within so many bits.
+    -- Receives one byte from the pair. `silence`: none came within so many bits.
     procedure hear (byte : out byte_t; silence : out boolean; patience : positive := 60) is
     begin
       byte    := x"00";
@@ -241,7 +242,7 @@ begin
       driven <= 0;
     end procedure;
 
-    -- A message to a node and its answer.
+    -- Sends a message to a node, and receives its answer.
     procedure ask (index : positive; size : positive) is
       type bytes_t is array (1 to 60) of byte_t;
       variable bytes : bytes_t;
@@ -280,7 +281,7 @@ begin
     reset <= '0';
     wait for 20 * bit_time;
 
-    -- Nobody speaks before it is asked, not even to its own messages.
+    -- No node sends before it is polled, not even after its own messages.
     say(x"81");
     say(x"00");
     token(x"02");
@@ -293,7 +294,7 @@ begin
     poll(2);
     expect_end;
 
-    -- Every flip of one bit in a token to node 3: neither it nor 2 takes what follows, or speaks.
+    -- All flips of one bit in a token to node 3: neither node 3 nor node 2 takes the following bytes, or sends.
     before := heard;
     for place in 0 to 7 loop
       flips        := x"00";
@@ -314,7 +315,7 @@ begin
     end loop;
     check(heard = before, "bytes behind tokens that were none");
 
-    -- A token that another one follows, or garbage, or nothing; a byte that is broken.
+    -- A token is followed by another token, by garbage, or by nothing; or a byte is broken.
     say(x"03");
     say(x"00");
     say(x"03");
@@ -330,12 +331,12 @@ begin
     say(x"00");
     let_go;
     expect_silence;
-    check_equal(heard(1), before(1) + 1, "bytes of node 3"); -- the border of the token that was right
+    check_equal(heard(1), before(1) + 1, "bytes of node 3"); -- the border of the right token
     check_equal(heard(2), before(2) + 1, "bytes of node 2");
     check(told = (0, 1, 0), "the node that was spoken to is told of the broken byte");
     ask(1, 5);
 
-    -- A node that always has more to say ends its turn at the end of a message.
+    -- A node that always has more to send ends its turn at the end of a message.
     chatty <= true;
     wait for 300 * bit_time;
     chatty <= false;
@@ -354,7 +355,7 @@ begin
     wait for 3 * bit_time;
     driven <= 0;
 
-    -- One that stops within a message gives the pair back.
+    -- A node that stops within a message releases the pair.
     for index in 1 to 2 * nodes loop
       poll(1 + index mod nodes);
       count := 0;

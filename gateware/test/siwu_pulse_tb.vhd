@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- siwu_pulse: a pulse behind each `due`, as wide as asked; what comes while one waits shares it; a gap between two.
+-- siwu_pulse: a pulse after each `due`, of the right width. A `due` during a wait shares the pulse. There is a gap between
+-- two pulses.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -22,7 +23,7 @@ architecture test of siwu_pulse_tb is
   signal reset  : std_ulogic := '1';
   signal due    : std_ulogic := '0';
   signal siwu_n : std_ulogic;
-  signal owed   : boolean := false; -- something was due and no pulse has begun since
+  signal owed   : boolean := false; -- a pulse is due and has not begun
   signal pulses : natural := 0;
   signal done   : boolean := false;
 
@@ -78,19 +79,19 @@ begin
     wait_clocks(clock, 3);
     check_equal(pulses, 0, "pulses before any was due");
 
-    -- At once: low in the clock behind.
+    -- At once: low in the next clock.
     say;
     wait until rising_edge(clock);
     check_equal(siwu_n, '0', "siwu_n a clock behind due");
 
-    -- Three while it lasts are one more.
+    -- Three during a pulse make one more.
     say;
     say;
     say;
     wait for 5 * pulse_ns * 1 ns + 10 * clock_period;
     check_equal(pulses, 2, "pulses of four that came together");
 
-    -- As often as it is due, if that is not too often; never none at all.
+    -- As many pulses as are due, if that is not too often, and never none at all.
     for index in 1 to 100 loop
       say;
       wait_clocks(clock, random.integer_between(0, 30));

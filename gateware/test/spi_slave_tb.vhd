@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- spi_slave and a master that clocks as it likes: transfers of any length, pauses, transfers broken off within a byte. Every
--- byte both ways once and in order, no filler within a message of ours, `waiting` until all is sent; then an overrun.
+-- spi_slave with a master that clocks at any time: transfers of any length, pauses, transfers that break off within a byte.
+-- Every byte arrives once and in order in both directions. No filler comes within a message of the FPGA, and `waiting` is
+-- high until all is sent. Then an overrun.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -13,7 +14,7 @@ entity spi_slave_tb is
   generic (
     clock_hz      : positive := 50_000_000;
     sck_hz        : positive := 25_000_000;
-    bytes         : positive := 1500; -- of the FPGA
+    bytes         : positive := 1500; -- from the FPGA
     stall_percent : natural  := 30;
     seed          : positive := 1
   );
@@ -38,11 +39,11 @@ architecture test of spi_slave_tb is
   signal rx_error                  : receive_error_t;
 
   signal deaf      : boolean := false;
-  signal speaking  : boolean := false; -- the FPGA has something to say, now and then
-  signal said      : natural := 0;     -- by the FPGA
-  signal heard     : natural := 0;     -- by the PC, but filler
-  signal given     : natural := 0;     -- by the PC, filler too
-  signal received  : natural := 0;     -- by the FPGA
+  signal speaking  : boolean := false; -- the FPGA sends now and then
+  signal said      : natural := 0;     -- sent by the FPGA
+  signal heard     : natural := 0;     -- received by the PC, without filler
+  signal given     : natural := 0;     -- sent by the PC, with filler
+  signal received  : natural := 0;     -- received by the FPGA
   signal overruns  : natural := 0;
   signal done      : boolean := false;
 
@@ -58,7 +59,7 @@ begin
       rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data, rx_error => rx_error,
       tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last);
 
-  -- Messages of 1 byte to two buffers, none of the bytes zero.
+  -- Messages of 1 byte to two buffers. No byte is zero.
   speak : process is
     variable data, moments, sizes : random_t;
     variable size, place          : natural := 0;
@@ -82,7 +83,7 @@ begin
         wait until rising_edge(clock);
       end loop;
       since_pause := since_pause + 1;
-      if since_pause > depth and moments.chance(5) then -- the bus lets the core wait, for as long as 20 bytes take
+      if since_pause > depth and moments.chance(5) then -- the bus lets the core wait for as long as 20 bytes take
         since_pause := 0;
         wait for 320 * half_bit;
         wait until rising_edge(clock);
@@ -123,10 +124,10 @@ begin
 
     variable out_data, in_data, moments, sizes : random_t;
     variable expected                          : std_ulogic_vector(7 downto 0);
-    variable left                              : natural := 0; -- of the message that comes
+    variable left                              : natural := 0; -- left of the incoming message
     variable size                              : positive;     -- of a transfer
 
-    -- Clocks `bits` of a byte.
+    -- Clocks so many bits of a byte.
     procedure exchange (give : std_ulogic_vector(7 downto 0); take : out std_ulogic_vector(7 downto 0); bits : positive := 8) is
     begin
       for index in 1 to bits loop
@@ -181,7 +182,7 @@ begin
       wait for half_bit;
       size := moments.integer_between(1, 40);
       if said = bytes then
-        size := 1; -- the less is heard of `waiting` the more it counts
+        size := 1; -- a short transfer tests `waiting` best
       end if;
       for index in 1 to size loop
         give_and_take;
@@ -190,11 +191,11 @@ begin
         end if;
       end loop;
       if moments.chance(20) then
-        exchange(x"A5", take, moments.integer_between(1, 7)); -- broken off: nobody heard it
+        exchange(x"A5", take, moments.integer_between(1, 7)); -- the transfer breaks off: this byte is not received
       end if;
       wait for half_bit;
       cs_n <= '1';
-      -- The bus may be somebody else's meanwhile.
+      -- Another device may use the bus meanwhile.
       if moments.chance(20) then
         for edge in 1 to 30 loop
           wait for half_bit;
@@ -209,7 +210,7 @@ begin
     end loop;
     check_equal(overruns, 0, "overruns of good traffic");
 
-    -- An overrun: as many as there is room for, then one error for all that were lost.
+    -- An overrun: as many bytes as there is room for, then one error for all lost bytes.
     deaf <= true;
     cs_n <= '0';
     for index in 1 to depth + 8 loop

@@ -133,7 +133,7 @@ begin
     port map (
       clock => clock, reset => reset, wishbone_m2s => to_slaves(3), wishbone_s2m => from_slaves(3), a => a, b => b);
 
-  -- The same signals the other way round: at any moment both positions add up to zero.
+  -- The same signals swapped: at any moment the sum of both positions is zero.
   encoder_2 : entity work.quadrature_encoder
     port map (
       clock => clock, reset => reset, wishbone_m2s => to_slaves(4), wishbone_s2m => from_slaves(4), a => b, b => a);
@@ -152,7 +152,7 @@ begin
   read_words <= (0 => write_words(0), 1 => not write_words(0));
   events(0)  <= '0';
 
-  -- Turns without end, a step every 5 to 60 clocks.
+  -- Turns without end, with a step every 5 to 60 clocks.
   turning : process is
     variable random  : random_t;
     variable quarter : unsigned(1 downto 0) := "00";
@@ -170,7 +170,7 @@ begin
     wait;
   end process;
 
-  -- Irregular data: bursts and silences.
+  -- Irregular data: bursts and pauses.
   putting : process is
     variable random : random_t;
   begin
@@ -230,7 +230,7 @@ begin
       expect(reply);
     end procedure;
 
-    -- The word at the end of a reply, `back` words before the last.
+    -- The word at the end of a reply, or `back` words before it.
     impure function word_received (back : natural) return integer is
       variable result : signed(31 downto 0) := (others => '0');
       variable digit  : natural;
@@ -253,14 +253,14 @@ begin
     ask("#RLC", "#CNF:01,04,20,02,03e8,02,10,02");
     ask("#W:02000000FF", "#S_W");
     ask("#W:01000000A5", "#S_W");
-    ask("$W:01000000FF*00", "?f4"); -- a wrong checksum touches nothing
+    ask("$W:01000000FF*00", "?f4"); -- a wrong checksum changes nothing
     ask("#R:00", "#S_R:000000a5");
     ask("#W:0300000042", "#S_W");
     ask("#R:00", "#S_R:000000e7");
     check_equal(pins, std_ulogic_vector'(x"E7"), "pins");
     check_equal(drive, std_ulogic_vector'(x"FF"), "drive");
     ask("#W:0000000000", "#?E_FBW");
-    ask("#R:07", "#?E_FBR"); -- nobody there
+    ask("#R:07", "#?E_FBR"); -- no slave at this address
     ask("#W:4012345678", "#S_W");
     ask("#RM:024041", "#S_RM:12345678edcba987");
 
@@ -280,7 +280,8 @@ begin
     check_equal(get_valid & get_data, std_ulogic_vector'('1' & x"CAFE0001"), "the word the FPGA got");
     ask("#R:08", "#?E_FBR");
 
-    -- Two encoders in motion, read one after the other: one moment. They started together and turn against each other.
+    -- Two moving encoders are read one after the other, and give one moment. They started together and turn in opposite
+    -- directions.
     for index in 1 to 10 loop
       send("#RM:022024" & LF);
       receive;
@@ -289,7 +290,7 @@ begin
       check_equal(word_received(0), -word_received(1), "the second encoder in the moment of the first");
     end loop;
 
-    -- Noise in a message costs that message alone.
+    -- Noise in a message costs only that message.
     send("#R:40" & LF & "#R:4");
     wait for bit_time * 10 * 14;
     cut <= '0';
@@ -301,8 +302,8 @@ begin
     expect("?f7");
     expect("#S_R:edcba987");
 
-    -- Every word of irregular data is published once, in order, though the queue fills faster than the wire.
-    -- Words that came before anybody asked for them are published too.
+    -- Every word of irregular data is published once and in order, although the queue fills faster than the wire. Words
+    -- that came before the subscription are published too.
     puts_on <= true;
     wait until put_ready = '0';
     ask("#WSA:010108", "#S_WSA");

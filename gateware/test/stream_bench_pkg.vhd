@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The host's side of a core's byte streams as a procedure: a request in, its reply out.
+-- The host's side of a core's byte streams as a procedure: it sends a request, and receives the reply.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -11,7 +11,7 @@ package stream_bench_pkg is
 
   constant reply_clocks_most : positive := 5000;
 
-  -- Sends `request` and a line feed, and checks that the line that comes is `reply`. tx_ready must be high all the time.
+  -- Sends `request` and a line feed, and checks that the received line is `reply`. tx_ready must be high all the time.
   procedure ask (
     signal clock    : in  std_ulogic;
     signal rx_valid : out std_ulogic;
@@ -23,7 +23,7 @@ package stream_bench_pkg is
     reply           : in  string
   );
 
-  -- As the gateware says it: lower case.
+  -- In lower case, as the gateware sends it.
   function digits (word : std_ulogic_vector) return string;
 
 end package;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- subscription_manager: strobes to the clock, rates, order among groups, coalescing, level and edge events, addresses of
--- every place of every group, mask bytes.
+-- subscription_manager: exact strobes, rates, order among groups, coalescing, level and edge events, addresses at every
+-- place of every group, mask bytes.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,7 +21,7 @@ end entity;
 
 architecture bench of subscription_manager_tb is
 
-  constant strobe_to_publish : natural := groups + 5;  -- clocks; the same always
+  constant strobe_to_publish : natural := groups + 5;  -- clocks; always the same
 
   signal clock     : std_ulogic := '0';
   signal reset     : std_ulogic := '1';
@@ -63,7 +63,7 @@ begin
       return (group_number * 257 + index * 7 + 1) mod 2 ** minimum(address_width, 20);
     end function;
 
-    -- In a large device most groups are small here, so that the bench stays quick.
+    -- In a large device most groups are small here, so that the bench is quick.
     function size_of(group_number : natural) return positive is
     begin
       if group_number mod 16 = 0 or group_number = groups - 1 or groups <= 16 then
@@ -72,7 +72,7 @@ begin
       return 1;
     end function;
 
-    -- Address number index of a group is at place size - index; at place 0 their number.
+    -- Address number index of a group is at place size - index. Place 0 has their number.
     procedure fill(group_number : natural; count : positive) is
     begin
       for place in 0 to count loop
@@ -157,7 +157,7 @@ begin
     tick(2);
     reset <= '0';
     tick;
-    -- Every address of every group, at its place; a group not filled has none.
+    -- Every address of every group is at its place. A group that was not filled has no address.
     look(last);
     tick(2);
     check_equal(response.empty, '1', "an empty group");
@@ -178,7 +178,7 @@ begin
       check_equal(to_integer(unsigned(response.word)), size_of(group_number) mod 2 ** maximum(minimum(address_width, 20), 8), "count");
       check_equal(response.empty, '0', "a group with addresses");
     end loop;
-    -- Rate 1 in all groups: due together, served downwards and around, one period after the other to the clock.
+    -- Rate 1 in all groups: all are due together, and are served downwards and around in each period, to the clock.
     for group_number in 0 to last loop
       rate(group_number, 1);
     end loop;
@@ -196,13 +196,13 @@ begin
           taken(last - (minimum(last, period / 8) - group_number));
         end if;
       end loop;
-      exit when last > period / 8;  -- more groups than can be served in a period
+      exit when last > period / 8;  -- more groups than a period can serve
     end loop;
     disable;
     tick(3);
     if last <= period / 8 then
       none(2 * period);
-      -- Rate 3: after two periods, then every third; causes that come meanwhile join the one that waits.
+      -- Rate 3: after two periods, then every third. Further causes join the publish that waits.
       for group_number in 0 to last loop
         rate(group_number, 0);
       end loop;
@@ -253,7 +253,7 @@ begin
       enable;
       taken(0);
       none(period);
-      -- Of a rate and an event of the same group the rate is served first, the event after it.
+      -- If a rate and an event of one group come together, the rate is served first.
       rate(0, 1);
       tick(period);
       taken(0);

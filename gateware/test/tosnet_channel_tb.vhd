@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_channel: every word arrives once and in order, not before a cycle, three a cycle; the capacity is `depth`.
+-- tosnet_channel: every word arrives once and in order, not before a cycle, and at most three per cycle. The capacity is
+-- `depth`.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -43,7 +44,7 @@ begin
 
     variable random    : random_t;
     variable sent      : natural := 0;
-    variable arrived   : natural := 0; -- that should have, so far
+    variable arrived   : natural := 0; -- words that should have arrived so far
     variable taken     : natural := 0;
     variable waited    : natural := 0;
 

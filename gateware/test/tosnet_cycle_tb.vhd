@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_cycle: the length of a cycle, what counts and what halts. Under random traffic it is compared with the twin, inside
--- tosnet_slave.
+-- tosnet_cycle: the length of a cycle, what it counts, and when it halts. The bench of tosnet_slave compares it with the
+-- twin under random traffic.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -48,7 +48,7 @@ begin
       wait for 1 ps;
     end procedure;
 
-    -- To the end of a cycle, with or without a commit.
+    -- Waits for the end of a cycle, with or without a commit.
     procedure pass (commit : std_ulogic := '0') is
       variable before : std_ulogic;
     begin

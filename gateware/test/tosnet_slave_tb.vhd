@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_slave under random traffic from all its sides. What it did is written to log_file, a line each, and judged by the
--- twin (tests/gateware/test_tosnet.py); what the twin does not know is checked here.
+-- tosnet_slave under random traffic from all sides. Its actions are written to log_file, one per line, and the twin checks
+-- them (tests/gateware/test_tosnet.py). What the twin does not model is checked here.
 --
--- A line is KIND CLOCK STATE PLACE WORD; CLOCK counts from the end of the reset, and the thing happens at that clock's end.
+-- A line is KIND CLOCK STATE PLACE WORD. CLOCK counts from the end of the reset, and the event happens at the end of that
+-- clock.
 --   r, w  the PC reads, writes address PLACE. STATE 0: err     g  the nodes see WORD at address PLACE
---   b     cyc rises to, or falls to, STATE                     s  a node puts WORD at address PLACE
---   o     the network is online, or not                        d  a cycle came damaged
+--   b     cyc changes to STATE                                 s  a node puts WORD at address PLACE
+--   o     the network is online, or not                        d  a cycle was damaged
 --   t, p  a node takes, puts an asynchronous WORD, PLACE is last * 16 + id
 
 library ieee;
@@ -25,7 +26,7 @@ entity tosnet_slave_tb is
     log_file           : string   := "tosnet_slave_tb.log";
     seed               : positive := 1;
     accesses           : positive := 3000;
-    words              : natural  := 6; -- that the nodes see, and that they give
+    words              : natural  := 6; -- words that the nodes see, and words that they give
     cycle_clocks       : positive := 37;
     max_skipped_writes : natural  := 0;
     whole_memory       : boolean  := true;
@@ -56,7 +57,7 @@ architecture test of tosnet_slave_tb is
     variable result : tosnet_address_vector_t(0 to words - 1) := all_reads(0 to words - 1);
   begin
     if wrong_addresses = 2 then
-      result(words - 1) := 16#84#; -- the PC's
+      result(words - 1) := 16#84#; -- the PC's own word
     end if;
     return result;
   end function;
@@ -276,7 +277,7 @@ begin
       reset <= '0';
     end procedure;
 
-    -- The memory is being cleared: the first access waits for that.
+    -- Waits until the memory is cleared: the first access waits for that.
     procedure wait_for_memory is
     begin
       m2s <= (cyc => '1', stb => '1', we => '0', adr => std_ulogic_vector(to_unsigned(tosnet_status_c, 32)),
@@ -295,9 +296,9 @@ begin
     wait_for_memory;
     traffic(accesses);
 
-    -- What the twin does not know. Its judgement ends here: with a reset.
+    -- What the twin does not model. Its check ends here, with a reset.
     quiet <= true;
-    go('0', 16#FFFF#, x"00000000"); -- the log's last line
+    go('0', 16#FFFF#, x"00000000"); -- the last line of the log
     restart;
     pause(1);
     check_equal(halted, '0', "halted after a reset");

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- transmitter: words to characters, every kind, every checksum, under random stalls; a byte a clock without.
+-- transmitter: turns words of every kind into characters, with every checksum, under random stalls. Without stalls, one
+-- byte per clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -86,7 +87,7 @@ begin
       word_valid <= '0';
     end procedure;
 
-    -- Letters and marks, as the application says them.
+    -- Sends letters and marks, as the application does.
     procedure give(text : string) is
     begin
       for place in text'range loop
@@ -155,7 +156,7 @@ begin
     give("PUB:");
     bytes(x"00");
     expect("%PUB:00");
-    -- What ends in an error has no checksum, and the next message has its own.
+    -- A message that ends with an error has no checksum, and the next message has its own.
     head('$');
     give("S_RM:");
     bytes(x"A9");

@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The PC's end of a UART, for benches of whole designs: plays a file of steps, writes what came during each on a line.
+-- The PC's end of a UART, for benches of whole designs. It plays a file of steps, and writes the bytes received in each
+-- step on a line.
 --
---   s 2352...   sends these bytes, then waits until nothing has come for 30 characters' time
---   w 5000      waits so many clocks
+--   s 2352...   sends these bytes, then waits until no byte has come for the time of 30 characters
+--   w 5000      waits for so many clocks
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- uart_rx against a sender made of wait statements: every baud error up to 3 %, jitter, stalls, every kind of broken frame.
+-- uart_rx with a sender made of wait statements: baud errors up to 3 %, jitter, stalls, every kind of broken frame.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -35,7 +35,7 @@ architecture test of uart_rx_tb is
   signal stall : boolean := false;  -- the reader takes nothing
   signal done  : boolean := false;
 
-  -- What the reader must see next, in order; data counts where there is no error.
+  -- The items that the reader must see next, in order. The data are valid if there is no error.
   type item_t is record
     data  : std_ulogic_vector(7 downto 0);
     error : receive_error_t;
@@ -123,8 +123,8 @@ begin
       bit_time := (1.0e15 / (real(baud_hz) * (1.0 + fast_percent / 100.0))) * 1 fs;
     end procedure;
 
-    -- One frame; every edge up to 2 % of a bit off its place. `spikes`: the level is wrong for most of a clock somewhere
-    -- around the middle of each bit.
+    -- Sends one frame. Each edge is up to 2 % of a bit off its place. `spikes`: the level is wrong for most of a clock near
+    -- the middle of each bit.
     procedure frame (
       value       : std_ulogic_vector(7 downto 0);
       flip_parity : boolean := false;
@@ -177,7 +177,7 @@ begin
       check_equal(scoreboard.waiting, 0, "items still to come");
     end procedure;
 
-    -- Values that look like good traffic and those where timing shows most.
+    -- Values that look like good traffic, and values that are sensitive to timing.
     impure function some_byte return std_ulogic_vector is
     begin
       case random.integer_between(0, 7) is
@@ -208,7 +208,7 @@ begin
     reset <= '0';
     wait for bit_time;
 
-    -- Every baud error, back to back and with gaps of any length.
+    -- All baud errors, back to back and with gaps of any length.
     for step in -4 to 4 loop
       set_speed(3.0 * real(step) / 4.0);
       good(bytes, gaps => false);
@@ -224,7 +224,7 @@ begin
       error := no_receive_error;
       if random.chance(40) then
         error(framing_error_bit) := '1';
-        data(7) := '1'; -- else a zero without stop bit is a break
+        data(7) := '1'; -- otherwise a zero without stop bit is a break
       end if;
       if parity /= none and random.chance(40) then
         error(parity_error_bit) := '1';
@@ -236,7 +236,7 @@ begin
     settle;
     check_equal(breaks, 0, "breaks before the first");
 
-    -- Breaks: each one framing error and one pulse, however long.
+    -- Breaks: each is one framing error and one pulse, for any length.
     set_speed(0.0);
     for index in 1 to 5 loop
       error := no_receive_error;
@@ -252,7 +252,7 @@ begin
     settle;
     check_equal(breaks, 5, "breaks");
 
-    -- Spikes shorter than a clock, and start bits that are over by their middle, are nothing.
+    -- Spikes shorter than a clock, and start bits that are over by their middle, are ignored.
     for index in 1 to 50 loop
       line <= '0';
       wait for clock_period * random.integer_between(50, 950) / 1000;
@@ -273,7 +273,7 @@ begin
     end loop;
     settle;
 
-    -- Overrun: the byte that had room, then the news that others were lost, then what came after.
+    -- Overrun: the byte that had room, then the error for the lost bytes, then the later bytes.
     for lost in 1 to 3 loop
       stall <= true;
       wait for clock_period * 3;
@@ -290,7 +290,7 @@ begin
       settle;
     end loop;
 
-    -- A reset in the middle of a frame leaves nothing of it. The byte is all ones: its rest is not a start bit.
+    -- A reset within a frame drops all of it. The byte is all ones, so that its rest is not a start bit.
     line <= '0';
     wait for bit_time;
     line <= '1';

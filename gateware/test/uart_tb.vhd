@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Two uarts on clocks of their own talk both ways at once; then errors, which must stand in their place between the bytes.
+-- Two uarts with independent clocks send in both directions at once. Then errors, which must be in their place between the
+-- bytes.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,8 +32,8 @@ architecture test of uart_tb is
 
   signal a_clock, b_clock : std_ulogic := '0';
   signal reset            : std_ulogic := '1';
-  signal a_line, b_line   : std_ulogic;        -- what a and b send
-  signal wire             : std_ulogic;        -- what b receives of a
+  signal a_line, b_line   : std_ulogic;        -- the lines that a and b drive
+  signal wire             : std_ulogic;        -- what b receives from a
   signal cut              : std_ulogic := '1'; -- 0 pulls the wire low
   signal a_tx, a_rx       : link_t := ('0', '0', x"00");
   signal b_tx, b_rx       : link_t := ('0', '0', x"00");
@@ -46,7 +47,7 @@ architecture test of uart_tb is
   signal b_errors   : natural := 0;
   signal b_last     : std_ulogic_vector(7 downto 0);
   signal b_kinds    : receive_error_t := no_receive_error;
-  signal b_before   : natural := 0; -- bytes in front of the last error
+  signal b_before   : natural := 0; -- bytes before the last error
   signal random_part : boolean := true;
   signal done       : boolean := false;
 
@@ -161,7 +162,7 @@ begin
     check_equal(b_errors, 0, "errors of good traffic");
     random_part <= false;
 
-    -- Two bytes, a break, one byte, while nobody reads: the error comes after the second byte and before the third.
+    -- Two bytes, a break and one byte come while nobody reads. The error comes after the second byte and before the third.
     received := b_received;
     b_stall  <= true;
     send(x"11");
@@ -184,7 +185,7 @@ begin
     check_equal(b_kinds(overrun_error_bit), '0', "overrun");
     check_equal(b_last, std_ulogic_vector'(x"33"), "the byte behind the break");
 
-    -- An overrun: the first depth + 2 bytes, one error, and what came after there was room again.
+    -- An overrun: the first depth + 2 bytes, one error, and the bytes that came when there was room again.
     received := b_received;
     b_stall  <= true;
     for index in 1 to depth + 6 loop

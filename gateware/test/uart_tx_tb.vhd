@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- uart_tx: every bit sampled a quarter and three quarters into its ideal time, and the rate of a long run of frames.
+-- uart_tx: every bit is sampled a quarter and three quarters into its ideal time, and the rate of many frames is measured.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -123,7 +123,7 @@ begin
       end loop;
     end loop;
 
-    -- From the start of one frame to that of the last: the rate, to 0.05 % and the clocks of both edges.
+    -- From the start of the first frame to the start of the last: the rate is exact to 0.05 % and the clocks of both edges.
     measured := started - run;
     ideal    := bit_time * (frame_bits * (bytes - 2));
     check(abs (measured - ideal) < ideal / 2000 + 2 * clock_period,

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- wishbone_interconnect with slaves at aligned and odd places: who was asked, at which address, and what came back.
+-- wishbone_interconnect with slaves at aligned and unaligned places: which slave was asked, at which address, and its
+-- answer.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,7 +13,7 @@ library ieee;
 
 entity wishbone_interconnect_tb is
   generic (
-    broken_map : natural := 0; -- 1: two slaves overlap, 2: one passes the last address; neither may elaborate
+    broken_map : natural := 0; -- 1: two slaves overlap, 2: one passes the last address; both must fail to elaborate
     seed       : positive := 1
   );
 end entity;
@@ -31,8 +32,8 @@ architecture test of wishbone_interconnect_tb is
 
   constant address_map : address_map_t := (
     (base => x"00000000", words => 64),
-    (base => broken(x"00000040", 1, x"0000003F"), words => 3), -- right behind, no power of two
-    (base => x"00000065", words => 16),                        -- a power of two out of place
+    (base => broken(x"00000040", 1, x"0000003F"), words => 3), -- directly after the one before, not a power of two
+    (base => x"00000065", words => 16),                        -- a power of two at an unaligned place
     (base => broken(x"FFFFFF00", 2, x"FFFFFF01"), words => 256),
     (base => x"00001000", words => 1));
 
@@ -46,7 +47,7 @@ architecture test of wishbone_interconnect_tb is
   signal from_slaves : wishbone_s2m_vector_t(0 to slaves - 1) := (others => wishbone_s2m_idle);
   signal done   : boolean := false;
 
-  -- What a slave answers: its number, whether it was a write, its address, the low bits of what was written.
+  -- A slave answers with its number, whether it was a write, its address, and the low bits of the written word.
   function answer_of (slave : natural; we : std_ulogic; address : unsigned(31 downto 0); data : std_ulogic_vector(31 downto 0))
     return std_ulogic_vector is
   begin
@@ -64,7 +65,7 @@ begin
   monitor : entity work.wishbone_monitor
     port map (clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m);
 
-  -- Slaves that take a random time, refuse their address 2, and leave rubbish on dat while nobody asks them.
+  -- Slaves take a random time, refuse their address 2, and put random values on dat while they are not asked.
   slave_models : for slave in 0 to slaves - 1 generate
     process is
       variable random : random_t;
@@ -108,7 +109,7 @@ begin
     reset <= '0';
     for count in 1 to 1500 loop
       if random.chance(75) then
-        -- In, or just outside, one of them.
+        -- An address within, or just outside, one of them.
         asked   := random.integer_between(0, slaves - 1);
         address := address_map(asked).base + to_unsigned(random.integer_between(0, address_map(asked).words), 32);
         if random.chance(10) then
@@ -138,7 +139,7 @@ begin
         check_equal(word, answer_of(asked, we, address - address_map(asked).base, data), "answer");
       end if;
 
-      -- A held cyc reaches all of them, stb none.
+      -- A held cyc reaches all slaves, and stb reaches none.
       wait for 0 ns;
       wait for 0 ns;
       for slave in 0 to slaves - 1 loop

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- wishbone_master: acknowledge with and without a wait, refusal, time-out, late acknowledge, held blocks, narrow buses.
+-- wishbone_master: acknowledge with and without wait, refusal, timeout, late acknowledge, held blocks, narrow buses.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -57,7 +57,7 @@ begin
       wait for 1 ps;
     end procedure;
 
-    -- An access the slave answers after `waits` clocks; its data are 0xA5A0 + waits.
+    -- An access that the slave answers after `waits` clocks, with the data 0xA5A0 + waits.
     procedure answered(waits : natural; err : std_ulogic := '0') is
     begin
       bii_request.valid <= '1';
@@ -140,7 +140,7 @@ begin
     tick(2);
     check_equal(cyc_fell, falls + 1, "falls of the cycle after a block");
 
-    -- Nothing answers: the access ends, and the next one waits until a late answer can no longer come.
+    -- Without an answer, the access ends. The next one waits until a late answer is no longer possible.
     unanswered;
     bii_request.valid <= '1';
     wait for 1 ps;
@@ -161,7 +161,7 @@ begin
     end loop;
     answered(1);
 
-    -- A time-out in a block ends the block.
+    -- A timeout within a block ends the block.
     bii_request.block_hold <= '1';
     answered(1);
     unanswered;

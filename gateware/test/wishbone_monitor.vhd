@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Watches a slave keep the rules of wishbone_pkg: no answer unasked, never two at once, none undefined.
+-- Checks that a slave keeps the rules of wishbone_pkg: it answers only when asked, never twice at once, and never with
+-- undefined values.
 
 library ieee;
   use ieee.std_logic_1164.all;
