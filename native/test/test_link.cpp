@@ -360,7 +360,7 @@ TEST_CASE("URLs that mean nothing say what was expected") {
                           "fd:0?x", "fd:0?crc", "fd:0?crc=2", "fd:0?crc=1&crc=1", "fd:0?timeout=0", "fd:0?timeout=nan", "fd:0?fifo=0",
                           "fd:0?fifo=1,", "fd:0?polynomial=256", "fd:0?polynomial=none&crc=1",
                           "fd:0?polynomial=none&protocol=framed", "fd:0?colour=red", "fd:0?window=0", "fd:0?gateware=new", "fd:0?baud=9600",
-                          "fd:0?attempts=0", "fd:0?data_bytes=5"}) {
+                          "fd:0?attempts=0", "fd:0?data_bytes=5", "fd:0?spin=1", "fd:0?spin=-1"}) {
     CAPTURE(url);
     const Outcome outcome = Link::open(url, link);
     CHECK(outcome.status == Status::bad_url);

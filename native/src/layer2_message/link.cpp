@@ -31,6 +31,11 @@ void signal(int descriptor) noexcept {
   static_cast<void>(!::write(descriptor, &one, sizeof one));
 }
 
+int poll(std::span<pollfd> waiting, std::uint64_t left_ns) noexcept {
+  const timespec time{.tv_sec = static_cast<std::time_t>(left_ns / 1'000'000'000), .tv_nsec = static_cast<long>(left_ns % 1'000'000'000)};
+  return ::ppoll(waiting.data(), waiting.size(), left_ns == Engine::no_deadline ? nullptr : &time, nullptr);
+}
+
 }  // namespace
 
 Link::Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options)
@@ -41,6 +46,7 @@ Link::Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source,
       wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       cancel_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       classic_(options.engine),
+      pace_(options.spin_ns),
       gateware_(options.gateware) {}
 
 Link::~Link() { close(); }
@@ -226,16 +232,19 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const std::uint64_t published = engine_->statistics().publishes;
   pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
                        {wake_descriptor_.get(), POLLIN, 0}};
+  const bool paced = callers_ > 0 && !reader_leading_ && clock_ == &real_ns;  // for robot time goes on only while its callers sleep
+  const std::uint64_t start = paced ? real_ns() : 0;
+  const std::uint64_t look_until = std::min(until, start + (paced ? pace_.look_ns() : 0));
   lock.unlock();
 
-  timespec time{};
-  if (until != Engine::no_deadline) {
-    const std::uint64_t now = now_ns();
-    const std::uint64_t left = until > now ? until - now : 0;
-    time.tv_sec = static_cast<std::time_t>(left / 1'000'000'000);
-    time.tv_nsec = static_cast<long>(left % 1'000'000'000);
+  int ready = 0;
+  while (ready == 0 && paced && real_ns() < look_until) {
+    ready = poll(waiting, 0);
   }
-  const int ready = ::ppoll(waiting, 2, until == Engine::no_deadline ? nullptr : &time, nullptr);
+  if (ready == 0) {
+    const std::uint64_t now = now_ns();
+    ready = poll(waiting, until == Engine::no_deadline ? until : until - std::min(until, now));
+  }
   const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
   if (ready > 0 && waiting[1].revents != 0) {
     std::uint64_t count = 0;
@@ -246,6 +255,9 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
     transfer = driver_->receive(received_);
   }
   lock.lock();
+  if (paced && readable) {
+    pace_.waited(real_ns() - start);
+  }
 
   for (int turn = 1; readable && !engine_->ended() && line_ != Line::gone; ++turn) {
     if (transfer.status != Status::ok) {

@@ -24,6 +24,7 @@
 #include "layer2_message/classic_engine.hpp"
 #include "layer2_message/framed_engine.hpp"
 #include "layer2_message/link_options.hpp"
+#include "layer2_message/reply_pace.hpp"
 
 namespace unitylink {
 
@@ -333,6 +334,7 @@ class Link {
   std::atomic<std::uint64_t> generation_ = 0;
   std::atomic<std::uint64_t> program_patience_ns_ = 0;  // 0: nobody watches the program
   std::atomic<std::uint64_t> program_until_ns_ = Engine::no_deadline;
+  ReplyPace pace_;
   bool leading_ = false;
   bool blocked_ = false;                 // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;

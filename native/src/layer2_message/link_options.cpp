@@ -31,8 +31,10 @@ constexpr Override overrides[] = {
     {"rate_bytes", &LinkOptions::rate_bytes, limits_of::rate_bytes},
 };
 
+constexpr std::uint64_t spin_most_ns = 10'000'000;  // longer than that, a processor is taken from whoever might reply
+
 constexpr const char* known_options =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, trace, baud (serial), "
+    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, spin, trace, baud (serial), "
     "speed_hz, poll and waiting (spi), channel, mode, baud, latency and event (ftdi), node, baud, poll and silence (rs485), plant and root (sim, rtl), "
     "address_bytes, data_bytes, "
     "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
@@ -95,6 +97,13 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
   }
   if (name == "wait") {
     return parse_seconds(value, options.wait_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+  }
+  if (name == "spin") {
+    if (value == "0") {
+      options.spin_ns = 0;
+      return {};
+    }
+    return parse_seconds(value, options.spin_ns) && options.spin_ns <= spin_most_ns ? Outcome{} : wrong(url, name, value, "0, or a time in seconds from 1e-6 to 0.01");
   }
   if (name == "protocol") {
     if (value != "auto" && value != "classic" && value != "framed") {

@@ -25,6 +25,7 @@ struct LinkOptions {
   bool checked = false;           // crc=
   bool reconnect = false;         // reconnect=: what is lost is opened again
   std::uint64_t wait_ns = 0;      // wait=, for reads while the line is gone
+  std::uint64_t spin_ns = 200'000;         // spin=, 0: never
   bool publish_checked = true;    // publish_crc=
   Gateware gateware = Gateware::automatic;
   // Where the device has no RLC; where it has, they must agree with it.

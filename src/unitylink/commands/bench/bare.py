@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from unitylink.capture.pcapng import SENT, read_packets
 
+from .awake import processors_awake
 from .figure import BenchError, Run
 from .programs import Process, native, twin
 from .timing import Comparison, in_turns, times
@@ -78,14 +79,15 @@ def _said(url: str, side: FramedSide) -> bytes:
 
 
 def _turns(run: Run, call: Callable[[], object], bare: Process) -> Comparison:
-    bare.series("200")
-    times(call, 200)
-    return in_turns(
-        lambda count: times(call, count),
-        lambda count: bare.series(str(count)),
-        rounds=run.rounds(101),
-        count=200 if not run.quick else 50,
-    )
+    with processors_awake():
+        bare.series("200")
+        times(call, 200)
+        return in_turns(
+            lambda count: times(call, count),
+            lambda count: bare.series(str(count)),
+            rounds=run.rounds(101),
+            count=200 if not run.quick else 50,
+        )
 
 
 def with_option(url: str, option: str) -> str:
