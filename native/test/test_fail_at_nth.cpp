@@ -236,7 +236,8 @@ std::uint32_t sessions(const char* options, What what, How how, const char* name
   Rig rig;
   const bool framed = std::string_view(options).find("framed") != std::string_view::npos;
   const bool harmless = how == How::interrupted || how == How::again || how == How::one_byte;  // asked again, nobody notices
-  const std::string url = rig.url() + (harmless ? "?timeout=2&attempts=3&" : "?timeout=0.05&attempts=3&") + options;
+  // spin=0: how often a caller looks for its reply would depend on the machine
+  const std::string url = rig.url() + (harmless ? "?spin=0&timeout=2&attempts=3&" : "?spin=0&timeout=0.05&attempts=3&") + options;
   const std::size_t files = open_files();
   std::uint32_t nth = 1;
   for (int again = 0;;) {
