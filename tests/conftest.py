@@ -68,7 +68,7 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def program() -> Callable[[str], Path]:
     """The path of a native bench program by its name; all are built if one is not."""
-    from unitylink.commands.bench.programs import native
+    from unitylink_lab.bench.programs import native
 
     names = ("bench_round_trip", "bench_publish_source", "bench_uartbone", "journal_board")
     if not all((ROOT / "build" / "native" / name).exists() for name in names):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command `unitylink`: the table of commands, and how all of them end.
 
-A command is a module of `commands/` with a click command named `command`. It is imported when it is run. So
+A command is a module of `commands/`, or of the package `unitylink_lab` in a checkout, with a click command
+named `command`. It is imported when it is run. So
 `unitylink --version` and a spec's `check` load neither the native core nor rich. Exit codes: 0 done, 1 an
 error, 2 wrong usage, 130 interrupted, 141 the reader of a pipe went away.
 """
@@ -16,11 +17,13 @@ from io import TextIOWrapper
 
 import click
 
+from unitylink.commands.checkout import CHECKOUT_NEEDED, in_checkout
 from unitylink.connection.schemes import forms
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
 
-# name -> (module of commands/, one line for `unitylink --help`), in the order a user meets them
+# name -> (module of commands/ or folder of unitylink_lab/, one line for `unitylink --help`), in the order
+# a user meets them
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "Run an example on a virtual board: the SCARA robot moves."),
     "new": ("new", "Start a project: a spec, a script that moves it, a README."),
@@ -49,14 +52,14 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "doctor": ("doctor", "Find what keeps you from a board, and the remedy."),
     "term": ("term", "Type classic commands. Names and checksums are filled in."),
     "decode": ("decode", "Print what went over a link, from a capture (?trace=FILE)."),
-    "conformance": ("conformance_command", "Replay recorded exchanges against the virtual board."),
+    "conformance": ("conformance", "Replay recorded exchanges against the virtual board."),
     "faults": ("faults", "Try the engine on a bad wire."),
     "completion": ("completion", "Print the script that lets a shell complete commands with TAB."),
-    "bench": ("bench_command", "Measure this machine against the required figures."),
+    "bench": ("bench", "Measure this machine against the required figures."),
     "experiments": ("experiments", "Repeat the paper's measurements on a model of its USB chip."),
 }
 
-CHECKOUT_ONLY = frozenset({"bench"})  # what they run is no part of a wheel
+CHECKOUT_ONLY = frozenset({"conformance", "bench", "experiments"})  # they are no part of a wheel
 
 _EXAMPLES = f"""
 \b
@@ -83,7 +86,7 @@ class Commands(click.Group):
         """Import and return the command."""
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"unitylink.commands.{COMMANDS[cmd_name][0]}").command
+        command = import_module(module_of(cmd_name)).command
         assert isinstance(command, click.Command)
         return command
 
@@ -92,9 +95,7 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command, or say which one was probably meant."""
         if args and args[0] in CHECKOUT_ONLY and args[0] not in available():
-            raise click.UsageError(
-                f"'{args[0]}' needs a checkout of the source; there it is `make {args[0]}`", ctx
-            )
+            raise click.UsageError(f"'{args[0]}' {CHECKOUT_NEEDED}", ctx)
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from unitylink.spec.report.suggest import nearest
 
@@ -109,14 +110,16 @@ class Commands(click.Group):
             formatter.write_dl([(name, line) for name, (_, line) in available().items()])
 
 
+def module_of(name: str) -> str:
+    """Return the module of a command."""
+    module = COMMANDS[name][0]
+    return f"unitylink_lab.{module}.command" if name in CHECKOUT_ONLY else f"unitylink.commands.{module}"
+
+
 def available() -> dict[str, tuple[str, str]]:
     """Return the commands that this installation has: in a wheel, all that need no checkout."""
-    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "commands")
-    return {
-        name: row
-        for name, row in COMMANDS.items()
-        if name not in CHECKOUT_ONLY or os.path.isfile(os.path.join(folder, f"{row[0]}.py"))
-    }
+    here = in_checkout()
+    return {name: row for name, row in COMMANDS.items() if here or name not in CHECKOUT_ONLY}
 
 
 def _version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance import RecordingError, Report, difference, render, replay
-from unitylink.commands.conformance_bench import play_on_twin, same
 from unitylink.layer1_stream import ClassicDecoder, Reply
 from unitylink.simulate import BoardConfiguration
+from unitylink_lab.conformance.bench import play_on_twin, same
+from unitylink_lab.conformance.replay import RecordingError, Report, difference, render, replay
 
 FILE = Path(__file__).with_name("classic-transcripts.json")
 

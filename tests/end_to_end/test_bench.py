@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.commands.bench import FIGURES
-from unitylink.commands.bench import run as measure
+from unitylink_lab.bench import FIGURES
+from unitylink_lab.bench import run as measure
 
 ELSEWHERE = {"rtl", "ros1-out", "ros1-in", "dds-out", "dds-in", "ros-joints"}  # test_rtl, tests/ros
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.commands.bench.figure import Run
-from unitylink.experiments.peer_faults import FAULTS, Fault, met
+from unitylink_lab.bench.figure import Run
+from unitylink_lab.experiments.peer_faults import FAULTS, Fault, met
 
 HERE = Run(True, Path(__file__).resolve().parents[2], lambda text: None)
 NAMED = {fault.name: fault for fault in FAULTS}

@@ -18,13 +18,13 @@ from unit.commands.every_command import converse
 
 from tests.reference.rs485 import ModelNode, Pair, PairNode, WireNode
 from unitylink import connect
-from unitylink.commands.bench import run as bench
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import load_spec_objects
 from unitylink.simulate import Board
 from unitylink.simulate.plant import load_plant
 from unitylink.simulate.rtl import RtlBoard, rtl_configuration
 from unitylink.spec import load
+from unitylink_lab.bench import run as bench
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 

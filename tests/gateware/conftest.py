@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.commands.conformance_rtl import RtlPlayer
 from unitylink.generate import generate_vhdl
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import Spec
+from unitylink_lab.conformance.rtl import RtlPlayer
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 SECONDS_MOST = 120  # a bench has its own watchdog on simulated time; this one is for a simulator that hangs

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance_bench import bench, play_on_twin
+from unitylink_lab.conformance.bench import bench, play_on_twin
 
 # Two groups with rates, two with edge events; a lone head ends what a lite datalink still waits for.
 CONFIGURATION = bench({"SG": 2, "SW": 3, "FREQ": 5000, "IRQEDGE": 0b1100})

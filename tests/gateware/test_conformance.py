@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from unitylink.commands.conformance import Report, difference, replay
+from unitylink_lab.conformance.replay import Report, difference, replay
 
 FILE = Path(__file__).parents[1] / "conformance" / "classic-transcripts.json"
 

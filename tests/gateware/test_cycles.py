@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance_bench import bench
+from unitylink_lab.conformance.bench import bench
 
 READ_LAST_IN_TO_FIRST_OUT = 6  # goal 9
 READ_LAST_IN_TO_LAST_OUT = 23

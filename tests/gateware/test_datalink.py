@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance_bench import bench
+from unitylink_lab.conformance.bench import bench
 
 CONFIGURATION = bench({"FREQ": 100000})
 ROWS = {

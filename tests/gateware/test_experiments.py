@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from unitylink import protocol as p
-from unitylink.experiments.exchange import (
+from unitylink_lab.experiments.exchange import (
     EPOCH,
     Exchange,
     framed_post,
@@ -21,12 +21,12 @@ from unitylink.experiments.exchange import (
     read,
     write,
 )
-from unitylink.experiments.gateware import CLASSIC, FRAMED, FramedGateware
-from unitylink.experiments.level_one import figures
-from unitylink.experiments.link_parameters import FT245_ASYNC, LINKS
-from unitylink.experiments.low_level import read_burst, synchronous_s, write_burst
-from unitylink.experiments.publish_delay import publish_delay
-from unitylink.experiments.virtual_link import VirtualLink
+from unitylink_lab.experiments.gateware import CLASSIC, FRAMED, FramedGateware
+from unitylink_lab.experiments.level_one import figures
+from unitylink_lab.experiments.link_parameters import FT245_ASYNC, LINKS
+from unitylink_lab.experiments.low_level import read_burst, synchronous_s, write_burst
+from unitylink_lab.experiments.publish_delay import publish_delay
+from unitylink_lab.experiments.virtual_link import VirtualLink
 
 PAGES = Path(__file__).resolve().parents[2] / "docs" / "gateware"
 SPLITTER_CLOCKS = 1  # both protocols on one port: classic bytes come a clock later

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance_bench import play_on_twin
 from unitylink.generate import generate_vhdl
 from unitylink.generate.vhdl import design_name, word_map
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import Spec, compile_text, load
+from unitylink_lab.conformance.bench import play_on_twin
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "generate-vhdl.md"

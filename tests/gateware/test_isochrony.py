@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from tests.gateware.strobes import Watch
-from unitylink.commands.conformance_bench import bench
 from unitylink.simulate import BoardConfiguration
 from unitylink.spec.isochrony import isochrony
+from unitylink_lab.conformance.bench import bench
 
 TICKS = 20
 PERIODS = (1.23, 1.31, 1.47)  # between base strobes, in bounds: other phases of the load

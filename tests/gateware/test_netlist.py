@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from unitylink.commands.conformance_bench import bench
 from unitylink.settings import Settings
+from unitylink_lab.conformance.bench import bench
 
 GATEWARE = Path(__file__).resolve().parents[2] / "gateware"
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from unitylink._native import Device
-from unitylink.commands.conformance_bench import bench, play_on_twin
+from unitylink_lab.conformance.bench import bench, play_on_twin
 
 PERIODS = 30
 CONFIGURATION = bench({"FREQ": 50000, "SG": 2, "SW": 3})

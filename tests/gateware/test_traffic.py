@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from unitylink.commands.conformance_bench import bench, play_on_twin
 from unitylink.simulate import BoardConfiguration
+from unitylink_lab.conformance.bench import bench, play_on_twin
 
 QUIET = 400  # clocks; more than a bus timeout and the rest behind it
 ODDITIES = "#$%&?:*\n\r ,.\t!0aGzR\x00\xff"

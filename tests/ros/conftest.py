@@ -16,11 +16,11 @@ from pathlib import Path
 
 import pytest
 
-from unitylink.commands.bench.ros import LOOPBACK
 from unitylink.generate import write
 from unitylink.simulate import Board
 from unitylink.simulate.plant import AnyPlant, load_plant
 from unitylink.spec import load
+from unitylink_lab.bench.ros import LOOPBACK
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from unitylink.commands.bench import run
+from unitylink_lab.bench import run
 
 
 @pytest.mark.parametrize(("name", "of"), [("ros1-out", "messages/s"), ("dds-delay", "us")])

@@ -17,8 +17,8 @@ from pathlib import Path
 
 from made_part import with_part
 
-from unitylink.experiments import markdown, pictures, report
-from unitylink.experiments.peer_faults import section
+from unitylink_lab.experiments import markdown, pictures, report
+from unitylink_lab.experiments.peer_faults import section
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 RESULTS = DOCS / "experiments.json"

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from made_part import with_part
 
-from unitylink.commands.bench.goodput import POSTS, REQUESTS, Point, Traffic, goodput
-from unitylink.experiments.svg import log_lines
+from unitylink_lab.bench.goodput import POSTS, REQUESTS, Point, Traffic, goodput
+from unitylink_lab.experiments.svg import log_lines
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PICTURE, PAGE = DOCS / "images" / "goodput.svg", DOCS / "faults.md"

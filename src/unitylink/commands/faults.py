@@ -12,6 +12,7 @@ from typing import Any
 
 import click
 
+from .checkout import need_checkout
 from .output import json_option, print_json, print_table
 
 RUN_MESSAGES = 20_000  # of one history; more messages are more histories, so that all of them begin and end
@@ -81,10 +82,11 @@ def _profiles(_: click.Context, __: click.Parameter, value: str) -> tuple[str, .
 
 def _beside_litex(as_json: bool) -> int:
     """Run both. Fail if ours did badly."""
-    from unitylink.commands.bench.figure import Run
-    from unitylink.commands.bench.programs import find_checkout
-    from unitylink.experiments import markdown
-    from unitylink.experiments.peer_faults import beside, section
+    need_checkout("--beside")
+    from unitylink_lab.bench.figure import Run
+    from unitylink_lab.bench.programs import find_checkout
+    from unitylink_lab.experiments import markdown
+    from unitylink_lab.experiments.peer_faults import beside, section
 
     results = beside(Run(False, find_checkout(), lambda text: click.echo(text, err=True)))
     if as_json:

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from unittest import mock
 
-from unitylink.cli import COMMANDS, main
+from unitylink.cli import COMMANDS, main, module_of
 
 SPEC = """
 public plain() {
@@ -28,8 +28,8 @@ Url = Callable[[], str]  # a URL for the next command; some can be opened once o
 def commands_with_a_link() -> set[str]:
     """Return the commands whose arguments a LINK can be."""
     found = set()
-    for name, (module, _) in COMMANDS.items():
-        command = import_module(f"unitylink.commands.{module}").command
+    for name in COMMANDS:
+        command = import_module(module_of(name)).command
         if any("LINK" in (parameter.metavar or "") for parameter in command.params):
             found.add(name)
     return found

@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pygls.workspace import PositionCodec
 
-from unitylink.commands.bench.figure import BenchError
-from unitylink.commands.bench.language_client import LanguageClient
 from unitylink.commands.language_server.completion import completion
 from unitylink.commands.language_server.document import Document
 from unitylink.commands.language_server.edits import fixes, formatting
 from unitylink.commands.language_server.hover import hover
 from unitylink.spec import compile_file, compile_text, format_text
+from unitylink_lab.bench.figure import BenchError
+from unitylink_lab.bench.language_client import LanguageClient
 
 SCARA = (Path(__file__).parents[3] / "examples" / "scara" / "scara.ul").read_text("utf-8")
 URI = "file:///robots/scara.ul"

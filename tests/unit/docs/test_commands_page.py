@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from unitylink import cli
-from unitylink.commands.bench import FIGURES
+from unitylink_lab.bench import FIGURES
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 

@@ -101,8 +101,11 @@ def test_every_generator_has_what_its_recipe_asks_for(name: str) -> None:
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_every_command_has_what_its_recipe_asks_for(name: str) -> None:
-    module, _ = cli.COMMANDS[name]
-    assert f"`{module}.py`" in text("src/unitylink/commands/README.md")
+    module = cli.COMMANDS[name][0]
+    if name in cli.CHECKOUT_ONLY:
+        assert f"`{module}/`" in text("src/unitylink_lab/README.md")
+    else:
+        assert f"`{module}.py`" in text("src/unitylink/commands/README.md")
     command = cli.cli.get_command(click.Context(cli.cli), name)
     assert command is not None
     assert "unitylink " + name in (command.help or ""), "the help ends with examples"

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools" / "docs"))
+# At the end: tools/docs has a reference.py too, which must not stand before tests/reference/.
+sys.path.append(str(Path(__file__).resolve().parents[3] / "tools" / "docs"))
 
 import plain
 

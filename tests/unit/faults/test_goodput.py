@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from unitylink import _native
-from unitylink.commands.bench.goodput import ASKED, BYTE_NS, LOSS, POSTS, REQUESTS, Traffic, goodput
+from unitylink_lab.bench.goodput import ASKED, BYTE_NS, LOSS, POSTS, REQUESTS, Traffic, goodput
 
 WORDS = 20_000
 FRAME_BYTES = {"posts": 14, "writes": 14, "reads": 14}  # of one word, on the busier way

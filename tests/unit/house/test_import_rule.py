@@ -67,7 +67,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     # The table of link URLs; what makes a virtual board is imported when one is asked for.
     "connection": {"lazy", "simulate", "layer0_driver", "layer2_message", *SHARED},
 }
-UNRESTRICTED = {"commands", "cli", "experiments", "testing", "__main__", "__init__"}
+UNRESTRICTED = {"commands", "cli", "testing", "__main__", "__init__"}
 
 
 def unit_of(path: Path) -> str:

@@ -38,7 +38,7 @@ def test_files_fit_in_the_head() -> None:
 
 
 def test_folders_have_a_page() -> None:
-    roots = ("src/unitylink", "native", "gateware", "protocol", "examples", "bench", "tests", "tools")
+    roots = ("src", "native", "gateware", "protocol", "examples", "bench", "tests", "tools")
     folders = {f.parent for f in CODE if str(f.relative_to(ROOT)).startswith(roots)}
     missing = [
         str(folder.relative_to(ROOT))

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`unitylink conformance`: recorded exchanges of the 2012 gateware, replayed against the twin."""
+
+from __future__ import annotations
+
+import click
+
+from unitylink.commands.output import json_option, print_json
+
+
+@click.command()
+@click.argument("file")
+@click.option("--rtl", is_flag=True, help="Ask the VHDL in GHDL instead of the twin.")
+@json_option("the report, with every exchange")
+def command(file: str, rtl: bool, as_json: bool) -> int:
+    """Replay the recorded exchanges in FILE against the virtual board, step by step on its own clock.
+
+    Required exchanges must be equal byte for byte (as far as each one's `compare` rule says). Known defects
+    of the 2012 gateware, the first that was published, must be answered correctly instead. Optional ones are
+    only reported. The last line is the result, `N passed, 0 failed`. The exit code is 1 if an exchange failed
+    or a defect was answered wrongly.
+
+    \b
+    Examples:
+      unitylink conformance tests/conformance/classic-transcripts.json
+      unitylink conformance tests/conformance/classic-transcripts.json --rtl
+      unitylink conformance recordings.json --json > report.json
+    """
+    from .replay import as_dict, render, replay
+
+    if rtl:
+        from .rtl import rtl_player
+
+        with rtl_player() as player:
+            report = replay(file, player)
+    else:
+        report = replay(file)
+    if as_json:
+        print_json(as_dict(report))
+    else:
+        render(report)
+    return int(not report.ok)
