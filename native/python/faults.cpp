@@ -51,6 +51,7 @@ nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profil
   result["retries"] = report.retries;
   result["bus_writes"] = report.bus_writes;
   result["undetected"] = report.undetected;
+  result["digest"] = report.digest;
   result["virtual_s"] = report.virtual_s;
   result["calm_rate_hz"] = report.calm_rate_hz;
   result["faulty_rate_hz"] = report.faulty_rate_hz;

@@ -47,3 +47,12 @@ def test_every_operation_ends(gateware: tuple[RtlModel, object], profile: str, p
     assert report["good"] > 0
     assert (report["faults"] > 0) == (profile != "quiet")
     assert profile != "quiet" or report["bus_writes"] > 10
+
+
+def test_the_same_seed_gives_the_same_history(gateware: tuple[RtlModel, object]) -> None:
+    model, configuration = gateware
+    digests = [
+        _native.run_faults(seed, MESSAGES, "restarts", True, CLIENTS, 8, configuration, model)["digest"]
+        for seed in (3, 3, 4)
+    ]
+    assert digests[0] == digests[1] != digests[2]

@@ -25,6 +25,7 @@ constexpr std::uint64_t recovery_timeouts = 4;    // behind a device that lies: 
 constexpr std::uint64_t line_ns = 10 * ms;        // what the bytes of a request and its answer may take on top of its attempts
 constexpr std::size_t violations_most = 20;
 constexpr std::uint32_t device_fifo = 2048;
+constexpr std::uint32_t turns_most = 1000;       // one behind the other that are asked for at once: what uses none of them asks for ever
 
 class Simulation {
  public:
@@ -152,6 +153,9 @@ class Simulation {
 
   void on_write(std::uint32_t address, std::uint32_t value) {
     report_.bus_writes += 1;
+    note(now_);
+    note(address);
+    note(value);
     for (auto& client : clients_) {
       if (client->journal().owns(address)) {
         client->journal().on_write(address, value);
@@ -216,6 +220,15 @@ class Simulation {
     }
   }
 
+  // Into the digest (FNV-1a, a word at a time).
+  void note(std::uint64_t word) noexcept { report_.digest = (report_.digest ^ word) * 0x100'0000'01B3u; }
+  void note(std::span<const std::uint8_t> bytes) noexcept {
+    note(now_);
+    for (const std::uint8_t byte : bytes) {
+      note(byte);
+    }
+  }
+
   // Everything that happens now, then to the next time at which something does. False: nothing ever will.
   bool step() {
     const bool host = now_ >= paused_until_;
@@ -230,6 +243,7 @@ class Simulation {
         }
       }
       for (auto bytes = engine_->transmit(now_); !bytes.empty(); bytes = engine_->transmit(now_)) {
+        note(bytes);
         there_.send(bytes, now_);
         engine_->sent(bytes.size());
       }
@@ -259,6 +273,11 @@ class Simulation {
         return false;
       }
       report_.violations.push_back("nothing is under way, and nobody waits");
+      return false;
+    }
+    turns_ = next > now_ ? 0 : turns_ + 1;
+    if (turns_ > turns_most) {
+      report_.violations.push_back("a turn at once is asked for again and again, and nothing is done with it");
       return false;
     }
     now_ = std::max(now_ + 1, next);
@@ -301,6 +320,7 @@ class Simulation {
 
   void say(const Bytes& bytes) {
     if (!bytes.empty()) {
+      note(bytes);
       back_.send(bytes, now_);
     }
   }
@@ -346,6 +366,7 @@ class Simulation {
   std::uint64_t paused_until_ = 0;
   std::uint64_t looked_at_ = 0;
   std::uint64_t completed_ = 0;
+  std::uint32_t turns_ = 0;
   bool faulty_ = false;
   bool greeted_ = false;
   bool draining_ = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One history: an engine, a faulty wire and the twin, until so many messages have been sent. The same seed gives the same history.
+// One history: an engine, a faulty wire and the twin, until so many messages have been sent. The same seed gives the same history, on every
+// machine and however busy it is: `digest` shows it.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +40,7 @@ struct Report {
   std::uint64_t retries = 0;
   std::uint64_t bus_writes = 0;      // that the device executed
   std::uint64_t undetected = 0;      // classic: damage that its checksum of eight bits let pass; no violation, for it promises no more
+  std::uint64_t digest = 0;          // of all that went over the wire and when, and of what the device executed
   double virtual_s = 0;
   double calm_rate_hz = 0;           // messages per second before the faults
   double faulty_rate_hz = 0;

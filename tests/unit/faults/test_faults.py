@@ -3,7 +3,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from statistics import median
 
@@ -41,11 +45,30 @@ def test_a_history(profile: str, protocol: str) -> None:
         assert (report["faults"] > 0) == (profile != "quiet")
 
 
-@pytest.mark.parametrize("profile", ["mixed", "resets"])
-def test_the_same_seed_gives_the_same_history(profile: str) -> None:
-    history = History(3, 3000, profile, "framed", 16, 32)
-    assert history.run() == history.run()
-    assert history.run() != History(4, 3000, profile, "framed", 16, 32).run()
+ELSEWHERE = """
+import json
+from concurrent.futures import ThreadPoolExecutor
+
+from unitylink import _native
+
+kinds = [(name, framed) for name, _ in _native.fault_profiles() for framed in (True, False)]
+with ThreadPoolExecutor(8) as pool:
+    reports = pool.map(lambda kind: _native.run_faults(3, MESSAGES, *kind, 16, 32), kinds)
+    print(json.dumps([report["digest"] for report in reports]))
+"""
+
+
+def test_the_same_seed_gives_the_same_history_on_any_machine() -> None:
+    """Byte by byte: alone, and with seven others at once where fresh memory is full of another pattern."""
+    code = ELSEWHERE.replace("MESSAGES", "1500")
+    environment = {**os.environ, "MALLOC_PERTURB_": "85"}
+    command = [sys.executable, "-c", code]
+    other = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=600)
+    kinds = [(profile, protocol) for profile in PROFILES for protocol in ("framed", "classic")]
+    ours = [History(3, 1500, *kind, 16, 32).run()["digest"] for kind in kinds]
+    assert dict(zip(kinds, json.loads(other.stdout), strict=True)) == dict(zip(kinds, ours, strict=True))
+    assert len(set(ours)) == len(kinds)
+    assert History(4, 1500, *kinds[0], 16, 32).run()["digest"] != ours[0]
 
 
 @pytest.mark.parametrize("window", [1, 32])
