@@ -5,6 +5,7 @@
 #   make demo-ros   the SCARA as a ROS 1 node: rostopic echo, hz and pub
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
 #   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests these only)
+#   make develop  what single tests and checks need: pytest and its company, the native tests, Debian packages
 #   make check   lint, types, C++ warnings as errors, the import rule
 #   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these only)
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner; ONLY=peers: this part)
@@ -39,7 +40,7 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -79,6 +80,10 @@ unit: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh boards
 	$(BIN)/python -m pytest tests/unit -q -n 2
+
+develop: $(VENV)/.built $(NATIVE)/.built
+	@tools/setup.sh group test
+	@tools/setup.sh system
 
 long: $(VENV)/.built $(NATIVE)/.built
 	@for name in test demo wheel boards; do tools/setup.sh group $$name || exit 1; done

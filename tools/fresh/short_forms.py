@@ -12,6 +12,7 @@ SHORT_FORMS = {
     "demo-ros": "",
     "extras": "",
     "test": "TESTS=tests/unit/values",
+    "develop": "",
     "check": "",
     "bench": "QUICK=1",
     "experiments": "QUICK=1 ONLY=simplicity",
