@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 bin=.venv/bin
 logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
+unset PYTHONDONTWRITEBYTECODE             # else each of the programs that the tests start compiles the library again
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
 

@@ -16,6 +16,8 @@ from unitylink.boards.report import forget
 from unitylink.errors import BoardError, ToolError, ValueRangeError
 from unitylink.resources import resource_folder
 
+pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+
 SPEC = "public lamp() { @led = 0x10: bool WRITE(); }"
 FULL = """echo 'Info: Device utilisation:'
 echo 'Info:            ICESTORM_LC:  7889/ 5280   149%'

@@ -16,6 +16,8 @@ from unitylink.generate import write
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import load
 
+pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+
 SPEC = """
 public arm() {
    drive: pwm(channels=2);

@@ -10,6 +10,8 @@ import pytest
 
 from unitylink.cli import main
 
+pytestmark = pytest.mark.xdist_group("boards")  # one process, whose netlists they share
+
 ROOT = Path(__file__).resolve().parents[3]
 SERVO = str(ROOT / "examples" / "servo" / "servo.ul")
 

@@ -30,9 +30,18 @@ def test_a_source_of_ones_own(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "module small" in netlist("small", sources=[Path("small.vhd")])
 
 
-def test_assertions_are_for_simulators() -> None:
-    assert "$fatal" in netlist("core")
-    assert "$fatal" not in netlist("core", assertions=False)
+def test_assertions_are_for_simulators(tmp_path: Path) -> None:
+    source = tmp_path / "sure.vhd"
+    source.write_text(
+        "entity sure is port (clk, a : in bit; b : out bit); end;\n"
+        "architecture rtl of sure is begin\n"
+        "  process (clk) begin\n"
+        "    if clk = '1' and clk'event then assert a = '1' severity failure; b <= a; end if;\n"
+        "  end process;\n"
+        "end;\n"
+    )
+    assert "$fatal" in netlist("sure", sources=[source])
+    assert "$fatal" not in netlist("sure", sources=[source], assertions=False)
 
 
 def test_missing_ghdl_names_the_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
