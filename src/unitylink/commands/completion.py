@@ -19,10 +19,9 @@ _WHERE = {
     + "\n".join(f"  {where}" for where in _WHERE.values())
 )
 @click.argument("shell", type=click.Choice(list(_WHERE)))
-def command(shell: str) -> None:
+@click.pass_context
+def command(context: click.Context, shell: str) -> None:
     """See `help` above, which is made of the table."""
-    from unitylink.cli import cli
-
     kind = get_completion_class(shell)
     assert kind is not None
-    click.echo(kind(cli, {}, "unitylink", "_UNITYLINK_COMPLETE").source())
+    click.echo(kind(context.find_root().command, {}, "unitylink", "_UNITYLINK_COMPLETE").source())

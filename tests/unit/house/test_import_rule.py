@@ -1,138 +1,177 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Imports go down the layers only; the table here is the one of docs/architecture.md."""
+"""Imports go down the layers only. The one table of who may import whom is that of docs/architecture.md.
+
+The last column of a row names what its files import, in backticks: `errors`, `spec/text`. Other words are for
+people. "anything" is no rule. A name stands for its row and for all that is below it, but to a part of `spec`
+the name `spec` stands for its row only. Names are paths below src/unitylink or native/src.
+"""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
-from pathlib import Path
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path, PurePosixPath
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-PACKAGE = ROOT / "src" / "unitylink"
-
-SHARED = {"errors", "protocol", "settings"}
-MAY_IMPORT: dict[str, set[str]] = {
-    "errors": set(),
-    "protocol": set(),
-    "settings": set(),
-    "_native": set(),
-    "program": {"errors"},
-    "optional": {"errors"},
-    "output_file": {"errors"},
-    "lazy": set(),
-    "spec": SHARED,
-    "values": {"spec", "errors"},
-    "interface": {"values", "spec", *SHARED},
-    # Generated code derives from layer 4's Node: the generator must know its names and its binding version.
-    "generate": {
-        "interface",
-        "resources",
-        "ros",
-        "spec",
-        "values",
-        "layer4_data",
-        *SHARED,
-    },
-    "layer0_driver": {"_native", *SHARED},
-    "layer1_stream": {"layer0_driver", "_native", *SHARED},
-    "layer2_message": {"layer1_stream", "_native", *SHARED},
-    "layer3_hardware": {"layer2_message", *SHARED},
-    # Trees are built from a Spec as well as by generated classes, so layer 4 knows the model.
-    "layer4_data": {"interface", "lazy", "layer3_hardware", "layer2_message", "spec", "values", *SHARED},
-    # The RTL board compiles what the VHDL generator makes; a recording is played as a plant.
-    "simulate": {
-        "interface",
-        "generate",
-        "gateware",
-        "recording",
-        "resources",
-        "spec",
-        "values",
-        "_native",
-        *SHARED,
-    },
-    # A node is built on layer 4; who starts it hands it what opens links.
-    "ros": {"optional", "program", "layer4_data", "layer2_message", "spec", "values", *SHARED},
-    "resources": SHARED,
-    "recording": {"optional", "output_file", *SHARED},
-    # The doctor tries what a link would do, below it and through it.
-    "ports": {"interface", "layer2_message", "layer1_stream", "layer0_driver", "spec", *SHARED},
-    "gateware": {"resources", *SHARED},
-    # A bitstream is made of generated VHDL; its report has the budget of the spec.
-    "boards": {"interface", "generate", "gateware", "resources", "spec", *SHARED},
-    # Captures are read with the codec of layer 1, above no link.
-    "capture": {"layer1_stream", "output_file", *SHARED},
-    # The table of link URLs; what makes a virtual board is imported when one is asked for.
-    "connection": {"lazy", "simulate", "layer0_driver", "layer2_message", *SHARED},
-}
-UNRESTRICTED = {"commands", "cli", "testing", "__main__", "__init__"}
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+PACKAGE = PurePosixPath("src/unitylink")
+NATIVE = PurePosixPath("native/src")
 
 
-def unit_of(path: Path) -> str:
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py").removesuffix(".pyi")
+@dataclass(frozen=True)
+class Row:
+    """A row of the table. Its files and folders are one unit, called after the first of them.
+
+    `allowed` are the units that it may import. None: anything.
+    """
+
+    places: tuple[str, ...]
+    allowed: frozenset[str] | None
 
 
-def imported_units(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield (line, unit) for everything of ours that a file imports, at any nesting."""
-    package = ("unitylink", *path.relative_to(PACKAGE).parent.parts)
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def rows(base: PurePosixPath) -> dict[str, Row]:
+    """Return the rows of the table whose paths are below `base`, by unit."""
+    table = PAGE.partition("\n## Folders\n")[2].partition("\n## ")[0]
+    found: dict[str, Row] = {}
+    for row in re.findall(r"^\| (`.*) \|$", table, re.M):
+        places, _, targets = (cell.strip() for cell in re.split(r"(?<!\\)\|", row))
+        first, *more = (PurePosixPath(name) for name in re.findall(r"`([^`]+)`", places))
+        if first.is_relative_to(base):  # `types.py`, behind `src/unitylink/spec/model.py`, is beside it
+            paths = [str(path.relative_to(base)) for path in (first, *(first.parent / name for name in more))]
+            units = tuple(path.removesuffix(".py").removesuffix(".pyi") for path in paths)
+            allowed = None if targets.startswith("anything") else frozenset(re.findall(r"`([^`]+)`", targets))
+            assert units[0] not in found, f"{units[0]} has two rows"
+            found[units[0]] = Row(units, allowed)
+    return found
+
+
+def unit_of(file: PurePosixPath, known: dict[str, Row]) -> str | None:
+    """Return the unit that a file belongs to: that of the longest path above it."""
+    for path in (file.with_suffix(""), *file.parents):
+        for unit, row in known.items():
+            if str(path) in row.places:
+                return unit
+    return None
+
+
+def may(importer: str, target: str, row: Row) -> str | None:
+    """Return the word of the row that allows the import. None: it is not allowed."""
+    if row.allowed is None or importer == target:
+        return target
+    for path in (PurePosixPath(target), *PurePosixPath(target).parents):
+        inside = path != PurePosixPath(target) and PurePosixPath(importer).is_relative_to(path)
+        if str(path) in row.allowed and not inside:
+            return str(path)
+    return None
+
+
+def modules() -> dict[str, PurePosixPath]:
+    """Return every module of the package with its path below it."""
+    found = {}
+    for file in (ROOT / PACKAGE).rglob("*.py*"):
+        if file.suffix in (".py", ".pyi"):
+            path = PurePosixPath(file.relative_to(ROOT / PACKAGE))
+            parts = ("unitylink", *path.with_suffix("").parts)
+            found[".".join(part for part in parts if part != "__init__")] = path
+    return found
+
+
+MODULES = modules()
+ROWS = rows(PACKAGE)
+
+
+def imported(path: PurePosixPath) -> Iterator[tuple[int, str]]:
+    """Yield (line, module) for every module of ours that a file imports, at any nesting."""
+    package = ("unitylink", *path.parent.parts)
+    for node in ast.walk(ast.parse((ROOT / PACKAGE / path).read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            names = [tuple(alias.name.split(".")) for alias in node.names]
+            names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             start = package[: len(package) - node.level + 1] if node.level else ()
-            module = (*start, *(node.module.split(".") if node.module else ()))
-            names = [(*module, alias.name) for alias in node.names] if len(module) == 1 else [module]
+            module = ".".join((*start, *(node.module.split(".") if node.module else ())))
+            names = [m if (m := f"{module}.{alias.name}") in MODULES else module for alias in node.names]
         else:
             continue
-        for name in names:
-            if name[0] == "unitylink" and len(name) > 1:
-                yield node.lineno, name[1]
+        yield from ((node.lineno, name) for name in names if name.partition(".")[0].startswith("unitylink"))
 
 
-def test_every_unit_has_a_rule() -> None:
-    units = {unit_of(path) for path in PACKAGE.rglob("*.py*") if path.suffix in (".py", ".pyi")}
-    assert units <= set(MAY_IMPORT) | UNRESTRICTED, (
-        "add the new unit to docs/architecture.md and to this table"
-    )
+@cache
+def edges() -> list[tuple[str, str, str]]:
+    """Return (place, unit, unit) for every import between units."""
+    found = []
+    for path in sorted(MODULES.values()):
+        importer = unit_of(path, ROWS)
+        for line, name in imported(path):
+            if name in MODULES and name != "unitylink":
+                target = unit_of(MODULES[name], ROWS)
+                if importer is not None and target is not None and importer != target:
+                    found.append((f"{PACKAGE / path}:{line}", importer, target))
+    return found
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_down(path: Path) -> None:
-    unit = unit_of(path)
-    if unit in UNRESTRICTED:
-        return
-    allowed = MAY_IMPORT[unit] | {unit}
-    known = set(MAY_IMPORT) | UNRESTRICTED
-    edges = [
-        f"{path.relative_to(ROOT)}:{line}: {unit} -> {target}"
-        for line, target in imported_units(path)
-        if target in known and target not in allowed
+def test_every_file_has_a_row() -> None:
+    without = [str(path) for path in MODULES.values() if unit_of(path, ROWS) is None]
+    assert without == [], "add a row for the new unit to the table of docs/architecture.md"
+
+
+def test_every_row_is_of_a_folder_or_file() -> None:
+    for base in (PACKAGE, NATIVE):
+        known = rows(base)
+        for unit, row in known.items():
+            for place in row.places:
+                path = ROOT / base / place
+                assert path.is_dir() or any(path.with_suffix(end).is_file() for end in (".py", ".pyi")), place
+            assert (row.allowed or frozenset()) <= known.keys(), f"{unit}: a name without a row of its own"
+
+
+@pytest.mark.parametrize("unit", ROWS)
+def test_imports_go_down(unit: str) -> None:
+    wrong = [
+        f"{place}: {unit} -> {target}"
+        for place, importer, target in edges()
+        if importer == unit and may(unit, target, ROWS[unit]) is None
     ]
-    assert not edges, "these imports go up or sideways:\n" + "\n".join(edges)
+    assert not wrong, "these imports are not in the table of docs/architecture.md:\n" + "\n".join(wrong)
 
 
-LAYERS = ("layer0_driver", "layer1_stream", "layer2_message")
-NATIVE_MAY_INCLUDE = {
-    "layer0_driver": {"layer0_driver"},
-    "layer1_stream": {"layer1_stream"},
-    "layer2_message": set(LAYERS),
-    "abi": {"abi", *LAYERS},
-    "mapped_memory": {"mapped_memory", "layer0_driver"},
-    "device": {"device", "layer1_stream", "layer0_driver"},
-    "faults": {"faults", "device", *LAYERS},
-}
+@pytest.mark.parametrize("unit", ROWS)
+def test_the_table_allows_no_import_that_nobody_makes(unit: str) -> None:
+    made = {may(unit, target, ROWS[unit]) for _, importer, target in edges() if importer == unit}
+    assert (ROWS[unit].allowed or frozenset()) <= made, "take it out of the table of docs/architecture.md"
+
+
+def test_units_import_each_other_in_no_circle() -> None:
+    """A row of "anything" is at the top: nothing below may import it."""
+    below = {unit: {target for _, importer, target in edges() if importer == unit} for unit in ROWS}
+    ranked: set[str] = set()
+    while free := [unit for unit in below if unit not in ranked and below[unit] <= ranked]:
+        ranked.update(free)
+    left = {unit: sorted(below[unit] - ranked) for unit in below if unit not in ranked}
+    assert left == {}
+
+
+def test_the_library_imports_the_laboratory_on_demand_only() -> None:
+    allowed = {"commands/faults.py"}  # --beside
+    made = {str(path) for path in MODULES.values() for _, name in imported(path) if "unitylink_lab" in name}
+    assert made <= allowed
 
 
 def test_native_includes_go_down() -> None:
-    source = ROOT / "native" / "src"
-    edges = []
+    known = rows(NATIVE)
+    wrong, made = [], set()
+    source = ROOT / NATIVE
     for path in sorted([*source.rglob("*.hpp"), *source.rglob("*.cpp")]):
         unit = path.relative_to(source).parts[0]
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-            if line.startswith('#include "'):
-                target = line.split('"')[1].split("/")[0]
-                if target in NATIVE_MAY_INCLUDE and target not in NATIVE_MAY_INCLUDE[unit]:
-                    edges.append(f"{path.relative_to(ROOT)}:{number}: {unit} -> {target}")
-    assert not edges, "these includes go up or sideways:\n" + "\n".join(edges)
+            if line.startswith('#include "') and (target := line.split('"')[1].split("/")[0]) in known:
+                made.add((unit, target))
+                if may(unit, target, known[unit]) is None:
+                    wrong.append(f"{path.relative_to(ROOT)}:{number}: {unit} -> {target}")
+    assert not wrong, "these includes are not in the table of docs/architecture.md:\n" + "\n".join(wrong)
+    unused = {(unit, target) for unit, row in known.items() for target in row.allowed or ()} - made
+    assert unused == set(), "take it out of the table of docs/architecture.md"
