@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The netlist of the same design is made once: GHDL takes two seconds, and these tests are of what follows."""
+"""The netlist of a design is made once: GHDL takes two seconds, and these tests are of what follows."""
 
 from __future__ import annotations
 
