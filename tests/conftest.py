@@ -9,8 +9,10 @@ import signal
 import subprocess
 import sys
 import textwrap
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -20,6 +22,7 @@ settings.load_profile("untimed")
 
 ROOT = Path(__file__).resolve().parents[1]
 FAKES = ROOT / "native" / "test"
+SHORT_RUN_S = 300  # of which nobody wants to know the slowest files
 
 
 def _compiled(source: Path, library: Path) -> Path:
@@ -74,6 +77,19 @@ def program() -> Callable[[str], Path]:
     if not all((ROOT / "build" / "native" / name).exists() for name in names):
         subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
     return lambda name: native(ROOT, name)
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Name the files whose tests took longest, for what becomes slow shall be seen."""
+    took: Counter[str] = Counter()
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            if isinstance(report, pytest.TestReport):
+                took[report.nodeid.partition("::")[0]] += report.duration
+    if sum(took.values()) > SHORT_RUN_S:
+        terminalreporter.write_sep("=", "slowest files, of all workers together")
+        for file, seconds in took.most_common(15):
+            terminalreporter.write_line(f"{seconds:6.0f} s  {file}")
 
 
 # A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.

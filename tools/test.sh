@@ -8,6 +8,7 @@ bin=.venv/bin
 logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
 unset PYTHONDONTWRITEBYTECODE             # else each of the programs that the tests start compiles the library again
+export PIP_NO_COMPILE=1                   # what is imported is compiled then, and that is a small part of what is installed
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
 
@@ -16,7 +17,7 @@ running=()
 beside() {                                # beside NAME...: run these functions beside each other; `join` shows what they said
   say "$* (beside each other)"
   for part in "$@"; do
-    ( "$part" ) < /dev/null > "$logs/$part.log" 2>&1 &
+    ( began=$SECONDS; "$part"; printf '%s took %d s\n' "$part" $((SECONDS - began)) ) < /dev/null > "$logs/$part.log" 2>&1 &
     running+=("$part:$!")
   done
 }
@@ -33,11 +34,11 @@ join() {
 trap 'for part in "${running[@]}"; do kill -- "-${part#*:}" 2>/dev/null || true; done' EXIT
 
 system() { tools/setup.sh system; }
-library() {
-  make --no-print-directory build
+library() { make --no-print-directory build; }
+sources() {
   tools/setup.sh group test
+  tools/check.sh sources
 }
-sources() { tools/check.sh sources; }
 packages() {
   for name in demo wheel docs boards; do tools/setup.sh group "$name"; done
   "$bin/python" examples/scara/run.py --picture build/scara.png
@@ -49,7 +50,7 @@ native() {
   build/native/unitylink_tests
   local fuzzer fuzzers=()
   for fuzzer in build/native/fuzz_*; do
-    "$fuzzer" --seconds 6 --seed 1 &
+    "$fuzzer" --seconds 4 --seed 1 &
     fuzzers+=($!)
   done
   for fuzzer in "${fuzzers[@]}"; do wait "$fuzzer"; done
