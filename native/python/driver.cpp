@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Layer 0 for Python: a driver used alone, waiting as long as it is told to.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/unique_ptr.h>
 
@@ -98,6 +99,15 @@ nb::bytes receive(Driver& driver, double timeout_s) {
   return nb::bytes(room.data(), transfer.count);
 }
 
+// Each as (name, form, what, once).
+nb::list schemes_there() {
+  nb::list rows;
+  for (const Scheme* scheme : schemes()) {
+    rows.append(nb::make_tuple(std::string(scheme->name), std::string(scheme->form), std::string(scheme->what), scheme->once));
+  }
+  return rows;
+}
+
 }  // namespace
 
 void bind_driver(nb::module_& module) {
@@ -108,6 +118,7 @@ void bind_driver(nb::module_& module) {
       .def("close", &Driver::close)
       .def_prop_ro("descriptor", &Driver::descriptor);
   module.def("open_driver", &open, "url"_a, "timeout_s"_a);
+  module.def("schemes", &schemes_there);
 }
 
 }  // namespace unitylink::python

@@ -18,7 +18,6 @@ from io import TextIOWrapper
 import click
 
 from unitylink.commands.checkout import CHECKOUT_NEEDED, in_checkout
-from unitylink.connection.schemes import forms
 from unitylink.errors import UnityLinkError, UrlError
 from unitylink.program import INTERRUPTED, PIPE_CLOSED, silence_stdout
 
@@ -61,7 +60,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 CHECKOUT_ONLY = frozenset({"conformance", "bench", "experiments"})  # they are no part of a wheel
 
-_EXAMPLES = f"""
+_EXAMPLES = """
 \b
 Examples, none of which needs a board:
   unitylink new arm && cd arm && python run.py
@@ -70,7 +69,7 @@ Examples, none of which needs a board:
 
 The examples of all commands are about this arm.ul, which `unitylink new arm` writes.
 
-LINK is where the device is: {forms()}.
+LINK is where the device is: {forms}.
 `unitylink COMMAND --help` shows examples of each.
 """
 
@@ -103,6 +102,13 @@ class Commands(click.Group):
             hint = f"did you mean '{meant}'?" if meant else f"there are: {', '.join(available())}"
             raise click.UsageError(f"no command '{args[0]}'; {hint}", ctx)
         return super().resolve_command(ctx, args)
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Name the forms of a LINK. The native core knows them, and is loaded only here."""
+        from unitylink.connection.schemes import forms
+
+        self.help = (self.help or "").replace("{forms}", forms())
+        super().format_help_text(ctx, formatter)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""

@@ -49,7 +49,7 @@ class Driver {
   [[nodiscard]] virtual std::string warning() const { return {}; }
 };
 
-// Opens what the URL names; the errors are bad_url, not_found, permission, busy, timeout and closed. `timeout_ns` bounds a connection.
+// Opens what the URL names, by the row of its scheme. `timeout_ns` bounds a connection.
 [[nodiscard]] Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver);
 
 class Capture;

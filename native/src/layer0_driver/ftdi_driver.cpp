@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "layer0_driver/ftdi_driver.hpp"
+// FTDI's USB chips without the kernel's serial driver: its latency timer, event character and FIFO modes, and transfers of many packets.
+//   ftdi:SERIAL?channel=B&mode=serial&baud=3000000     ftdi:?mode=sync-fifo (the only chip there is)
+// Options: channel=A..D (A), mode=serial|fifo|sync-fifo (serial; fifo is the asynchronous FT245 interface), baud= (of serial), latency= (ms, 1),
+// event= (the character that sends at once what the chip has gathered; else what ends the messages of the protocol that is spoken; none).
 
 #include <algorithm>
 #include <array>
@@ -205,7 +208,7 @@ Outcome fall_back(const Url& url, const ftdi::Settings& settings, const Outcome&
   serial.scheme = "serial";
   serial.path = path;
   std::unique_ptr<Driver> opened;
-  if (!open_serial(serial, opened).ok()) {
+  if (!open_serial(serial, {}, opened).ok()) {
     return why;
   }
   driver = std::make_unique<KernelPort>(std::move(opened), why.text + ": the kernel's serial port " + path + " is used instead, without event character");
@@ -214,11 +217,9 @@ Outcome fall_back(const Url& url, const ftdi::Settings& settings, const Outcome&
 
 }  // namespace
 
-bool is_ftdi_option(std::string_view name) noexcept {
-  return name == "channel" || name == "mode" || name == "baud" || name == "latency" || name == "event";
-}
-
-Outcome open_ftdi(const Url& url, std::unique_ptr<Driver>& driver) {
+// bad_url, not_found, permission, busy. Where the chip cannot be had without the kernel's driver (libusb is missing, no permission), and the mode
+// is not sync-fifo, the kernel's serial port of the same chip is opened instead; warning() says so.
+Outcome open_ftdi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   ftdi::Settings settings;
   if (Outcome outcome = ftdi::settings_of(url, settings); !outcome.ok()) {
     return outcome;

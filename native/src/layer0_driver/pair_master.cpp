@@ -101,7 +101,7 @@ Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Mas
                                                " baud, and " + settings.baud + " are asked; all on a pair have the same rate"};
   }
   std::unique_ptr<Driver> port;
-  if (Outcome outcome = open_serial(url, port); !outcome.ok()) {
+  if (Outcome outcome = open_serial(url, {}, port); !outcome.ok()) {
     return outcome;
   }
   ask_direction(port->descriptor());

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "layer0_driver/rs485_driver.hpp"
+// A node on an RS-485 pair: one serial port, shared by the links of this process to all nodes on it. We are the master.
+//   rs485:/dev/ttyUSB0?node=3&baud=3000000
+// Options: node= (1 to 63), baud=, poll= (s between looks at a node that has nothing to say, 0.001), silence= (s until a node that was
+// polled counts as not there, 0.02).
 
 #include <unistd.h>
 
@@ -68,9 +71,8 @@ Outcome settings_of(const Url& url, pair_bus::Settings& settings) {
 
 }  // namespace
 
-bool is_rs485_option(std::string_view name) noexcept { return name == "node" || name == "baud" || name == "poll" || name == "silence"; }
-
-Outcome open_rs485(const Url& url, std::unique_ptr<Driver>& driver) {
+// bad_url, not_found, permission, busy (the port, or a second link to the node), mismatch (another baud rate than the links to other nodes).
+Outcome open_rs485(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   pair_bus::Settings settings;
   if (Outcome outcome = settings_of(url, settings); !outcome.ok()) {
     return outcome;

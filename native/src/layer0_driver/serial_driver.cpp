@@ -59,7 +59,7 @@ Outcome cannot_open_serial(const std::string& path, int error) {
 
 }  // namespace
 
-Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver) {
+Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   std::uint64_t baud_hz = default_baud_hz;
   if (const std::string* text = url.option("baud");
       text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz < baud_hz_min)) {

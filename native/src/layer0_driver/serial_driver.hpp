@@ -9,7 +9,7 @@ namespace unitylink {
 inline constexpr std::uint32_t default_baud_hz = 115200;
 
 // serial:PATH?baud=N. not_found, permission, busy (held by another program), bad_url (baud), closed (not a terminal).
-[[nodiscard]] Outcome open_serial(const Url& url, std::unique_ptr<Driver>& driver);
+Opener open_serial;
 
 namespace detail {
 

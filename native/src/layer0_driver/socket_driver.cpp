@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "layer0_driver/socket_driver.hpp"
+// TCP and UDP. TCP sends at once (no Nagle). UDP is connected: one datagram per flush, an empty one says goodbye.
 
 #include <algorithm>
 #include <atomic>
@@ -94,7 +94,9 @@ Outcome cannot_connect(const Url& url, int error) {
 
 }  // namespace
 
-Outcome open_socket(const Url& url, std::uint64_t timeout_ns, int cancelled, std::unique_ptr<Driver>& driver) {
+// tcp://HOST:PORT or udp://HOST:PORT. not_found (no such host, nothing listens, no route), timeout, closed. A connection is given up as soon
+// as `cancelled`, a descriptor, is readable; -1: never.
+Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
   const bool stream = url.scheme == "tcp";
   addrinfo hints{};
   hints.ai_socktype = stream ? SOCK_STREAM : SOCK_DGRAM;
@@ -110,7 +112,7 @@ Outcome open_socket(const Url& url, std::uint64_t timeout_ns, int cancelled, std
       error = errno;
       continue;
     }
-    error = connect_within(socket.get(), *address, timeout_ns, cancelled);
+    error = connect_within(socket.get(), *address, patience.timeout_ns, patience.cancelled);
     if (error != 0) {
       if (error == ECANCELED) {
         break;

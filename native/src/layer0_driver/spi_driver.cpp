@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "layer0_driver/spi_driver.hpp"
+// An SPI slave behind the kernel's spidev: the PC is the master, and each byte it clocks out brings one in.
+//   spi:/dev/spidev0.0?speed_hz=10000000&poll=0.001&waiting=/dev/gpiochip0:25
+// Options: speed_hz= (of sck, 10 MHz), waiting= (the line on which the slave's wire of that name is), poll= (s between looks at a slave
+// that has nothing to say, 0.001; with a line 0.1, in case that the wire is off).
 
 #include <algorithm>
 #include <atomic>
@@ -100,9 +103,8 @@ class SpiDriver final : public PumpedDriver {
 
 }  // namespace
 
-bool is_spi_option(std::string_view name) noexcept { return name == "speed_hz" || name == "poll" || name == "waiting"; }
-
-Outcome open_spi(const Url& url, std::unique_ptr<Driver>& driver) {
+// bad_url, not_found, permission, busy, mismatch (a speed, mode or line that is not there). closed once a transfer fails.
+Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   const auto wrong = [&](const std::string& why) { return Outcome{Status::bad_url, "link URL '" + url.text + "': " + why}; };
   std::uint64_t speed_hz = speed_hz_default;
   if (const std::string* text = url.option("speed_hz"); text != nullptr && (!parse_number(*text, 1'000'000'000, speed_hz) || speed_hz < 1000)) {

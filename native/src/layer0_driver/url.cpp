@@ -6,8 +6,13 @@
 namespace unitylink {
 namespace {
 
-constexpr std::string_view expected =
-    "expected serial:/dev/NAME, spi:/dev/NAME, rs485:/dev/NAME, tcp://HOST:PORT, udp://HOST:PORT, ftdi:SERIAL or fd:NUMBER, each with ?option=value&… behind it";
+std::string expected() {
+  std::string forms;
+  for (const Scheme* scheme : schemes()) {
+    forms += (forms.empty() ? "" : scheme == schemes().back() ? " or " : ", ") + std::string(scheme->form);
+  }
+  return "expected " + forms + ", each with ?option=value&… behind it";
+}
 
 Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
@@ -117,7 +122,7 @@ Outcome parse_url(std::string_view text, Url& url) {
   }
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
-    return wrong(text, std::string(expected));
+    return wrong(text, expected());
   }
   url.scheme = text.substr(0, colon);
   const std::size_t question = text.find('?', colon);
@@ -127,29 +132,22 @@ Outcome parse_url(std::string_view text, Url& url) {
       return outcome;
     }
   }
-  if (url.scheme == "tcp" || url.scheme == "udp") {
+  url.row = find_scheme(url.scheme);
+  if (url.row == nullptr) {
+    return wrong(text, "no scheme '" + url.scheme + "'; " + expected());
+  }
+  if (url.row->place == Place::host) {
     return split_host(text, place, url);
   }
-  if (url.scheme == "serial" || url.scheme == "rs485" || url.scheme == "spi") {
-    if (place.empty()) {
-      return wrong(text, "the device file is missing, as in " + url.scheme + (url.scheme == "spi" ? ":/dev/spidev0.0" : ":/dev/ttyUSB0"));
-    }
-    url.path = place;
-    return {};
+  std::uint64_t number = 0;
+  if (url.row->place == Place::file && place.empty()) {
+    return wrong(text, "the device file is missing, as in " + std::string(url.row->form));
   }
-  if (url.scheme == "ftdi") {
-    url.path = place;
-    return {};
+  if (url.row->place == Place::number && !parse_number(place, 1u << 20, number)) {
+    return wrong(text, "'" + std::string(place) + "' is not a descriptor number");
   }
-  if (url.scheme == "fd") {
-    std::uint64_t number = 0;
-    if (!parse_number(place, 1u << 20, number)) {
-      return wrong(text, "'" + std::string(place) + "' is not a descriptor number");
-    }
-    url.path = place;
-    return {};
-  }
-  return wrong(text, "no scheme '" + url.scheme + "'; " + std::string(expected));
+  url.path = place;
+  return {};
 }
 
 }  // namespace unitylink

@@ -8,16 +8,18 @@
 #include <utility>
 #include <vector>
 
+#include "layer0_driver/schemes.hpp"
 #include "layer0_driver/status.hpp"
 
 namespace unitylink {
 
 struct Url {
   std::string text;    // as given
-  std::string scheme;  // serial | rs485 | spi | tcp | udp | ftdi | fd
-  std::string path;    // serial, rs485, spi: the device file; ftdi: the serial number; fd: the number
-  std::string host;    // tcp, udp
-  std::string port;    // tcp, udp
+  std::string scheme;  // what stands before the colon
+  const Scheme* row = nullptr;  // of it
+  std::string path;    // the device file, name or number; nothing where there are host and port
+  std::string host;
+  std::string port;
   std::vector<std::pair<std::string, std::string>> options;  // in the order given, each name once
 
   [[nodiscard]] const std::string* option(std::string_view name) const noexcept;

@@ -60,14 +60,13 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
   if (Outcome outcome = parse_options(url, options); !outcome.ok()) {
     return outcome;
   }
-  options.engine.checked_long = url.scheme == "udp";
   auto source = std::make_unique<DriverSource>(url, options.engine.timeout_ns * options.attempts);
   std::unique_ptr<Driver> driver;
   if (Outcome outcome = source->open(driver); !outcome.ok()) {
     return outcome;
   }
   Outcome outcome = open(std::move(driver), std::move(source), options, link);
-  if (outcome.status == Status::closed && url.scheme == "udp") {  // only the first datagram finds out
+  if (outcome.status == Status::closed && url.row->loses_order) {  // datagrams: only the first finds out that nobody is there
     outcome.status = Status::not_found;
   }
   if (!outcome.ok()) {

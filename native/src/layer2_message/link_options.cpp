@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "layer2_message/link_options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <string>
 
-#include "layer0_driver/ftdi_driver.hpp"
-#include "layer0_driver/rs485_driver.hpp"
-#include "layer0_driver/spi_driver.hpp"
 #include "unitylink/settings.hpp"
 
 namespace unitylink {
@@ -33,11 +31,23 @@ constexpr Override overrides[] = {
 
 constexpr std::uint64_t spin_most_ns = 10'000'000;  // longer than that, a processor is taken from whoever might reply
 
-constexpr const char* known_options =
-    "known are protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, spin, trace, baud (serial), "
-    "speed_hz, poll and waiting (spi), channel, mode, baud, latency and event (ftdi), node, baud, poll and silence (rs485), plant and root (sim, rtl), "
-    "address_bytes, data_bytes, "
-    "read_many, base_hz, groups, group_size, rate_bytes, publish_mode";
+// `plant` and `root` are read where virtual boards are made (simulate/simulated.py).
+constexpr const char* of_every_link =
+    "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, spin, trace, "
+    "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, rtl)";
+
+std::string known_options() {
+  std::string known = std::string("known are ") + of_every_link;
+  for (const Scheme* scheme : schemes()) {
+    for (std::string_view rest = scheme->options; !rest.empty();) {
+      const std::string_view option = rest.substr(0, rest.find(' '));
+      rest.remove_prefix(std::min(option.size() + 1, rest.size()));
+      known += (option.data() == scheme->options.data() ? ", " : rest.empty() ? " and " : ", ") + std::string(option);
+    }
+    known += scheme->options.empty() ? "" : " (" + std::string(scheme->name) + ")";
+  }
+  return known;
+}
 
 Outcome wrong(const Url& url, const std::string& name, const std::string& value, const std::string& expected) {
   return {Status::bad_url, "link URL '" + url.text + "': " + name + "=" + value + " is not " + expected};
@@ -149,17 +159,17 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
       return {};
     }
   }
-  if (name == "trace" || (name == "baud" && url.scheme == "serial") || (url.scheme == "ftdi" && is_ftdi_option(name)) ||
-      (url.scheme == "spi" && is_spi_option(name)) || (url.scheme == "rs485" && is_rs485_option(name))) {
+  if (name == "trace" || url.row->takes(name)) {
     return {};  // the driver's
   }
-  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known_options};
+  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known_options()};
 }
 
 }  // namespace
 
 Outcome parse_options(const Url& url, LinkOptions& options) {
-  if (url.scheme == "rs485") {
+  options.engine.checked_long = url.row->loses_order;
+  if (url.row->framed_only) {
     options.protocol = Protocol::framed;
   }
   for (const auto& [name, value] : url.options) {
@@ -167,7 +177,7 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
       return outcome;
     }
   }
-  if (options.reconnect && url.scheme == "fd") {
+  if (options.reconnect && url.row->once) {
     return {Status::bad_url, "link URL '" + url.text + "': a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place"};
   }
   if (options.wait_ns > 0 && !options.reconnect) {
@@ -179,8 +189,8 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
   if (!options.engine.checksums && options.checked) {
     return {Status::bad_url, "link URL '" + url.text + "': crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out"};
   }
-  if (url.scheme == "rs485" && options.protocol != Protocol::framed) {
-    return {Status::bad_url, "link URL '" + url.text + "': many nodes on a pair speak the framed protocol only; leave protocol= out"};
+  if (url.row->framed_only && options.protocol != Protocol::framed) {
+    return {Status::bad_url, "link URL '" + url.text + "': " + url.scheme + ": carries the framed protocol only; leave protocol= out"};
   }
   return {};
 }

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The schemes of link URLs: one table that `connect`, the command line and their help texts read.
 
-A new scheme needs a row here. It also needs a driver of the native core, or a function that makes what the
-URL names and returns the driver URL that reaches it. CONTRIBUTING.md has the steps.
+Its first rows are those of the native core (`native/src/layer0_driver/schemes.cpp`). A scheme that is made in
+Python has its row here, with a function that makes what the URL names and returns the driver URL that reaches
+it. CONTRIBUTING.md has the steps.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from unitylink import _native
 from unitylink.errors import UrlError
 
 
@@ -54,14 +56,8 @@ def _simulated(url: str) -> tuple[Device, str]:
 SCHEMES = {
     scheme.name: scheme
     for scheme in (
-        Scheme("serial", "serial:/dev/ttyUSB0?baud=3000000", "a serial port"),
-        Scheme("ftdi", "ftdi:SERIAL?channel=A", "an FTDI chip, also as a FIFO, without the kernel's driver"),
-        Scheme("rs485", "rs485:/dev/ttyUSB0?node=3&baud=3000000", "one of many nodes on an RS-485 pair"),
-        Scheme("spi", "spi:/dev/spidev0.0?speed_hz=10000000", "an SPI port of the kernel's, the master"),
-        Scheme("tcp", "tcp://HOST:PORT", "a board on the network, or `unitylink simulate`"),
-        Scheme("udp", "udp://HOST:PORT", "the same over UDP"),
+        *(Scheme(name, form, what, once=once) for name, form, what, once in _native.schemes()),
         Scheme("mmap", "mmap:/dev/uio0", "registers that are memory: UIO, a PCIe BAR", stream=False),
-        Scheme("fd", "fd:NUMBER", "an open descriptor, which the link takes over", once=True),
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
     )

@@ -160,8 +160,7 @@ _URLS = (
     "sim:lamp.ul?plant=ramp&groups=4&base_hz=1000&gateware=2012",
     "serial:/absent?baud=3000000&parity=even&rts=1",
     "tcp:///absent?crc=1",
-    "rs485:/absent?node=3&baud=115200",
-    "spi:/absent?speed_hz=10000000",
+    *(re.sub(r":[^?]*", ":/absent", row.form, count=1) for row in SCHEMES.values() if "/dev/" in row.form),
     "mmap:/absent?size=4096&offset=0x1000",
     "bluetooth:whatever",
 )

@@ -162,7 +162,7 @@ def test_one_link_to_a_node_and_one_rate(pair: Pair) -> None:
         ("rs485:/dev/ttyX?node=64", UrlError, "node=64 is not a number from 1 to 63"),
         ("rs485:/dev/ttyX?node=0", UrlError, "node=0 is not a number from 1 to 63"),
         ("rs485:/dev/ttyX?node=1&poll=fast", UrlError, "poll=fast is not a time"),
-        ("rs485:/dev/ttyX?node=1&protocol=classic", UrlError, "speak the framed protocol only"),
+        ("rs485:/dev/ttyX?node=1&protocol=classic", UrlError, "rs485: carries the framed protocol only"),
         ("rs485:/dev/ttyX?node=1&baud=no", UrlError, "baud=no is not a baud rate"),
         ("serial:/dev/ttyX?node=1", UrlError, "no option 'node'"),
         ("rs485:/dev/ttyX?node=1", LinkNotFound, "there is no such port"),

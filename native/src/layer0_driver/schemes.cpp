@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table of schemes. Each opener stands in the driver's own file.
+#include "layer0_driver/schemes.hpp"
+
+#include <algorithm>
+
+namespace unitylink {
+
+Opener open_serial, open_ftdi, open_rs485, open_spi, open_socket, open_descriptor;
+
+namespace {
+
+constexpr Scheme table[] = {
+    {.name = "serial", .form = "serial:/dev/ttyUSB0?baud=3000000", .what = "a serial port", .options = "baud", .open = &open_serial},
+    {.name = "ftdi",
+     .form = "ftdi:SERIAL?channel=A",
+     .what = "an FTDI chip, also as a FIFO, without the kernel's driver",
+     .place = Place::name,
+     .options = "channel mode baud latency event",
+     .open = &open_ftdi},
+    {.name = "rs485",
+     .form = "rs485:/dev/ttyUSB0?node=3&baud=3000000",
+     .what = "one of many nodes on an RS-485 pair",
+     .options = "node baud poll silence",
+     .open = &open_rs485,
+     .framed_only = true},
+    {.name = "spi",
+     .form = "spi:/dev/spidev0.0?speed_hz=10000000",
+     .what = "an SPI port of the kernel's, the master",
+     .options = "speed_hz poll waiting",
+     .open = &open_spi},
+    {.name = "tcp", .form = "tcp://HOST:PORT", .what = "a board on the network, or `unitylink simulate`", .place = Place::host, .open = &open_socket},
+    {.name = "udp", .form = "udp://HOST:PORT", .what = "the same over UDP", .place = Place::host, .open = &open_socket, .loses_order = true},
+    {.name = "fd",
+     .form = "fd:NUMBER",
+     .what = "an open descriptor, which the link takes over",
+     .place = Place::number,
+     .open = &open_descriptor,
+     .once = true},
+};
+
+// Made at its first use, which may be that of an AddedScheme in another file, before this file's own objects are made.
+std::vector<const Scheme*>& rows() {
+  static std::vector<const Scheme*> all = [] {
+    std::vector<const Scheme*> built_in;
+    for (const Scheme& scheme : table) {
+      built_in.push_back(&scheme);
+    }
+    return built_in;
+  }();
+  return all;
+}
+
+}  // namespace
+
+bool Scheme::takes(std::string_view option) const noexcept {
+  for (std::string_view rest = options; !rest.empty();) {
+    const std::size_t end = std::min(rest.find(' '), rest.size());
+    if (rest.substr(0, end) == option) {
+      return true;
+    }
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return false;
+}
+
+const std::vector<const Scheme*>& schemes() { return rows(); }
+
+const Scheme* find_scheme(std::string_view name) {
+  const auto found = std::ranges::find(rows(), name, &Scheme::name);
+  return found == rows().end() ? nullptr : *found;
+}
+
+AddedScheme::AddedScheme(const Scheme& scheme) { rows().push_back(&scheme); }
+
+}  // namespace unitylink
