@@ -12,7 +12,7 @@ from pathlib import Path
 
 from unitylink.errors import BoardError, ToolError
 from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
-from unitylink.generate import write
+from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.isochrony.budget import DeviceBudget, budget
 from unitylink.spec.isochrony.latency import BITS_PER_BYTE
@@ -65,9 +65,10 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     made = f"{spec.name}-{board.name.replace(':', '-')}.{family.bitstream}"
     forget(folder, made)
     configuration = board.configuration(spec, order.protocol, order.settings)
-    write(spec, folder, "vhdl", configuration)
+    plan = SpecPlan(spec, configuration)
+    write_files(planned_files(plan, ["vhdl"]), folder)
     budgets = budgets_of(spec, configuration, clock_hz, baud_hz)
-    logic = logic_of(spec, order, configuration, pin_for_trips=bool(board.roles.get(TRIPPED)))
+    logic = logic_of(plan, order, pin_for_trips=bool(board.roles.get(TRIPPED)))
     tell(logic.whence)
     tell(f"GHDL makes a netlist of {logic.top}")
     generics = {"clock_hz": clock_hz, "baud_hz": baud_hz}

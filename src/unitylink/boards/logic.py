@@ -9,12 +9,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from unitylink.errors import BoardError
-from unitylink.generate import generate
+from unitylink.generate import SpecPlan
 from unitylink.generate.quoting import Vhdl
 from unitylink.generate.templates import environment
-from unitylink.generate.vhdl import FOLDER, Leaf, Plan, component_ports, design_name, plan
+from unitylink.generate.vhdl import (
+    FOLDER,
+    Leaf,
+    Plan,
+    component_ports,
+    design_file_names,
+    design_name,
+    plan_designs,
+)
 from unitylink.generate.vhdl.names import Names
-from unitylink.interface.board_configuration import BoardConfiguration, check_one_board
+from unitylink.interface.board_configuration import check_one_board
 from unitylink.spec import load
 from unitylink.spec.model import Spec
 
@@ -37,7 +45,7 @@ class Logic:
 
 def design_sources(spec: Spec, folder: Path) -> list[Path]:
     """Return the VHDL files that `generate` writes for `spec` into `folder`."""
-    return [folder / name for name in generate(spec, "vhdl") if name.endswith(".vhd")]
+    return [folder / name for name in design_file_names(design_name(spec)) if name.endswith(".vhd")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,16 +81,16 @@ def spec_of(wanted: Wanted) -> Spec:
     return part
 
 
-def logic_of(
-    spec: Spec, wanted: Wanted, configuration: BoardConfiguration, *, pin_for_trips: bool = False
-) -> Logic:
+def logic_of(plan: SpecPlan, wanted: Wanted, *, pin_for_trips: bool = False) -> Logic:
     """Return the logic to build: the user's VHDL, else NAME_board.vhd beside the spec, else one made here.
 
     If the link is not a UART, a NAME_board.vhd that names none of the link's ports is for other boards. Logic
     made here has the port `tripped` if a pin is wished for it, or if the board has one (`pin_for_trips`).
     Raises BoardError, also where the gateware has nothing that trips.
     """
-    name = f"{design_name(spec)}_board.vhd"
+    (design,) = plan.part(plan_designs)
+    configuration = design.configuration
+    name = f"{design.name}_board.vhd"
     beside = Path(wanted.spec_file).with_name(name)
     uart = configuration.physical == "uart"
     generics = ("clock_hz", "baud_hz") if uart else ("clock_hz",)
@@ -90,7 +98,6 @@ def logic_of(
         return own_logic(wanted.logic, wanted.top, generics)
     if wanted.top is not None:
         raise BoardError(f"--top {wanted.top}: say with --logic which VHDL file it is in")
-    design = plan(spec, configuration)
     passed_over: tuple[str, ...] = ()
     if beside.is_file():
         names = "|".join(port.name for port in design.layer.ports)
@@ -106,7 +113,7 @@ def logic_of(
                 "the pin for tripped would never tell of a trip: this gateware has no dead-man; build it "
                 f"with frames and deadman=true, or say --pin {TRIPPED}={OPEN}"
             )
-    logic = pin_logic(design, component_ports(spec), wished, wanted.folder / FOLDER / name)
+    logic = pin_logic(design, component_ports(design), wished, wanted.folder / FOLDER / name)
     return replace(logic, generics=frozenset(generics), notices=passed_over + logic.notices)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from unitylink.errors import BoardError
 from unitylink.gateware import Port, gateware_sources, netlist, ports_of
-from unitylink.generate import write
+from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.generate.quoting import Tcl
 from unitylink.interface.board_configuration import BoardConfiguration
 
@@ -61,8 +61,9 @@ def write_project(order: VendorOrder) -> list[Path]:
     spec = spec_of(order)
     make_folder(order.folder)
     configuration = BoardConfiguration.for_spec(spec, protocol=order.protocol or "both", **order.settings)
-    write(spec, order.folder, "vhdl", configuration)
-    logic = logic_of(spec, order, configuration)
+    plan = SpecPlan(spec, configuration)
+    write_files(planned_files(plan, ["vhdl"]), order.folder)
+    logic = logic_of(plan, order)
     clock_hz, baud_hz = order.clock_hz, order.baud_hz or told_baud_hz(spec) or BAUD_HZ
     check_line(clock_hz, baud_hz)
     generics = {

@@ -65,7 +65,7 @@ def command(
       unitylink generate two_arms.ul --out build --only vhdl --root left_arm
       unitylink generate arm.ul --check
     """
-    from unitylink.generate import ARTEFACTS, DEFAULT, generate, stale, write_files
+    from unitylink.generate import ARTEFACTS, DEFAULT, SpecPlan, planned_files, stale_files, write_files
     from unitylink.spec import load
 
     artefacts = [name.strip() for name in only.split(",")] if only is not None else list(DEFAULT)
@@ -76,13 +76,15 @@ def command(
             )
     gateware = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
     given = {**gateware, "--root": root}
-    if any(given.values()) and "vhdl" not in artefacts:
+    if any(given.values()) and not any(ARTEFACTS[name].gateware for name in artefacts):
         raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
     configuration = {option[2:].replace("-", "_"): value for option, value in gateware.items() if value}
     spec = load(spec_file)
-    specs = {name: part_of(spec, root) if name == "vhdl" else spec for name in artefacts}
+    whole = SpecPlan(spec, configuration)
+    board = whole if root is None else SpecPlan(part_of(spec, root), configuration)
+    made = (planned_files(board if ARTEFACTS[name].gateware else whole, [name]) for name in artefacts)
     if check:
-        problems = [problem for name in artefacts for problem in stale(specs[name], out, name, configuration)]
+        problems = [problem for files in made for problem in stale_files(files, out)]
         if problems:
             again = f"{spec_file} --out {out}" + (f" --only {only}" if only is not None else "")
             again += "".join(f" {option} {value}" for option, value in given.items() if value is not None)
@@ -90,8 +92,7 @@ def command(
         click.echo(f"{out}: up to date with {spec_file}")
         return
     unchanged = 0
-    for name in artefacts:
-        files = generate(specs[name], name, configuration)
+    for files in made:
         written = write_files(files, out)
         unchanged += len(files) - len(written)
         for path in written:

@@ -51,7 +51,7 @@ def command(name: str, folder: str | None) -> None:
 
 def _files(name: str) -> dict[str, str]:
     """Return {file name: text} of the project. A wrong `name` is a usage error."""
-    from unitylink.generate.python import generate_python
+    from unitylink.generate import generate_python
     from unitylink.spec import compile_text
 
     _check_name(name)

@@ -12,7 +12,7 @@ import pytest
 from unitylink.boards.logic import Logic, Wanted, design_sources, logic_of
 from unitylink.errors import BoardError
 from unitylink.gateware import netlist, ports_of
-from unitylink.generate import write
+from unitylink.generate import SpecPlan, write
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec import load
 
@@ -43,7 +43,7 @@ def wanted(folder: Path, **more: object) -> Wanted:
 
 def logic(order: Wanted, **configuration: Any) -> Logic:
     spec = load(order.spec_file)
-    return logic_of(spec, order, BoardConfiguration.for_spec(spec, **configuration))
+    return logic_of(SpecPlan(spec, configuration), order)
 
 
 def test_words_on_pins_are_synthesised(tmp_path: Path) -> None:
@@ -92,7 +92,7 @@ def test_the_dead_man_on_a_pin(tmp_path: Path, pins: tuple[str, ...]) -> None:
     spec = load(order.spec_file)
     configuration = BoardConfiguration.for_spec(spec, protocol="framed")
     write(spec, order.folder, "vhdl", configuration)
-    made = logic_of(spec, order, configuration, pin_for_trips=not pins)
+    made = logic_of(SpecPlan(spec, configuration), order, pin_for_trips=not pins)
     sources = [*design_sources(spec, order.folder), *made.sources]
     verilog = netlist(made.top, sources=sources, assertions=False)
     ports = {port.name: (port.is_input, port.bits) for port in ports_of(verilog, made.top)}

@@ -98,7 +98,7 @@ def test_every_core_of_the_library_has_what_its_recipe_asks_for(path: Path) -> N
 
 @pytest.mark.parametrize("name", ARTEFACTS)
 def test_every_generator_has_what_its_recipe_asks_for(name: str) -> None:
-    assert ARTEFACTS[name].__module__.startswith(f"unitylink.generate.{name}")
+    assert ARTEFACTS[name].files.__module__.startswith(f"unitylink.generate.{name}")
     assert (ROOT / "src" / "unitylink" / "generate" / name / "README.md").is_file()
     assert f"`{name}/`" in text("src/unitylink/generate/README.md")
     command = cli.cli.get_command(click.Context(cli.cli), "generate")

@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+import doctest
 import gc
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from unitylink.generate.kept import kept
+from unitylink.generate import SpecPlan, planned_files, spec_plan
 from unitylink.generate.templates import environment
 from unitylink.resources import cache_folder
 from unitylink.spec import Spec, compile_text
@@ -31,18 +33,38 @@ def test_generators_load_neither_numpy_nor_the_native_core() -> None:
     assert done.stdout == "set()\n"
 
 
-def test_what_is_kept_is_that_of_the_same_spec_and_of_no_other() -> None:
+@pytest.mark.parametrize("artefacts", [["ros2"], ["python", "ros1", "ros2"], ["html", "json"], ["vhdl"]])
+def test_a_spec_is_planned_once_on_the_way_to_all_its_files(
+    artefacts: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     made: list[str] = []
 
-    @kept
-    def name_of(spec: Spec) -> list[str]:
-        made.append(spec.name)
-        return [spec.name]
+    def counted(target: str) -> None:
+        real = pkgutil.resolve_name(target)
 
-    one, same = spec_of(TEXT), spec_of(TEXT)
-    assert name_of(one) is name_of(one)
-    assert name_of(same) is not name_of(one)  # equal, but another object
-    assert len(made) == 3
+        def once(*given: object, **named: object) -> object:
+            made.append(target)
+            return real(*given, **named)
+
+        monkeypatch.setattr(target, once)
+
+    planners = {
+        "unitylink.generate.python.planner._Planner.module": {"python", "ros1", "ros2"},
+        "unitylink.generate.vhdl.planner._Planner.plan": {"vhdl"},
+        "unitylink.generate.ros_common.package.plan_interface": {"ros1", "ros2"},
+        "unitylink.generate.json.model.model_json": {"html", "json"},
+    }
+    for target in planners:
+        counted(target)
+    files = planned_files(SpecPlan(spec_of(TEXT)), artefacts)
+    assert files.keys() >= planned_files(SpecPlan(spec_of(TEXT)), artefacts[:1]).keys()
+    expected = [target for target, needed in planners.items() if needed & set(artefacts)]
+    again = [target for target, needed in planners.items() if needed & set(artefacts[:1])]
+    assert sorted(made) == sorted(expected + again)
+
+
+def test_the_example_of_a_plan() -> None:
+    assert doctest.testmod(spec_plan) == doctest.TestResults(failed=0, attempted=4)
 
 
 def test_the_collector_runs_again_whatever_happens() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from unitylink.cli import main
 from unitylink.errors import DeviceMismatch
-from unitylink.generate.python import generate_python
+from unitylink.generate import generate_python
 from unitylink.layer2_message import Link
 from unitylink.layer4_data import Node, load_spec_objects
 from unitylink.simulate import Board, BoardConfiguration

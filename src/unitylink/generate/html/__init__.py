@@ -3,6 +3,6 @@
 
 from __future__ import annotations
 
-from .page import generate_html
+from .page import html_files
 
-__all__ = ["generate_html"]
+__all__ = ["html_files"]

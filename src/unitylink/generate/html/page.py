@@ -10,30 +10,29 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from unitylink.spec.model import Spec
-
-from ..json import model_json
+from ..json import plan_model
 from ..quoting import Html
+from ..spec_plan import SpecPlan
 
 _PRECISE = 1 << 53  # JavaScript's numbers are doubles: larger integers go as text
 _SLOT = re.compile(r"\{\{ (\w+) \}\}")
 
 
-def generate_html(spec: Spec) -> dict[str, str]:
+def html_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of the register map, one page that needs nothing else."""
-    model = model_json(spec)
+    model = plan.part(plan_model)
     script = _part("codec.js") + _part("map.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     slots = {
         "generated": Html.remark(model["generated"]),
-        "name": Html.text(spec.name),
+        "name": Html.text(plan.spec.name),
         "style": _part("style.css"),
         "script": script,
         "script_hash": f"sha256-{digest}",
         "model": Html.data(page_data(model)),
     }
     text = _SLOT.sub(lambda slot: slots[slot[1]], _part("page.html"))
-    return {f"{spec.name}.html": text}
+    return {f"{plan.spec.name}.html": text}
 
 
 @cache

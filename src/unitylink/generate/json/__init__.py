@@ -3,6 +3,6 @@
 
 from __future__ import annotations
 
-from .model import generate_json, model_json
+from .model import json_files, model_json, plan_model
 
-__all__ = ["generate_json", "model_json"]
+__all__ = ["json_files", "model_json", "plan_model"]

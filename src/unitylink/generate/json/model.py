@@ -14,13 +14,20 @@ from unitylink.spec.annotation import Annotation
 from unitylink.spec.model import Device, Element, Group, Instance, Link, LinkBinding, Publish, Spec
 from unitylink.spec.types import EnumType, Field, ValueType
 
+from ..spec_plan import SpecPlan
+
 FORMAT, VERSION = "unity-link model", 1
 
 
-def generate_json(spec: Spec) -> dict[str, str]:
+def json_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of the model's JSON."""
-    text = json.dumps(model_json(spec), indent=1, ensure_ascii=False, allow_nan=False)
-    return {f"{spec.name}.json": text + "\n"}
+    text = json.dumps(plan.part(plan_model), indent=1, ensure_ascii=False, allow_nan=False)
+    return {f"{plan.spec.name}.json": text + "\n"}
+
+
+def plan_model(plan: SpecPlan) -> dict[str, Any]:
+    """Return the model as plain data, for the JSON and for the register map."""
+    return model_json(plan.spec)
 
 
 def model_json(spec: Spec) -> dict[str, Any]:

@@ -5,22 +5,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from unitylink.spec.model import Spec
-
-from ..kept import kept
+from ..spec_plan import SpecPlan
 from ..templates import environment
-from .planner import plan
+from .planner import plan_module
 
-__all__ = ["generate_python"]
+__all__ = ["plan_module", "python_files", "python_text"]
 
 _HERE = Path(__file__).parent
 
 
-def generate_python(spec: Spec) -> dict[str, str]:
+def python_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of the module with one class per constructor of the spec."""
-    return {plan(spec).file: _text(spec)}
+    return {plan.part(plan_module).file: plan.part(python_text)}
 
 
-@kept
-def _text(spec: Spec) -> str:
-    return environment(_HERE).get_template("proxies.py.jinja").render(module=plan(spec))
+def python_text(plan: SpecPlan) -> str:
+    """Return the text of the module, which the packages of ROS hold too."""
+    return environment(_HERE).get_template("proxies.py.jinja").render(module=plan.part(plan_module))

@@ -23,8 +23,8 @@ from unitylink.spec.model import Member as SpecMember
 from unitylink.spec.types import INT32, UINT32
 from unitylink.values import Quantity
 
-from ..kept import kept
 from ..quoting import Python, file_name
+from ..spec_plan import SpecPlan
 from .docstrings import places as _places
 from .docstrings import shown as _shown
 from .docstrings import value_facts
@@ -87,10 +87,9 @@ class Module:
     classes: tuple[Class, ...]
 
 
-@kept
-def plan(spec: Spec) -> Module:
+def plan_module(plan: SpecPlan) -> Module:
     """Plan the module of a spec."""
-    return _Planner(spec).module()
+    return _Planner(plan.spec).module()
 
 
 class _Planner:

@@ -3,18 +3,17 @@
 
 from __future__ import annotations
 
-from unitylink.spec.model import Spec
-
 from ..ros_common.cpp import cpp_robot
-from ..ros_common.package import definitions, headers, packages, proxies, rendered
+from ..ros_common.package import definitions, headers, plan_packages, proxies, rendered
+from ..spec_plan import SpecPlan
 
-__all__ = ["generate_ros1"]
+__all__ = ["ros1_files"]
 
 
-def generate_ros1(spec: Spec) -> dict[str, str]:
+def ros1_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of a package per public constructor, in the folder ros1/."""
     files: dict[str, str] = {}
-    for package in packages(spec):
+    for package in plan.part(plan_packages):
         folder = f"ros1/{package.name}"
         python = f"src/{package.name}"
         templates = {

@@ -5,19 +5,18 @@ from __future__ import annotations
 
 import re
 
-from unitylink.spec.model import Spec
-
 from ..ros_common.cpp import cpp_robot
-from ..ros_common.package import definitions, headers, packages, proxies, rendered
+from ..ros_common.package import definitions, headers, plan_packages, proxies, rendered
+from ..spec_plan import SpecPlan
 from .control import control
 
-__all__ = ["generate_ros2"]
+__all__ = ["ros2_files"]
 
 
-def generate_ros2(spec: Spec) -> dict[str, str]:
+def ros2_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of a package per public constructor, in the folder ros2/."""
     files: dict[str, str] = {}
-    for package in packages(spec):
+    for package in plan.part(plan_packages):
         folder = f"ros2/{package.name}"
         python = f"{package.name}_node"  # rosidl makes the Python package of the package's own name
         templates = {

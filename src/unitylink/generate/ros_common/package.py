@@ -14,9 +14,9 @@ from unitylink.ros.interface import Message as RosMessage
 from unitylink.ros.mapping import plan_interface
 from unitylink.spec.model import Instance, Spec
 
-from ..python import generate_python
-from ..python.planner import plan
+from ..python import plan_module, python_text
 from ..quoting import Message, Python, file_name
+from ..spec_plan import SpecPlan
 from ..templates import environment
 
 FOLDER = Path(__file__).parents[1]
@@ -32,6 +32,7 @@ class Package:
     module: str  # of the generated Python classes
     robot_class: str
     literal: Python  # the interface
+    classes: str  # the generated Python classes: the text of their module
 
     @property
     def name(self) -> str:
@@ -48,14 +49,16 @@ class Package:
         return file_name(self.interface.source)
 
 
-def packages(spec: Spec) -> list[Package]:
+def plan_packages(plan: SpecPlan) -> list[Package]:
     """Return a package for each public constructor. BindingError if two have the same name."""
+    spec, module = plan.spec, plan.part(plan_module)
     made = []
-    module = plan(spec)
     for root, robot in zip(spec.roots, module.classes, strict=False):
         interface = plan_interface(spec, root.name)
         name = module.file.removesuffix(".py")
-        made.append(Package(interface, root, spec, name, robot.name, literal(interface, 0)))
+        made.append(
+            Package(interface, root, spec, name, robot.name, literal(interface, 0), plan.part(python_text))
+        )
     names = [package.name for package in made]
     for name in names:
         if names.count(name) > 1:
@@ -81,8 +84,7 @@ def _commented(message: RosMessage) -> RosMessage:
 
 def proxies(package: Package, folder: str) -> dict[str, str]:
     """Return the generated Python classes, and the interface, in the folder of the Python package."""
-    (text,) = generate_python(package.spec).values()
-    return {f"{folder}/{package.module}.py": text}
+    return {f"{folder}/{package.module}.py": package.classes}
 
 
 def headers(interface: Interface) -> list[str]:

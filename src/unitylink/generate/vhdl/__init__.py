@@ -3,54 +3,72 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Union
 
 from unitylink.errors import BindingError
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
+from ..spec_plan import SpecPlan
 from ..templates import environment
 from .names import identifier
 from .plan import Plan
-from .planner import plan
+from .planner import plan_design
 from .records import Leaf
 from .words import WordMap, word_map
 
-__all__ = ["Leaf", "Plan", "WordMap", "component_ports", "design_name", "generate_vhdl", "plan", "word_map"]
+__all__ = [
+    "Leaf",
+    "Plan",
+    "WordMap",
+    "component_ports",
+    "design_file_names",
+    "design_name",
+    "plan_design",
+    "plan_designs",
+    "vhdl_files",
+    "word_map",
+]
 
 FOLDER = "vhdl"
 _HERE = Path(__file__).parent
-Chosen = Union[BoardConfiguration, Mapping[str, Any], None]  # of gateware: all of it, or what differs
 _PARTS = ("config_pkg.vhd", "user_pkg.vhd", "design.vhd", "top.vhd", "build.sh")
 
 
-def generate_vhdl(spec: Spec, configuration: Chosen = None) -> dict[str, str]:
+def vhdl_files(plan: SpecPlan) -> dict[str, str]:
     """Return {file name: text} of a spec's design: packages, design on byte streams, top level with a UART.
 
-    Where the spec has several links there is a design for each of its boards (`Spec.boards`). `configuration`
-    is the gateware of the design, or the fields that differ from those of the spec. Raises BindingError for
-    one that only a virtual board can have.
+    Where the spec has several links there is a design for each of its boards (`Spec.boards`). Raises
+    BindingError for gateware that only a virtual board can have.
     """
-    boards = spec.boards
-    if len(boards) > 1 and isinstance(configuration, BoardConfiguration):
-        raise BindingError(f"vhdl: {spec.source} has {len(boards)} boards, and one configuration is given")
     files: dict[str, str] = {}
-    for board in boards:
-        if not isinstance(configuration, BoardConfiguration):
-            chosen = BoardConfiguration.for_spec(board, **(configuration or {}))
-        else:
-            chosen = configuration
-        design = plan(board, chosen)
-        made = {f"{FOLDER}/{design.name}_{part}": _text(part, design) for part in _PARTS}
+    for design in plan.part(plan_designs):
+        made = dict(
+            zip(design_file_names(design.name), (_text(part, design) for part in _PARTS), strict=True)
+        )
         if files.keys() & made.keys():
             raise BindingError(
-                f"vhdl: two boards of {spec.source} are both {design.name} in VHDL; "
+                f"vhdl: two boards of {plan.spec.source} are both {design.name} in VHDL; "
                 "rename one, or generate them into folders of their own with --root"
             )
         files |= made
     return files
+
+
+def plan_designs(plan: SpecPlan) -> list[Plan]:
+    """Plan the design of each board."""
+    boards, chosen = plan.spec.boards, plan.configuration
+    if len(boards) > 1 and isinstance(chosen, BoardConfiguration):
+        several = f"{plan.spec.source} has {len(boards)} boards"
+        raise BindingError(f"vhdl: {several}, and one configuration is given")
+    if isinstance(chosen, BoardConfiguration):
+        return [plan_design(boards[0], chosen)]
+    return [plan_design(board, BoardConfiguration.for_spec(board, **(chosen or {}))) for board in boards]
+
+
+def design_file_names(name: str) -> list[str]:
+    """Return the names of the files of a design, by the beginning of its names (`design_name`)."""
+    return [f"{FOLDER}/{name}_{part}" for part in _PARTS]
 
 
 def _text(part: str, design: Plan) -> str:
@@ -62,8 +80,7 @@ def design_name(spec: Spec) -> str:
     return identifier(spec.name)
 
 
-def component_ports(spec: Spec) -> dict[str, str]:
+def component_ports(design: Plan) -> dict[str, str]:
     """Return the ports of `NAME_top` that are pins of components: {port: entity of the component}."""
-    design = plan(spec)
     pins = {port.name for port in design.pins}
     return {port: part.entity for part in design.components for _, port in part.pins if port in pins}

@@ -47,7 +47,7 @@ _STROBE = FieldType(Vhdl("std_ulogic"), (Part(Vhdl(""), "std_ulogic", 0, 0),))
 _FieldOf = Callable[[Element], Union[FieldType, None]]
 
 
-def plan(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
+def plan_design(spec: Spec, configuration: BoardConfiguration | None = None) -> Plan:
     """Plan the design of a spec on `configuration`, by default what it asks for, with both protocols."""
     return _Planner(spec, configuration or BoardConfiguration.for_spec(spec)).plan()
 

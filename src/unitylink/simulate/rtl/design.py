@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Union
 
+from unitylink.generate import SpecPlan, planned_files
 from unitylink.generate.templates import environment
-from unitylink.generate.vhdl import design_name, generate_vhdl, plan, word_map
+from unitylink.generate.vhdl import Plan, plan_designs
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.model import Spec
 
@@ -42,30 +43,31 @@ def design_of(spec: Spec, configuration: BoardConfiguration) -> RtlDesign:
     A physical layer of `BEHIND` is put in front of it, with the far end of its wires. Other layers are
     omitted, and the byte streams are the design's own.
     """
-    words = word_map(spec, configuration)
-    top = f"{design_name(spec)}_design"
+    plan = SpecPlan(spec, configuration)
+    (design,) = plan.part(plan_designs)
+    top = f"{design.name}_design"
     files = {
         name.rpartition("/")[2]: text
-        for name, text in generate_vhdl(spec, configuration).items()
+        for name, text in planned_files(plan, ["vhdl"]).items()
         if name.endswith(("_config_pkg.vhd", "_design.vhd"))  # without what stands around the design
     }
     if configuration.physical in BEHIND:
-        top = f"{design_name(spec)}_behind_{configuration.physical}"
-        files |= _behind(spec, configuration, top)
+        top = f"{design.name}_behind_{configuration.physical}"
+        files |= _behind(design, top)
     return RtlDesign(
         top=top,
         files=files,
-        read_addresses=tuple(words.read),
-        write_addresses=tuple(words.write),
+        read_addresses=tuple(design.words.read),
+        write_addresses=tuple(design.words.write),
         generics={"clock_hz": configuration.clock_hz},
     )
 
 
-def _behind(spec: Spec, configuration: BoardConfiguration, top: str) -> dict[str, str]:
+def _behind(design: Plan, top: str) -> dict[str, str]:
     template = environment(_HERE).get_template("behind.vhd.jinja")
-    text = template.render(plan=plan(spec, configuration), top=top, latency_ms=LATENCY_MS)
+    text = template.render(plan=design, top=top, latency_ms=LATENCY_MS)
     made = {f"{top}.vhd": text}
-    other_end = BEHIND[configuration.physical]
+    other_end = BEHIND[design.configuration.physical]
     if other_end is not None:
         made[other_end] = (_HERE / other_end).read_text(encoding="utf-8")
     return made

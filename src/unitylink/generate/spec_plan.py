@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What all artefacts of a spec share: the spec, the gateware chosen for it, and the plans made of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, Union, cast
+
+from unitylink.interface.board_configuration import BoardConfiguration
+from unitylink.spec.model import Spec
+
+Chosen = Union[BoardConfiguration, Mapping[str, Any], None]  # of gateware: all of it, or what differs
+R = TypeVar("R")
+
+
+class SpecPlan:
+    """A spec on its way to files. Each plan is made at its first use, and handed to every artefact after it.
+
+    `configuration` is the gateware of the VHDL, or the fields that differ from those of the spec.
+
+    >>> from unitylink.spec import compile_text
+    >>> plan = SpecPlan(compile_text("public lamp() { @led = 0x10: WRITE(); }", "lamp.ul").spec)
+    >>> def words(plan: SpecPlan) -> list[str]:
+    ...     return [path for path, _ in plan.spec.walk()]
+    >>> plan.part(words), plan.part(words) is plan.part(words)
+    (['led'], True)
+    """
+
+    def __init__(self, spec: Spec, configuration: Chosen = None) -> None:
+        self.spec = spec
+        self.configuration = configuration
+        self._parts: dict[Callable[[SpecPlan], Any], Any] = {}
+
+    def part(self, planner: Callable[[SpecPlan], R]) -> R:
+        """Return `planner(self)`, made once. It must not be changed."""
+        if planner not in self._parts:
+            self._parts[planner] = planner(self)
+        return cast(R, self._parts[planner])
