@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from unit.commands.every_command import converse
+from end_to_end.every_command import converse
 
 from tests.reference.rs485 import ModelNode, Pair, PairNode, WireNode
 from unitylink import connect

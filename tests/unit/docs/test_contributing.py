@@ -84,7 +84,7 @@ def test_a_scheme_touches_at_most_8_files() -> None:
 def test_every_scheme_has_what_its_recipe_asks_for(name: str) -> None:
     table = text("docs/command-line.md").partition("\n## LINK\n")[2].partition("\nOptions")[0]
     assert f"`{name}:" in table, "docs/command-line.md has a table LINK"
-    tried = text("tests/unit/commands/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
+    tried = text("tests/end_to_end/test_every_scheme.py") + text("tests/end_to_end/test_rtl.py")
     assert f'"{name}:' in tried or f'("{name}"' in tried, "no test tries all commands on it"
 
 

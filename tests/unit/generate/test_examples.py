@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import importlib.util
-import subprocess
 import sys
 from pathlib import Path
 
@@ -16,42 +15,12 @@ from unitylink.spec import load
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 
-def run(example: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-W", "error", str(EXAMPLES / example / "run.py"), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-
-
-@pytest.mark.parametrize(
-    ("example", "arguments", "said"),
-    [
-        ("hello_led", [], "LEDs 0100"),
-        ("walker18", ["--cycles", "1"], "The walker is there."),
-        ("walker18", ["--cycles", "1", "--spec", "walker18_si.ul"], "The walker is there."),
-        ("pa10", ["--pace", "2"], "Both arms are home again."),
-        ("pa10", ["--pace", "2", "--spec", "pa10.ul"], "Both arms are home again."),
-        ("servo", [], "the limit switch has closed, 1 in all"),
-        ("profile", [], "a step: 32 points in one commit, 32 samples"),
-    ],
-)
-def test_example_runs(example: str, arguments: list[str], said: str) -> None:
-    done = run(example, *arguments)
-    assert (done.returncode, done.stderr) == (0, ""), done.stdout
-    assert said in done.stdout
-
-
 def test_the_walker_fits_the_paper() -> None:
     for name in ("walker18", "walker18_si"):
         path = EXAMPLES / "walker18" / f"{name}.ul"
         assert len(path.read_text("utf-8").splitlines()) <= 23
         published = [element for _, element in load(path).walk() if element.publish is not None]
         assert len(published) == 18
-
-
-@pytest.mark.parametrize("example", ["hello_led", "profile", "scara", "servo", "walker18"])
-def test_example_says_what_is_wrong_with_a_link(example: str) -> None:
-    done = run(example, "--link", "tcp://127.0.0.1:1")
-    assert done.returncode == 1
-    assert done.stderr.startswith(f"{example}: ") and "Traceback" not in done.stderr
 
 
 def test_scara_proxies_are_up_to_date() -> None:

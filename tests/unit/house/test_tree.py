@@ -37,6 +37,9 @@ def test_files_fit_in_the_head() -> None:
     assert not long, "split these (one noun a file):\n" + "\n".join(long)
 
 
+MIRRORS = [ROOT / "tests" / name for name in ("unit", "lab")]  # of src/; their page is tests/README.md
+
+
 def test_folders_have_a_page() -> None:
     roots = ("src", "native", "gateware", "protocol", "examples", "bench", "tests", "tools")
     folders = {f.parent for f in CODE if str(f.relative_to(ROOT)).startswith(roots)}
@@ -44,6 +47,6 @@ def test_folders_have_a_page() -> None:
         str(folder.relative_to(ROOT))
         for folder in sorted(folders)
         if not (folder / "README.md").exists()
-        and not folder.is_relative_to(ROOT / "tests" / "unit")  # mirrors src/; its page is tests/README.md
+        and not any(folder.is_relative_to(mirror) for mirror in MIRRORS)
     ]
     assert not missing, "folders without a README.md:\n" + "\n".join(missing)

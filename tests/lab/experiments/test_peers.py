@@ -15,7 +15,7 @@ from unitylink_lab.bench.figure import Run
 from unitylink_lab.experiments import peer_faults, peers
 from unitylink_lab.experiments.wire import Pty, Wire
 
-DOCS = Path(__file__).resolve().parents[4] / "docs"
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 HERE = Run(True, Path(), lambda text: None)
 
 

@@ -47,7 +47,7 @@ from unitylink_lab.experiments.table_one import (
     Cell,
 )
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[3]
 RESULTS: dict[str, Any] = json.loads((ROOT / "docs" / "experiments.json").read_text(encoding="utf-8"))
 
 

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from unit.commands.every_command import SPEC, converse
+from end_to_end.every_command import SPEC, converse
 
 from tests.reference.rs485 import ModelNode, Pair
 from unitylink.commands.link_option import is_link
@@ -17,7 +17,7 @@ from unitylink.connection.schemes import SCHEMES
 from unitylink.simulate import Board
 from unitylink.spec import load
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_an_spi_port(stack: ExitStack, spec: Path, tmp_path: Path, spi_client: C
         import sys
         sys.path[:0] = [{str(ROOT / "tests")!r}, {str(ROOT)!r}]
         from pathlib import Path
-        from unit.commands.every_command import converse
+        from end_to_end.every_command import converse
         url = "spi:/dev/spidev0.0?speed_hz=20000000&fifo=256&timeout=2"
         no_port = {{"doctor": "The SPI port does not exist"}}  # it looks where the fake is not
         print(converse(lambda: url, Path({str(spec)!r}), Path({str(tmp_path)!r}), refused=no_port))

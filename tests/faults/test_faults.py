@@ -17,7 +17,7 @@ from click.testing import CliRunner
 from unitylink import _native
 from unitylink.commands.faults import RUN_MESSAGES, History, command, histories
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 PROFILES = [name for name, _ in _native.fault_profiles()]
 LIARS = ["dead", "half-dead", "closing", "renewing", "refusing"]  # devices; the others are wires
 
