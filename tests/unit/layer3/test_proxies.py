@@ -76,7 +76,7 @@ def test_what_counts_more_words_than_a_fifo_holds_is_none(fake: ModuleType) -> N
     """Popping so many words from some register would take hours."""
     link = fake.FakeLink()
     fifo = FifoProxy(link, 0x40)
-    most = "range 2 to 2 ** 16 := 16; -- words each way"
+    most = "range 2 to 2 ** 16 := 16;"
     assert most in (gateware_folder() / "cores" / "fifo_slave.vhd").read_text("utf-8")
     link.bus.words = {0x41: 2**16 + 1, 0x42: 2**32 - 1}
     for act in (lambda: fifo.pop_many(10**9), lambda: fifo.push_many([1])):
