@@ -86,6 +86,11 @@ def test_the_variables_of_short_forms_are_those_of_the_makefile(fresh: Any) -> N
             ), f"make {name} {form}"
 
 
+def test_the_tests_that_short_forms_name_are_there(fresh: Any) -> None:
+    named = [path for form in fresh.SHORT_FORMS.values() for path in re.findall(r"=(tests/\S+)", form)]
+    assert named and all((ROOT / path).exists() for path in named), named
+
+
 def test_no_failure_of_a_set_up_is_ignored() -> None:
     recipes = re.findall(r"^\t@?-.*|^\t.*\|\| true.*", MAKEFILE, re.M)
     assert not recipes, "a target goes on without what it needs"
@@ -137,6 +142,18 @@ def test_a_target_that_hangs_fails_and_leaves_nothing_running(
     assert not left.exists() or left.read_text().split()[2] == "Z"
     monkeypatch.setattr(fresh, "LONGEST_S", 0.1)
     assert try_targets("hang")[0].complaint == "not done after 0.1 s"
+
+
+def test_one_failure_is_the_end_of_make_fresh(
+    fresh: Any, tiny: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(fresh, "ROOT", tiny)
+    monkeypatch.setattr(fresh, "SHORT_FORMS", FORMS)
+    monkeypatch.setattr(fresh.signal, "signal", lambda *_: None)  # the handlers are those of pytest
+    for targets, code in (("know",), 0), (("fail", "know"), 1):
+        monkeypatch.setattr(fresh.sys, "argv", ["every_target.py", *targets])
+        assert fresh.main() == code
+    assert capsys.readouterr().out.endswith("1 of 2 targets failed\n")
 
 
 def test_a_target_that_is_not_there_is_refused(fresh: Any) -> None:
