@@ -76,7 +76,7 @@ demo-ros: $(VENV)/.built
 test:
 	@tools/test.sh $(TESTS)
 
-unit: $(VENV)/.built
+unit: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh boards
 	$(BIN)/python -m pytest tests/unit -q -n 2 --dist loadgroup
