@@ -164,6 +164,15 @@ def test_a_target_that_is_not_there_is_refused(fresh: Any) -> None:
     assert "no target 'tset'; there are: demo, " in done.stderr
 
 
+def test_a_bare_debian_has_what_the_build_asks_for_and_no_more(fresh: Any) -> None:
+    """What is there before the first command: `make build` stops without it and names it."""
+    build = (ROOT / "tools" / "setup.sh").read_text("utf-8").partition("\nbuild)")[2].partition("\n  ;;")[0]
+    asked = set(re.findall(r'^  need (?:"[^"]*"|\S+) (\S+) ', build, re.M))
+    assert len(asked) == 5
+    machines = importlib.import_module("machines")
+    assert set(machines.ASKED) == asked | {"make", "ca-certificates"}
+
+
 def test_a_bare_debian_wants_debootstrap(fresh: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(fresh.Absent, match="needs root and debootstrap"):
