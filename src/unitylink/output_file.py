@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import stat
+import tempfile
 from pathlib import Path
 
 from unitylink.errors import UnityLinkError
@@ -73,6 +74,38 @@ def write_output(path: str | Path, data: bytes, *, force: bool = False) -> None:
         if stat.S_ISREG(os.lstat(path).st_mode):
             os.unlink(path)
         raise UnityLinkError(f"{path}: {error.strerror or error}") from error
+
+
+def replace_file(path: str | Path, data: str | bytes) -> None:
+    """Write a file so that a reader, also after a crash, has either the old one or the new one.
+
+    A file that is there keeps its permissions, and a symbolic link stays one. Raises OSError.
+
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "arm.ul"
+    >>> replace_file(path, "public arm() {}")
+    >>> path.read_text()
+    'public arm() {}'
+    """
+    path = Path(path).resolve()
+    descriptor, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with open(descriptor, "wb") as stream:
+            stream.write(data.encode() if isinstance(data, str) else data)
+        os.chmod(beside, _permissions(path))  # mkstemp makes private files
+        os.replace(beside, path)
+    except BaseException:
+        os.unlink(beside)
+        raise
+
+
+def _permissions(path: Path) -> int:
+    try:
+        return stat.S_IMODE(path.stat().st_mode)
+    except FileNotFoundError:
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
 
 
 def _a_stream(there: os.stat_result) -> bool:

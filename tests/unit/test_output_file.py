@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import doctest
 import os
 import resource
 import signal
@@ -11,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from unitylink import connect
+from unitylink import connect, output_file
 from unitylink.cli import main
 from unitylink.errors import LinkError, UnityLinkError
-from unitylink.output_file import check_output, create_output, write_output
+from unitylink.output_file import check_output, create_output, replace_file, write_output
 
 MINE = b"an hour of measurements"
 LAMP = "public lamp() { @led = 0x10: WRITE(); @light = 0x11: READ(); }"
@@ -124,3 +125,36 @@ def test_a_write_that_fails_leaves_no_half_file(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, ignored)
     assert not (tmp_path / "half").exists() and Path("/dev/full").exists()
+
+
+def test_a_file_is_replaced_whole_with_its_permissions_and_links(tmp_path: Path) -> None:
+    path, link = tmp_path / "arm.ul", tmp_path / "link.ul"
+    path.write_text("old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    replace_file(link, "new")
+    assert link.is_symlink() and path.read_text() == "new"
+    assert path.stat().st_mode & 0o777 == 0o640
+    replace_file(tmp_path / "made", b"\0\n")
+    assert (tmp_path / "made").read_bytes() == b"\0\n"
+    (tmp_path / "plain").touch()
+    assert (tmp_path / "made").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_a_replacement_that_fails_leaves_the_old_file_alone(tmp_path: Path) -> None:
+    path = tmp_path / "arm.ul"
+    path.write_text("old")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            replace_file(path, MINE)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert path.read_text() == "old" and [file.name for file in tmp_path.iterdir()] == ["arm.ul"]
+
+
+def test_the_examples_in_docstrings() -> None:
+    assert doctest.testmod(output_file).failed == 0

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from unitylink.errors import BoardError, ToolError
-from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_program
+from unitylink.gateware import find_program, map_cells, netlist, ports_of, run_tool
 from unitylink.generate import SpecPlan, planned_files, write_files
 from unitylink.interface.board_configuration import BoardConfiguration
 from unitylink.spec.isochrony.budget import DeviceBudget, budget
@@ -183,10 +183,10 @@ def _place(
         files = ["--json", "board.json", f"--{family.constraints}", f"board.{family.constraints}"]
         files += [option, f"board.{ending}", "--report", "timing.json"]
         options = ["--freq", f"{clock_hz / 1e6:.6f}", "--seed", str(seed), "--timing-allow-fail"]
-        code, said = run_program([*command, *files, *options], order.folder)
-        (order.folder / "nextpnr.log").write_text(said, encoding="utf-8")
-        if code != 0:
-            raise _refused(order, configuration, said)
+        ended = run_tool([*command, *files, *options], order.folder, joined=True)
+        (order.folder / "nextpnr.log").write_text(ended.out, encoding="utf-8")
+        if ended.code != 0:
+            raise _refused(order, configuration, ended.out)
         timing = json.loads((order.folder / "timing.json").read_text(encoding="utf-8"))
         fmax_hz, link_fmax_hz = fmax(timing["fmax"], order.board.link_clock)
         if link_fmax_hz is not None and link_fmax_hz < CHIP_CLOCK_HZ:
@@ -250,10 +250,10 @@ def _refused(order: Order, configuration: BoardConfiguration, said: str) -> Boar
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
-    code, said = run_program(command, folder)
-    if code != 0:
-        lines = "\n".join(said.strip().splitlines()[-_LINES_SHOWN:])
-        raise ToolError(f"{Path(command[0]).name} ended with {code}:\n{lines}")
+    ended = run_tool(command, folder, joined=True)
+    if ended.code != 0:
+        lines = "\n".join(ended.out.strip().splitlines()[-_LINES_SHOWN:])
+        raise ToolError(f"{Path(command[0]).name} ended with {ended.code}:\n{lines}")
 
 
 LINKS = {
@@ -285,6 +285,6 @@ def _shown(board: Board, pinout: Pinout) -> dict[str, str]:
 def _versions(placer: str, folder: Path) -> tuple[str, ...]:
     lines = []
     for command in (["ghdl", "--version"], ["yosys", "-V"], [placer, "--version"]):
-        _, said = run_program(command, folder)
+        said = run_tool(command, folder, joined=True).out
         lines.append(said.strip().splitlines()[0] if said.strip() else command[0])
     return tuple(lines)

@@ -74,11 +74,10 @@ def _compiled(spec: str) -> Result:
 
 def _fixed(spec: str, write: bool, quiet: bool) -> Result:
     """Make or show the fixes of one spec. Return what is left to report."""
+    from unitylink.output_file import replace_file
     from unitylink.spec import compile_file, compile_text
     from unitylink.spec.fix import fix_text
     from unitylink.spec.source import MAX_BYTES
-
-    from .replace import replace_file
 
     name = "<stdin>" if spec == "-" else spec
     try:

@@ -10,8 +10,7 @@ from pathlib import Path
 import click
 
 from unitylink.errors import SpecError
-
-from .replace import replace_file
+from unitylink.output_file import replace_file
 
 
 @click.command()

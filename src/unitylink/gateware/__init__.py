@@ -6,7 +6,7 @@ from __future__ import annotations
 from .ghdl import Ghdl
 from .netlist import netlist
 from .ports import Port, ports_of
-from .programs import find_program, map_cells, run_program
+from .programs import find_program, map_cells, run_tool
 from .sources import gateware_folder, gateware_sources
 
 __all__ = [
@@ -18,5 +18,5 @@ __all__ = [
     "map_cells",
     "netlist",
     "ports_of",
-    "run_program",
+    "run_tool",
 ]

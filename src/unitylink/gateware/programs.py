@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from unitylink.errors import ToolError
@@ -28,23 +29,44 @@ def find_program(names: Sequence[str], remedy: str) -> str:
     raise ToolError(f"{' or '.join(names)} is missing; {remedy}")
 
 
-def run_program(command: Sequence[str], folder: Path, *, timeout_s: float = _SECONDS_MOST) -> tuple[int, str]:
-    """Run a program in `folder`. Return its exit code and all it printed. Raises ToolError when it hangs."""
+@dataclass(frozen=True)
+class Ended:
+    """How a program ended: its exit code and what it printed on stdout and stderr."""
+
+    code: int
+    out: str
+    err: str
+
+
+def run_tool(
+    command: Sequence[str],
+    folder: Path | None = None,
+    *,
+    called: str = "",
+    joined: bool = False,
+    timeout_s: float = _SECONDS_MOST,
+) -> Ended:
+    """Run a program in `folder` to its end.
+
+    With `joined` stderr comes in stdout, at its place. `called` is what the message says for it. Raises
+    ToolError when it hangs.
+    """
     try:
         done = subprocess.run(
             list(command),
             cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
+            stderr=subprocess.STDOUT if joined else subprocess.PIPE,
             text=True,
             errors="replace",
             timeout=timeout_s,
             check=False,
         )
     except subprocess.TimeoutExpired as error:
-        raise ToolError(f"{Path(command[0]).name}: no end after {timeout_s:.0f} s") from error
-    return done.returncode, done.stdout
+        name = called or Path(command[0]).name
+        raise ToolError(f"{name}: no end after {timeout_s:.0f} s") from error
+    return Ended(done.returncode, done.stdout, done.stderr or "")
 
 
 def map_cells(family: str, top: str, sources: Sequence[str], made: str, folder: Path) -> str:
@@ -54,8 +76,8 @@ def map_cells(family: str, top: str, sources: Sequence[str], made: str, folder: 
     """
     yosys = find_program(["yosys"], "on Debian or Ubuntu: sudo apt-get install yosys")
     script = f"read_verilog {' '.join(sources)}; synth_{family} -top {top}; stat; write_json {made}"
-    code, said = run_program([yosys, "-p", script], folder)
-    if code != 0:
-        lines = "\n".join(said.strip().splitlines()[-_LINES_SHOWN:])
+    ended = run_tool([yosys, "-p", script], folder, joined=True)
+    if ended.code != 0:
+        lines = "\n".join(ended.out.strip().splitlines()[-_LINES_SHOWN:])
         raise ToolError(f"yosys synth_{family} of {top} failed:\n{lines}")
-    return said.rpartition("Printing statistics.")[2].split("\n\n\n")[0].strip()
+    return ended.out.rpartition("Printing statistics.")[2].split("\n\n\n")[0].strip()

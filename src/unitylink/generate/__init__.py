@@ -11,14 +11,13 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 from unitylink.errors import BindingError
+from unitylink.output_file import replace_file
 from unitylink.spec.collector import collector_paused
 from unitylink.spec.model import Spec
 
@@ -166,7 +165,7 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
     try:
         for path, text in changed.items():
             path.parent.mkdir(parents=True, exist_ok=True)
-            _replace(path, text)
+            replace_file(path, text)
     except OSError as error:
         raise BindingError(f"cannot write to {folder}: {error.strerror or error}") from error
     return list(changed)
@@ -193,18 +192,3 @@ def _present(path: Path) -> str | None:
         return None
     except OSError as error:
         raise BindingError(f"cannot read {path}: {error.strerror or error}") from error
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write beside the target and rename, so that a reader sees the old file or the new one."""
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)  # mkstemp makes private files
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise

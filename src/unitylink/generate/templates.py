@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
@@ -13,6 +12,7 @@ import jinja2
 from jinja2.bccache import Bucket
 from jinja2.runtime import Context
 
+from unitylink.output_file import replace_file
 from unitylink.resources import cache_folder
 
 from .quoting import Code, Part, language_of
@@ -87,10 +87,7 @@ class _Kept(jinja2.BytecodeCache):
         path = self._file(bucket)
         with suppress(OSError):
             path.parent.mkdir(parents=True, exist_ok=True)
-            fresh = path.with_name(f"{path.name}.{os.getpid()}")
-            with fresh.open("wb") as file:
-                bucket.write_bytecode(file)
-            fresh.replace(path)  # a reader has the old one or the new one
+            replace_file(path, bucket.bytecode_to_string())
 
     def _file(self, bucket: Bucket) -> Path:
         return cache_folder("templates") / f"{jinja2.__version__}-{_CHECKS}" / bucket.key

@@ -297,7 +297,7 @@ class Link(Line):
         """
         identity = self._native.subscribe(addresses, divisor, on_event, verify, ring, group)
         words = tuple(int(address) for address in addresses)
-        return Subscription(self, identity, words, divisor)
+        return Subscription(self._native, self._callbacks, identity, words, divisor, keep=self)
 
     # ---- the link's time
 

@@ -14,14 +14,12 @@ import numpy as np
 from unitylink.errors import LinkClosed
 from unitylink.protocol import GROUPS_MAX
 
-from .callbacks import called_back
-from .engine import Times, Words
+from .callbacks import CallbackThread, called_back
+from .engine import Engine, Times, Words
 from .mailbox import arrivals
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-    from .link import Link
 
 Publish = tuple[float, tuple[int, ...]]
 PublishCallback = Callable[[float, tuple[int, ...]], None]
@@ -43,20 +41,23 @@ class Subscription:
 
     def __init__(
         self,
-        link: Link,
+        native: Engine,
+        callbacks: CallbackThread,
         identity: int,
         addresses: tuple[int, ...],
         divisor: int,
+        *,
+        keep: object = None,
     ) -> None:
-        """Made by Link.subscribe."""
+        """Made by Link.subscribe. `keep` lives as long as this does: the link."""
         self.group = identity % GROUPS_MAX
         self.addresses = addresses
         self._words = len(addresses)
         self.divisor = divisor
-        self._link = link  # a link lives as long as one of its subscriptions
-        self._native = link._native
+        self._keep = keep
+        self._native = native
         self._identity = identity
-        self._callbacks = link._callbacks
+        self._callbacks = callbacks
         self._open = True
         self._ending = threading.Lock()  # held to close it
         self._taking = threading.Lock()  # held to fetch, call back and drain

@@ -11,17 +11,8 @@
 
 from __future__ import annotations
 
-from .recording import (
-    ENDINGS,
-    Origin,
-    RecordingTruncated,
-    Sample,
-    Writer,
-    check_name,
-    create,
-    origin,
-    samples,
-)
+from .formats import ENDINGS, check_name, create, origin, samples
+from .recording import Origin, RecordingTruncated, Sample, Writer
 
 __all__ = [
     "ENDINGS",

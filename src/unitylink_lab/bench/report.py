@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from unitylink.commands.output import plain_table
+from unitylink.output_file import replace_file
 
 from .figure import Figure, number
 
@@ -91,9 +92,7 @@ class Report:
     def write(self, path: Path) -> None:
         """Save the report as JSON, whole or not at all."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(path.name + ".part")
-        draft.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
-        draft.replace(path)
+        replace_file(path, json.dumps(self.to_json(), indent=2) + "\n")
 
 
 def say(message: str) -> None:

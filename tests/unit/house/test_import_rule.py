@@ -8,18 +8,15 @@ the name `spec` stands for its row only. Names are paths below src/unitylink or 
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 
 import pytest
+from unit.house.imports import MODULES, PACKAGE, ROOT, imported
 
-ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-PACKAGE = PurePosixPath("src/unitylink")
 NATIVE = PurePosixPath("native/src")
 
 
@@ -70,34 +67,7 @@ def may(importer: str, target: str, row: Row) -> str | None:
     return None
 
 
-def modules() -> dict[str, PurePosixPath]:
-    """Return every module of the package with its path below it."""
-    found = {}
-    for file in (ROOT / PACKAGE).rglob("*.py*"):
-        if file.suffix in (".py", ".pyi"):
-            path = PurePosixPath(file.relative_to(ROOT / PACKAGE))
-            parts = ("unitylink", *path.with_suffix("").parts)
-            found[".".join(part for part in parts if part != "__init__")] = path
-    return found
-
-
-MODULES = modules()
 ROWS = rows(PACKAGE)
-
-
-def imported(path: PurePosixPath) -> Iterator[tuple[int, str]]:
-    """Yield (line, module) for every module of ours that a file imports, at any nesting."""
-    package = ("unitylink", *path.parent.parts)
-    for node in ast.walk(ast.parse((ROOT / PACKAGE / path).read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            start = package[: len(package) - node.level + 1] if node.level else ()
-            module = ".".join((*start, *(node.module.split(".") if node.module else ())))
-            names = [m if (m := f"{module}.{alias.name}") in MODULES else module for alias in node.names]
-        else:
-            continue
-        yield from ((node.lineno, name) for name in names if name.partition(".")[0].startswith("unitylink"))
 
 
 @cache

@@ -7,7 +7,6 @@ import hashlib
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -15,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from unitylink.errors import ToolError
-from unitylink.gateware import gateware_sources, netlist
+from unitylink.gateware import gateware_sources, netlist, run_tool
 from unitylink.resources import resource_folder
 
 from .cache import cached
@@ -216,16 +215,11 @@ def _runtime(tools: _Tools, include: Path) -> Path:
 
 
 def _run(command: Sequence[str], folder: Path | None = None) -> str:
-    try:
-        done = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=_SECONDS_MOST, check=False
-        )
-    except subprocess.TimeoutExpired as error:
-        raise ToolError(f"{command[0]}: no end after {_SECONDS_MOST:.0f} s") from error
-    if done.returncode != 0:
-        lines = [line for line in (done.stderr + done.stdout).splitlines() if not line.startswith("%Warning")]
-        raise ToolError(f"{command[0]} ended with {done.returncode}:\n" + "\n".join(lines[:_LINES_SHOWN]))
-    return done.stdout
+    ended = run_tool(command, folder, called=command[0], timeout_s=_SECONDS_MOST)
+    if ended.code != 0:
+        lines = [line for line in (ended.err + ended.out).splitlines() if not line.startswith("%Warning")]
+        raise ToolError(f"{command[0]} ended with {ended.code}:\n" + "\n".join(lines[:_LINES_SHOWN]))
+    return ended.out
 
 
 def _silent(_text: str) -> None:

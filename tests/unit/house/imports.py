@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which module of the package imports which, read from the sources: at any nesting, for types too."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+ROOT = Path(__file__).resolve().parents[3]
+PACKAGE = PurePosixPath("src/unitylink")
+
+
+def modules() -> dict[str, PurePosixPath]:
+    """Return every module of the package with its path below it."""
+    found = {}
+    for file in (ROOT / PACKAGE).rglob("*.py*"):
+        if file.suffix in (".py", ".pyi"):
+            path = PurePosixPath(file.relative_to(ROOT / PACKAGE))
+            parts = ("unitylink", *path.with_suffix("").parts)
+            found[".".join(part for part in parts if part != "__init__")] = path
+    return found
+
+
+MODULES = modules()
+
+
+def imported(path: PurePosixPath) -> Iterator[tuple[int, str]]:
+    """Yield (line, module) for every module of ours that a file imports, at any nesting."""
+    package = ("unitylink", *path.parent.parts)
+    for node in ast.walk(ast.parse((ROOT / PACKAGE / path).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            start = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join((*start, *(node.module.split(".") if node.module else ())))
+            names = [m if (m := f"{module}.{alias.name}") in MODULES else module for alias in node.names]
+        else:
+            continue
+        yield from ((node.lineno, name) for name in names if name.partition(".")[0].startswith("unitylink"))
