@@ -6,15 +6,20 @@ from __future__ import annotations
 import atexit
 import os
 import weakref
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .link import Link
-
-_open: weakref.WeakSet[Link] = weakref.WeakSet()
+from typing import Protocol
 
 
-def remember(link: Link) -> None:
+class OpenLink(Protocol):
+    """What a link must be able to do at the end."""
+
+    def close(self) -> None: ...
+    def disown(self) -> None: ...
+
+
+_open: weakref.WeakSet[OpenLink] = weakref.WeakSet()
+
+
+def remember(link: OpenLink) -> None:
     """Close `link` when the program ends without close()."""
     _open.add(link)
     # The last to be registered runs first: before an in-process board is closed.
@@ -22,7 +27,7 @@ def remember(link: Link) -> None:
     atexit.register(_close_all)
 
 
-def forget(link: Link) -> None:
+def forget(link: OpenLink) -> None:
     """Forget `link`: it is closed, or belongs to another process."""
     _open.discard(link)
 

@@ -13,7 +13,6 @@ from .plane import Plane
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-    from .node import RobotNode
     from .session import RobotSession
 
 OK, WARN, ERROR = 0, 1, 2
@@ -30,17 +29,29 @@ class Health:
     facts: dict[str, str]
 
 
-def health(node: RobotNode, session: RobotSession | None) -> Health:
+@dataclass(frozen=True)
+class NodeState:
+    """How a node stands: counters, whether it takes commands, and a sentence."""
+
+    accepted: int
+    refused: int
+    losses: int
+    armed: bool
+    hanging: bool
+    text: str
+
+
+def health(node: NodeState, session: RobotSession | None) -> Health:
     """Return the health of a node: an error without a link or while a thread hangs, a warning while commands
     are refused or fail."""
     facts = {
         "commands accepted": str(node.accepted),
         "commands refused": str(node.refused),
-        "links lost": str(node.keeper.losses),
+        "links lost": str(node.losses),
         "armed": str(node.armed).lower(),
     }
     if session is None or node.hanging:
-        return Health(ERROR, node.state, "", facts)
+        return Health(ERROR, node.text, "", facts)
     link, inbox = session.link, session.inbox
     facts |= {
         "gateware": f"not verified: {link.unverified}" if link.unverified else "verified",
@@ -56,7 +67,7 @@ def health(node: RobotNode, session: RobotSession | None) -> Health:
     }
     facts |= _device_facts(link)
     level = OK
-    message = node.state
+    message = node.text
     if session.guard.tripped:
         level, message = WARN, f"{message}; the dead-man has tripped"
     if not node.armed:

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 from unitylink.errors import LinkError, UnityLinkError, ValueRangeError
 from unitylink.layer4_data import Node
 
-from .health import Health, health
+from .health import Health, NodeState, health
 from .interface import Interface, Topic
 from .keeper import LinkKeeper
 from .life import DEVICE_S, Watch
 from .plane import READ, SET_BOOL, TRIGGER, WRITE, Plane
 from .receivers import Read, receiver
 from .senders import Send, sender
-from .session import RobotSession
+from .session import RobotSession, SessionNeeds
 from .values import read_values, write_values
 
 if TYPE_CHECKING:
@@ -88,7 +88,18 @@ class RobotNode:
     # What the link brings
 
     def _begin(self, link: Link, again: bool) -> RobotSession:
-        session = RobotSession(self, link, self._build(link), again=again)
+        needs = SessionNeeds(
+            self.interface,
+            self.plane,
+            self.senders,
+            self.options.deadman_s,
+            self.options.command_timeout_s,
+            armed=lambda: self.armed,
+            complain=self.complain,
+            looked_after=self.make_safe_when_hanging,
+            ended=self.leave,
+        )
+        session = RobotSession(needs, link, self._build(link), again=again)
         self._session = session
         return session
 
@@ -218,7 +229,10 @@ class RobotNode:
     # How it does
 
     def health(self) -> Health:
-        return health(self, self.session)
+        state = NodeState(
+            self.accepted, self.refused, self.keeper.losses, self.armed, bool(self.hanging), self.state
+        )
+        return health(state, self.session)
 
     def close(self) -> None:
         """End the link. Before that write the safe values, if the options say so and a command had come."""

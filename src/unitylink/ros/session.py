@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from unitylink.errors import BindingError, DeviceMismatch, LinkError
@@ -11,12 +13,28 @@ from unitylink.layer4_data import Node, ValueGroup
 
 from .dead_man import DeadManGuard
 from .inbox import Inbox
+from .interface import Interface, Topic
 from .outbox import Outbox
+from .plane import Plane
+from .senders import Send
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-    from .node import RobotNode
+
+@dataclass(frozen=True)
+class SessionNeeds:
+    """What the node of a session gives it: what the robot is, where messages go, and whom to tell."""
+
+    interface: Interface
+    plane: Plane
+    senders: Sequence[tuple[Topic, Send]]
+    deadman_s: float
+    command_timeout_s: float
+    armed: Callable[[], bool]
+    complain: Callable[[str], None]
+    looked_after: Callable[[RobotSession], None]  # called each time the keeper looks at the session
+    ended: Callable[[RobotSession], None]
 
 
 class RobotSession:
@@ -25,37 +43,37 @@ class RobotSession:
     `again`: this node had another link before, so the device is made safe first.
     """
 
-    def __init__(self, node: RobotNode, link: Link, tree: Node, *, again: bool) -> None:
+    def __init__(self, needs: SessionNeeds, link: Link, tree: Node, *, again: bool) -> None:
         self.link, self.tree = link, tree
-        self._node, self._say = node, node.plane.say
+        self._needs, self._say = needs, needs.plane.say
         values = {value.path: value for value in tree}
-        missing = [path for topic in node.interface.published for path in topic.paths if path not in values]
+        missing = [path for topic in needs.interface.published for path in topic.paths if path not in values]
         if missing:
             raise BindingError(
-                f"{node.interface.package}: the robot has no {missing[0]}; generate both again"
+                f"{needs.interface.package}: the robot has no {missing[0]}; generate both again"
             )
         if link.notice:
             self._say(1, link.notice)
         if link.unverified:
             self._say(1, f"the gateware is not verified: {link.unverified}")
-        self.guard = DeadManGuard(link, node.options.deadman_s, safe=bool(self.said_safe()))
+        self.guard = DeadManGuard(link, needs.deadman_s, safe=bool(self.said_safe()))
         self._make_fit(again)
         if self.guard.lacking and not again and any(value.writable for value in tree):
             self._say(0, self.guard.lacking)
-        self.outbox = Outbox(tree, node.senders, node.plane.gathered, node.life)
-        group = ValueGroup({path: v for path, v in values.items() if v.writable}, node.interface.robot)
+        self.outbox = Outbox(tree, needs.senders, needs.plane.gathered, needs.plane.life)
+        group = ValueGroup({path: v for path, v in values.items() if v.writable}, needs.interface.robot)
         self.inbox = Inbox(
             group,
-            node.complain,
-            timeout_s=node.options.command_timeout_s,
+            needs.complain,
+            timeout_s=needs.command_timeout_s,
             on_silence=self._silent,
             current=self._current,
-            life=node.life,
+            life=needs.plane.life,
         )
         try:
             tree.start_publishing(fallback=True)
             with suppress(DeviceMismatch):  # mapped memory: there is no line
-                link.watch_program(node.life.patience_s)
+                link.watch_program(needs.plane.life.patience_s)
         except BaseException:
             self.close()
             raise
@@ -67,7 +85,7 @@ class RobotSession:
 
     def _make_fit(self, old: bool) -> None:
         """If the node is armed, arm a gateware that has tripped. Then write the safe values."""
-        if self.guard.tripped and self._node.armed:
+        if self.guard.tripped and self._needs.armed():
             self.guard.arm()
             self._say(1, "the dead-man had tripped and made the outputs safe; they are armed again")
         self._generation = self.link.generation  # a loss from here on: all of it once more
@@ -84,7 +102,7 @@ class RobotSession:
         self.inbox.forget()
 
     def stale(self) -> bool:
-        self._node.make_safe_when_hanging(self)
+        self._needs.looked_after(self)
         return not self._current() or self.guard.has_tripped()
 
     def renew(self) -> None:
@@ -93,7 +111,7 @@ class RobotSession:
         self._make_fit(True)
 
     def close(self) -> None:
-        self._node.leave(self)
+        self._needs.ended(self)
         self.outbox.close()
         self.inbox.close()
         with suppress(LinkError):
@@ -106,8 +124,8 @@ class RobotSession:
         return self.link.generation == self._generation and self.link.up
 
     def _silent(self) -> None:
-        self._node.complain("no command came for command_timeout_s: the safe values are written")
+        self._needs.complain("no command came for command_timeout_s: the safe values are written")
         try:
             self.tree.apply_safe()
         except LinkError as error:
-            self._node.complain(f"the safe values were not written: {error}")
+            self._needs.complain(f"the safe values were not written: {error}")
