@@ -36,15 +36,12 @@ _VERILATOR = (
     "--x-initial",
     "fast",
     "-Wno-fatal",
-    "--output-split",
-    "20000",
 )
 _COMPILE = (
     "-std=c++20", "-fPIC", "-fvisibility=hidden", "-fno-gnu-unique", "-w",
     "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0",
 )  # fmt: skip
 _LINK = ("-shared", "-Wl,-Bsymbolic", "-pthread")  # two models in one program know nothing of each other
-_SMALL_BYTES = 100_000  # of a source
 _SECONDS_MOST = 900.0
 _LINES_SHOWN = 20
 
@@ -168,33 +165,19 @@ def _compile(
     include = tools.verilator_include()
     flags = [*_COMPILE, *kind, f"-I{include}", f"-I{folder / 'made'}", f"-I{_interface().parents[1]}"]
     flags += ["-include", str(_interface())]  # the netlist calls unitylink_failed()
-    large: list[Path] = []
-    small = [_HERE / "model.cpp"]
-    rarely: list[Path] = []
-    for path in sorted((folder / "made").glob("*.cpp"), key=lambda path: -path.stat().st_size):
-        often = small if path.stat().st_size < _SMALL_BYTES else large
-        (rarely if re.search("Slow|Syms|ConstPool", path.name) else often).append(path)
-    # Code that runs only once need not be fast, and most of a small file's time goes into the headers.
-    jobs = [(path, "-O1") for path in large]
-    for name, paths, level in (("clock", small, "-O1"), ("others", rarely, "-O0")):
-        joined = folder / f"{name}.cpp"
-        joined.write_text("".join(f'#include "{path}"\n' for path in paths), encoding="utf-8")
-        jobs.append((joined, level))
-    done = 0
-
-    def compile_one(job: tuple[Path, str]) -> str:
-        nonlocal done
-        source, level = job
-        target = folder / f"{source.name}.o"
-        _run([tools.compiler, *flags, level, "-c", str(source), "-o", str(target)])
-        done += 1
-        say(f"compiling the gateware of {top}, this once: {tools.compiler} {done}/{len(jobs)}")
-        return str(target)
-
-    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+    # All in one file: its headers take as long as a fifth of the rest. What runs only once need not be fast.
+    made = sorted((folder / "made").glob("*.cpp"))
+    once = [path for path in made if re.search("Slow|Syms|ConstPool", path.name)]
+    often = [_HERE / "model.cpp", *(path for path in made if path not in once)]
+    lines = [f'#include "{path}"' for path in often]
+    lines += ['#pragma GCC optimize("O0")', *(f'#include "{path}"' for path in once)]
+    source, target = folder / "model.cpp", folder / "model.o"
+    source.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    say(f"compiling the gateware of {top}, this once: {tools.compiler}")
+    with ThreadPoolExecutor(1) as pool:
         runtime = pool.submit(_runtime, tools, include)
-        objects = list(pool.map(compile_one, jobs))
-    _run([tools.compiler, *_LINK, *objects, str(runtime.result()), "-o", str(library)])
+        _run([tools.compiler, *flags, "-O1", "-c", str(source), "-o", str(target)])
+        _run([tools.compiler, *_LINK, str(target), str(runtime.result()), "-o", str(library)])
 
 
 def _runtime(tools: _Tools, include: Path) -> Path:
