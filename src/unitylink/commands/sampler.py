@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from unitylink.errors import LinkClosed, LinkError, LinkTimeout, ValueRangeError
 from unitylink.layer4_data import Publisher, ReadValue
 from unitylink.layer4_data.publication import base_hz
+from unitylink.layer4_data.published import PublishedValue
 
 from .item_values import item_values
 from .names import Item
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     from unitylink.layer2_message import Link, LinkEvent
 
-Sample = tuple[float, Sequence[ReadValue[Any]], Sequence[Any]]  # host time in s, values, their numbers
+Sample = tuple[float, Sequence[PublishedValue], Sequence[Any]]  # host time in s, values, their numbers
 
 _log = logging.getLogger("unitylink.commands")
 _BECAME = {
@@ -83,7 +84,7 @@ class Sampler:
             raise ValueRangeError(f"--rate {rate_hz:g}: {self._link.url} takes {base} Hz at most") from None
 
     def _take(
-        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], _: Sequence[int]
+        self, time_s: float, values: Sequence[PublishedValue], numbers: Sequence[Any], _: Sequence[int]
     ) -> None:
         if self._arrived.qsize() < _WAITING:
             self._arrived.put((time_s, values, numbers))

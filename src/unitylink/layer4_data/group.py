@@ -27,6 +27,7 @@ from .cycle import Cycle
 from .listeners import Listeners
 from .portions import portions
 from .publication import join
+from .published import PublishedValue
 from .read_value import ReadValue
 from .sets import Sets
 from .snapshot import Snapshot
@@ -376,7 +377,7 @@ class ValueGroup:
 
     def _seed(self) -> None:
         """Read once the values that come at another time, for the first set. Omit what reading changes."""
-        by_link: dict[Link, list[ReadValue[Any]]] = {}
+        by_link: dict[Link, list[PublishedValue]] = {}
         for value in self._sets.unknown:
             if value.pollable and value.hardware.repeatable_reads:
                 by_link.setdefault(value.hardware.link, []).append(value)
@@ -423,7 +424,7 @@ def _all_repeatable(values: Iterable[ReadValue[Any]]) -> bool:
     return all(value.pollable and value.hardware.repeatable_reads for value in values)
 
 
-def _any_checked(values: Iterable[Value[Any]]) -> bool | None:
+def _any_checked(values: Iterable[PublishedValue]) -> bool | None:
     return True if any(value.checked for value in values) else None
 
 

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from .value import Value
+from .published import PublishedValue
 
 
-def portions(values: Sequence[Value[Any]], consistent: bool) -> list[tuple[list[int], bool]]:
+def portions(values: Sequence[PublishedValue], consistent: bool) -> list[tuple[list[int], bool]]:
     """Return what is read at once: (addresses, atomic). No value of several words is ever divided."""
     whole = [address for value in values for address in value.addresses]
     if consistent or len(whole) == len(values):

@@ -12,14 +12,12 @@ from unitylink.errors import UnexpectedValue
 from unitylink.spec.model import Publish
 
 from .listeners import logger
+from .published import HasCodec, PublishedGroup, PublishedValue
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.layer2_message.engine import Times, Words
 
-    from .group import ValueGroup
-    from .read_value import ReadValue
-    from .value import Value
 
 HARDWARE, SOFTWARE = 1, 2  # the modes of PUBLISH(mode, divisor)
 
@@ -39,7 +37,7 @@ class PublishPlan:
 
     link: Link
     publish: Publish
-    values: tuple[ReadValue[Any], ...]
+    values: tuple[PublishedValue, ...]
     number: int | None = None
 
     @property
@@ -89,9 +87,9 @@ class PublishReport:
 
 
 # time_s, the values, their numbers in engineering units, their raw numbers
-Taker = Callable[[float, Sequence["ReadValue[Any]"], Sequence[Any], Sequence[int]], None]
+Taker = Callable[[float, Sequence[PublishedValue], Sequence[Any], Sequence[int]], None]
 # many publishes at once: (n,) times in s, the k values, (n, k) raw numbers
-ArraysTaker = Callable[["Times", Sequence["ReadValue[Any]"], "Words"], None]
+ArraysTaker = Callable[["Times", Sequence[PublishedValue], "Words"], None]
 # without the second, the taker wants each publish by itself
 Takers = Sequence[tuple[Taker, ArraysTaker | None]]
 
@@ -104,7 +102,7 @@ class Source(Protocol):
     def close(self) -> None: ...
 
 
-def join(values: Sequence[Value[Any]], words: Sequence[int]) -> list[int]:
+def join(values: Sequence[HasCodec], words: Sequence[int]) -> list[int]:
     """Return the raw numbers of values from their words, one value after the other."""
     if len(words) == len(values):
         return list(words)
@@ -160,7 +158,7 @@ class Publication:
         self.received += 1
         if self._rare:
             self.newest = time_s, numbers
-        groups: dict[ValueGroup, None] = {}  # a set that keeps its order
+        groups: dict[PublishedGroup, None] = {}  # a set that keeps its order
         for value, number in zip(values, numbers, strict=True):
             listeners = value.listeners
             if listeners.heard:

@@ -25,21 +25,20 @@ from .publication import (
     Takers,
     base_hz,
 )
+from .published import PublishedValue
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-    from .read_value import ReadValue
 
-
-def plan(items: Iterable[tuple[ReadValue[Any], Publish]], *, fallback: bool = False) -> list[PublishPlan]:
+def plan(items: Iterable[tuple[PublishedValue, Publish]], *, fallback: bool = False) -> list[PublishPlan]:
     """Assign values to publishes. Values of the same link, mode, trigger, rate and group name share one.
 
     The values of one publish are one snapshot. A full gateware group is continued in the next. If the
     gateware has too few groups, raise DeviceMismatch with the counts, or with `fallback` let the PC poll the
     rest. Publishes on events come first, because each needs the group of its event line.
     """
-    shared: dict[tuple[Link, int, str, int, str, str], list[ReadValue[Any]]] = {}
+    shared: dict[tuple[Link, int, str, int, str, str], list[PublishedValue]] = {}
     for value, publish in items:
         key = (publish.mode, publish.trigger, publish.divisor, publish.event, publish.group)
         shared.setdefault((value.hardware.link, *key), []).append(value)
@@ -72,7 +71,7 @@ class _Allocation:
         self.slowest = (1 << 8 * configuration.rate_bytes) - 1 if configuration.publish_mode else None
         self.wanted: list[str] = []
 
-    def plans(self, publish: Publish, values: list[ReadValue[Any]], fallback: bool) -> list[PublishPlan]:
+    def plans(self, publish: Publish, values: list[PublishedValue], fallback: bool) -> list[PublishPlan]:
         link = self.link
         if self.slowest is not None and publish.divisor > self.slowest:
             if not fallback:
@@ -100,7 +99,7 @@ class _Allocation:
             )
         return made
 
-    def _parts(self, values: list[ReadValue[Any]]) -> list[tuple[ReadValue[Any], ...]]:
+    def _parts(self, values: list[PublishedValue]) -> list[tuple[PublishedValue, ...]]:
         for value in values:
             if (words := value.codec.words) > self.size:
                 raise DeviceMismatch(
@@ -143,7 +142,7 @@ class Publisher:
     def __init__(self, *, gather_s: float = 0.0) -> None:
         self._gather_s = gather_s
         self._lock = threading.RLock()
-        self._items: dict[ReadValue[Any], Publish] = {}
+        self._items: dict[PublishedValue, Publish] = {}
         self._running: list[Publication] = []
         self._takers: Takers = ()
         self._fallback = False
@@ -152,12 +151,12 @@ class Publisher:
     def active(self) -> bool:
         return bool(self._running)
 
-    def add(self, value: ReadValue[Any]) -> None:
+    def add(self, value: PublishedValue) -> None:
         """Plan a value as its spec says. It is published from the next start on."""
         if value.publish is not None:
             self._items[value] = value.publish
 
-    def require(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
+    def require(self, value: PublishedValue, rate_hz: float | None = None) -> None:
         """Make sure that a value is published. Without a PUBLISH in the spec it is polled at `rate_hz`."""
         self.demand(value, rate_hz)
         with self._lock:
@@ -167,12 +166,12 @@ class Publisher:
             self.stop()
             self.start(fallback=fallback)
 
-    def planned(self, value: ReadValue[Any]) -> Publish:
+    def planned(self, value: PublishedValue) -> Publish:
         """Return how a requested value is published."""
         with self._lock:
             return self._items[value]
 
-    def newest(self, value: ReadValue[Any]) -> tuple[float, Any] | None:
+    def newest(self, value: PublishedValue) -> tuple[float, Any] | None:
         """Return the time and value of the last publish on change. None without one."""
         with self._lock:
             for publication in self._running:
@@ -181,7 +180,7 @@ class Publisher:
                     return time_s, numbers[publication.plan.values.index(value)]
         return None
 
-    def demand(self, value: ReadValue[Any], rate_hz: float | None = None) -> None:
+    def demand(self, value: PublishedValue, rate_hz: float | None = None) -> None:
         """Plan a value as `require` does, without starting yet. ValueRangeError if it has no rate."""
         if value.publish is not None:
             if rate_hz is not None:

@@ -16,9 +16,8 @@ if TYPE_CHECKING:
 
     from unitylink.layer2_message.engine import Times, Words
 
+    from .published import PublishedValue
     from .publishing import Publisher
-    from .read_value import ReadValue
-    from .value import Value
     from .write_value import WriteValue
 
     Rows = Union[Sequence[Sequence[int]], Words]
@@ -39,14 +38,14 @@ class Recording:
         self._publisher = publisher
         self._set_points = [value for value in set_points if getattr(value, "publish", None) is None]
         # by the values of a publish: the times, and the raw numbers at each
-        self._parts: dict[tuple[Value[Any], ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
+        self._parts: dict[tuple[PublishedValue, ...], list[tuple[Sequence[float] | Times, Rows]]] = {}
 
     def _take(
-        self, time_s: float, values: Sequence[ReadValue[Any]], _: Sequence[Any], raws: Sequence[int]
+        self, time_s: float, values: Sequence[PublishedValue], _: Sequence[Any], raws: Sequence[int]
     ) -> None:
         self._parts.setdefault(tuple(values), []).append(([time_s], [raws]))
 
-    def _take_arrays(self, times: Times, values: Sequence[ReadValue[Any]], raws: Words) -> None:
+    def _take_arrays(self, times: Times, values: Sequence[PublishedValue], raws: Words) -> None:
         self._parts.setdefault(tuple(values), []).append((times, raws))
 
     def _written(self, value: WriteValue[Any], raw: int) -> None:

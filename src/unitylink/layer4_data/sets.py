@@ -9,13 +9,13 @@ from collections.abc import Hashable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .publication import base_hz
+from .published import PublishedValue
 from .snapshot import Snapshot
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
     from unitylink.spec.model import Publish
 
-    from .read_value import ReadValue
 
 _STEP_PART = 0.75  # of a period; an older sample belongs to the tick before
 
@@ -27,17 +27,17 @@ class Sets:
     all of them. The other values are the last that came. A value that has not come yet is not in the set.
     """
 
-    def __init__(self, reads: Mapping[str, ReadValue[Any]], labels: Mapping[Link, str]) -> None:
+    def __init__(self, reads: Mapping[str, PublishedValue], labels: Mapping[Link, str]) -> None:
         self._lock = threading.Lock()
         self._begun = False
         self._reads, self._labels = reads, labels
-        self._newest: dict[ReadValue[Any], tuple[float, Any]] = {}  # when it was sampled, and its number
+        self._newest: dict[PublishedValue, tuple[float, Any]] = {}  # when it was sampled, and its number
         self._times_s: dict[str, float] = {}
-        self._beats: dict[ReadValue[Any], Hashable] = {}
+        self._beats: dict[PublishedValue, Hashable] = {}
         self._sizes: dict[Hashable, int] = {}  # beat -> of how many values
-        self._fresh: dict[Hashable, dict[ReadValue[Any], float]] = {}  # beat -> its values that have come
+        self._fresh: dict[Hashable, dict[PublishedValue, float]] = {}  # beat -> its values that have come
 
-    def expect(self, publishes: Mapping[ReadValue[Any], Publish]) -> None:
+    def expect(self, publishes: Mapping[PublishedValue, Publish]) -> None:
         """Tell how each READ is published."""
         with self._lock:
             beat_of = {value: _beat(value, publish) for value, publish in publishes.items()}
@@ -53,20 +53,20 @@ class Sets:
         self._begun = True
 
     @property
-    def unknown(self) -> list[ReadValue[Any]]:
+    def unknown(self) -> list[PublishedValue]:
         """The values that the first sets may lack. None if all come with one beat of a rate."""
         if len(self._sizes) <= 1 and all(isinstance(beat, float) for beat in self._sizes):
             return []
         return [value for value in self._reads.values() if value not in self._newest]
 
-    def seed(self, time_s: float, value: ReadValue[Any], number: Any) -> None:
+    def seed(self, time_s: float, value: PublishedValue, number: Any) -> None:
         """Take values that were read, in place of those not published yet."""
         with self._lock:
             if value not in self._newest:
                 self._keep(time_s, value, number)
 
     def take(
-        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any]
+        self, time_s: float, values: Sequence[PublishedValue], numbers: Sequence[Any]
     ) -> Snapshot | None:
         """Take a publish that carries some of our values. Return the set that it completes."""
         with self._lock:
@@ -91,7 +91,7 @@ class Sets:
         with self._lock:
             return self._set() if self._newest else None
 
-    def _keep(self, time_s: float, value: ReadValue[Any], number: Any) -> None:
+    def _keep(self, time_s: float, value: PublishedValue, number: Any) -> None:
         self._newest[value] = time_s, number
         label = self._labels[value.hardware.link]
         self._times_s[label] = max(time_s, self._times_s.get(label, time_s))
@@ -120,7 +120,7 @@ class Sets:
         return bool(stale)
 
 
-def _beat(value: ReadValue[Any], publish: Publish) -> Hashable:
+def _beat(value: PublishedValue, publish: Publish) -> Hashable:
     """Return the period in s, or the event."""
     link = value.hardware.link
     if publish.trigger == "rate":
@@ -128,7 +128,7 @@ def _beat(value: ReadValue[Any], publish: Publish) -> Hashable:
     return link, publish.trigger, publish.event, publish.group
 
 
-def _patience_s(value: ReadValue[Any]) -> float:
+def _patience_s(value: PublishedValue) -> float:
     """Return how much older than the newest a sample of a set may be, if the device tells its time."""
     link = value.hardware.link
     if value.publish is None or not value.publish.divisor or link.protocol != "framed":

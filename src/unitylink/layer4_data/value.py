@@ -13,12 +13,11 @@ from unitylink.spec.types import INT32
 from unitylink.values import Codec, Quantity
 
 from .listeners import Listeners
+from .published import PublishedGroup
 from .publishing import Publisher
 
 if TYPE_CHECKING:
     from unitylink.layer3_hardware import HardwareProxy
-
-    from .group import ValueGroup
 
 T = TypeVar("T")
 
@@ -90,7 +89,7 @@ class Value(Generic[T]):
         self.latest: T | None = None
         self.raw: int | None = None
         self.listeners: Listeners[T] = Listeners(path)
-        self.groups: tuple[ValueGroup, ...] = ()  # those that have listeners
+        self.groups: tuple[PublishedGroup, ...] = ()  # those that have listeners
         self._prepare()
 
     def _prepare(self) -> None:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from unitylink.layer4_data import Node, ReadValue
+from unitylink.layer4_data import Node
+from unitylink.layer4_data.published import PublishedValue
 
 from .interface import Topic
 from .life import DEVICE_S, Life
@@ -26,7 +27,7 @@ Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw n
 class _Routes:
     """The topics for the values of one publish. `masks` and `signs` make numbers of their words."""
 
-    def __init__(self, values: Sequence[ReadValue[Any]], routes: list[Route]) -> None:
+    def __init__(self, values: Sequence[PublishedValue], routes: list[Route]) -> None:
         self.values = values  # kept alive: they are known by their identity
         self.routes = routes
         self.masks = np.array([value.codec.mask for value in values], np.int64)
@@ -53,7 +54,7 @@ class Outbox:
         self._publisher.take_with(self._take, self._take_many)
 
     def _take(
-        self, time_s: float, values: Sequence[ReadValue[Any]], numbers: Sequence[Any], raws: Sequence[int]
+        self, time_s: float, values: Sequence[PublishedValue], numbers: Sequence[Any], raws: Sequence[int]
     ) -> None:
         found = self._routes.get(id(values)) or self._routes_of(values)
         with self._life.work(PUBLISHES):
@@ -62,7 +63,7 @@ class Outbox:
                 send(time_s, chosen if pick is None else pick(chosen))
         self.received += 1
 
-    def _take_many(self, times: Times, values: Sequence[ReadValue[Any]], words: Words) -> None:
+    def _take_many(self, times: Times, values: Sequence[PublishedValue], words: Words) -> None:
         """The same for all that has come meanwhile: of a fast stream, a third of the time."""
         self.received += len(times)
         found = self._routes_of(values)
@@ -75,13 +76,13 @@ class Outbox:
                     chosen = raws if raw else row
                     send(time_s, chosen if pick is None else pick(chosen))
 
-    def _routes_of(self, values: Sequence[ReadValue[Any]]) -> _Routes:
+    def _routes_of(self, values: Sequence[PublishedValue]) -> _Routes:
         found = self._routes.get(id(values))
         if found is None:
             found = self._routes[id(values)] = _Routes(values, self._plan(values))
         return found
 
-    def _plan(self, values: Sequence[ReadValue[Any]]) -> list[Route]:
+    def _plan(self, values: Sequence[PublishedValue]) -> list[Route]:
         where = {value.path: index for index, value in enumerate(values)}
         routes: list[Route] = []
         for number, (topic, send) in enumerate(self._topics):
@@ -107,7 +108,7 @@ def _picker(indices: Sequence[int], whole: int) -> Any:
     return itemgetter(*indices)
 
 
-def _period_s(value: ReadValue[Any]) -> float:
+def _period_s(value: PublishedValue) -> float:
     base_hz = value.hardware.link.configuration.base_hz
     return value.publish.divisor / base_hz if value.publish is not None and base_hz else 0.0
 
