@@ -3,24 +3,29 @@
 -- Plays a file of steps to the core, and writes down its answers with their clocks. The author of the steps checks the
 -- answers (tests/gateware): recordings, or the twin.
 --
--- Steps, one per line: s HEX  send these bytes back to back
---                      w N    wait N clocks
---                      q N    wait until no byte has moved in either direction for N clocks
---                      e N    set the event inputs to this mask
---                      x N    pulse the physical error bits for one clock
---                      r N    reset for N clocks
---                      d N    the host takes no more bytes, N clocks from now on; 0: it takes bytes again
---                      k N    the same, and the bytes that it would send are lost
--- Answers:             b CLOCK BYTE  a byte was sent
---                      o CLOCK       the first byte of an `s` was taken
---                      i CLOCK       its last byte was taken
---                      t CLOCK ADDRESS  a bus strobe began (with the low 16 bits of the address)
---                      u CLOCK ADDRESS  a write was acknowledged
---                      v CLOCK DATA  the data of this write
---                      p CLOCK LEVEL  `tripped` changed to this level
---                      k CLOCK LEVEL  the host is dead, or alive again
---                      s             a step has ended
---                      end           all steps have ended
+-- Steps, one per line:
+--
+--   s HEX  send these bytes back to back
+--   w N    wait N clocks
+--   q N    wait until no byte has moved in either direction for N clocks
+--   e N    set the event inputs to this mask
+--   x N    pulse the physical error bits for one clock
+--   r N    reset for N clocks
+--   d N    the host takes no more bytes, N clocks from now on; 0: it takes bytes again
+--   k N    the same, and the bytes that it would send are lost
+--
+-- Answers:
+--
+--   b CLOCK BYTE     a byte was sent
+--   o CLOCK          the first byte of an `s` was taken
+--   i CLOCK          its last byte was taken
+--   t CLOCK ADDRESS  a bus strobe began (with the low 16 bits of the address)
+--   u CLOCK ADDRESS  a write was acknowledged
+--   v CLOCK DATA     the data of this write
+--   p CLOCK LEVEL    `tripped` changed to this level
+--   k CLOCK LEVEL    the host is dead, or alive again
+--   s                a step has ended
+--   end              all steps have ended
 
 library ieee;
   use ieee.std_logic_1164.all;

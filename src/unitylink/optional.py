@@ -20,7 +20,7 @@ def absent(package: str, what: str) -> ToolError:
     >>> print(absent("mcap", "an MCAP file"))  # doctest: +ELLIPSIS
     an MCAP file needs the package mcap: ... -m pip install 'mcap...'...
     """
-    everything = "; all that is optional at once: make extras" if _CHECKOUT.is_file() else ""
+    everything = "; for all optional packages at once: make extras" if _CHECKOUT.is_file() else ""
     return ToolError(f"{what} needs the package {package}: {installation(package)}{everything}")
 
 

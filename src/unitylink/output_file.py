@@ -29,12 +29,14 @@ def check_output(path: str | Path, *, force: bool = False) -> None:
         except OSError:
             aim = None
         if aim is None or not _a_stream(aim):
-            raise UnityLinkError(f"{path}: a symbolic link; name the file itself, which is not written to")
+            raise UnityLinkError(
+                f"{path}: this is a symbolic link, and is not written to; name the file itself"
+            )
     elif stat.S_ISDIR(there.st_mode):
-        raise UnityLinkError(f"{path}: a folder; name a file in it")
+        raise UnityLinkError(f"{path}: this is a folder; name a file in it")
     elif stat.S_ISREG(there.st_mode) and not force:
         raise UnityLinkError(
-            f"{path}: there is such a file already; name another, or have it replaced with --force"
+            f"{path}: this file exists already; name another one, or add --force to replace it"
         )
 
 

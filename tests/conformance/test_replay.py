@@ -115,7 +115,7 @@ def test_a_difference_fails_and_is_shown(tmp_path: Path, capsys: pytest.CaptureF
         (recording(steps=[["wait", 10**15]]), "wait"),
         (recording(steps=[]), "steps are missing"),
         (recording(response=None), "response is missing"),
-        (recording(status="defect"), "what is right instead"),
+        (recording(status="defect"), "the right answer instead"),
         ({"runs": [{"run": 0, "config": {"AW": 99}, "exchanges": []}]}, "out of range"),
         ({"runs": [{"run": 0, "config": {"COLOUR": 1}, "exchanges": []}]}, "COLOUR"),
     ],

@@ -297,7 +297,7 @@ def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answere
     session.inbox.put = lambda numbers: held.wait(PATIENCE_S)  # type: ignore[method-assign]
     node.make_safe_when_hanging = lambda _: None  # type: ignore[method-assign]  # only the gateware does
     commands.write(types["std_msgs/UInt8"](1))
-    until(lambda: "the thread that takes messages stands still" in node.hanging)
+    until(lambda: "the thread that takes messages has not moved on" in node.hanging)
     asked, answered = (
         types.service("std_srvs/SetBool", part, SERVICE_FIELDS["std_srvs/SetBool"][n])
         for n, part in enumerate(("Request", "Response"))
@@ -307,9 +307,9 @@ def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answere
     until(replies.get_matched_publications)
     requests.write(asked(7, 1, True))
     reply = peer.next(replies)
-    assert not reply.success and "stands still" in reply.message
+    assert not reply.success and "has not moved on" in reply.message
     health = node.health()
-    assert health.level == 2 and "stands still" in health.message
+    assert health.level == 2 and "has not moved on" in health.message
     until(lambda: device.registers[0x0] == 0)  # SAFE, of the gateware
     del session.inbox.put
     held.set()

@@ -200,7 +200,7 @@ def test_a_program_that_hangs_does_not_keep_the_board_alive(program: Path) -> No
         robot.tell("hang 3.5")
         robot.tell("health")
         until(lambda: board.registers[0x10] == 25)
-        until(lambda: any("the program's thread stands still" in said for said in robot.said), robot)
+        until(lambda: any("the program's thread has not moved on" in said for said in robot.said), robot)
         until(lambda: any("no sign of life" in said for said in robot.said), robot)
         assert "hung" not in robot.answers, "all of that while it hung"
         until(lambda: "hung" in robot.answers, robot)
@@ -219,7 +219,7 @@ def test_safe_values_are_refused_on_a_link_that_has_fallen_back_to_the_classic_p
         with running(program, f"{board.url}?timeout=5") as robot:
             until(lambda: any("has fallen back to the classic one" in said for said in robot.said), robot)
             said = next(said for said in robot.said if "has fallen back" in said)
-            assert "has a SAFE value, which asks for the framed protocol" in said
+            assert "has a SAFE value, which needs the framed protocol" in said
             assert "add protocol=classic to the URL" in said
             assert not is_up(robot)
             assert "not taken" in robot.ask("set position 1")

@@ -54,7 +54,7 @@ def test_commands_overwrite_what_is_there_only_when_told(
     command = commands[name](path)
     in_the_way("file", path)
     assert main(command) == 1 and path.read_bytes() == MINE
-    assert "there is such a file already" in capsys.readouterr().err
+    assert "this file exists already" in capsys.readouterr().err
     assert main([*command, "--force"]) == 0 and path.read_bytes() != MINE
     path.unlink()
     other = in_the_way("link", path)
@@ -70,7 +70,7 @@ def test_a_trace_overwrites_nothing(kind: str, tmp_path: Path) -> None:
     (tmp_path / "lamp.ul").write_text(LAMP)
     path = tmp_path / "wire.pcapng"
     other = in_the_way(kind, path)
-    with pytest.raises(LinkError, match="there is such a file already; name another, or remove it"):
+    with pytest.raises(LinkError, match="this file exists already; name another one, or remove it"):
         connect(f"sim:{tmp_path}/lamp.ul?trace={path}")
     assert other.read_bytes() == MINE
 

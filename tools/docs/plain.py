@@ -1,30 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure how plain the documents are:  python tools/docs/plain.py [--python] [--draw N --seed S] [PATH ...]
+"""Measure how plain texts are:  python tools/docs/plain.py [--of KIND] [--draw N --seed S] [PATH ...]
 
 It prints, for each file and in all: the sentences, the mean words in one, the share with a semicolon, and the
-longest. `--draw N` prints N sentences instead, to be read by a person. A PATH is a file or a folder; without
-one, all pages are read.
+longest. `--draw N` prints N sentences instead, to be read by a person. A PATH is a file or a folder. Without
+one, the whole checkout is read.
 
-A sentence is prose: no code block (fenced or indented), table, heading, comment or front matter. A list item
-ends its sentence. A link counts as its text, and code in a line as one word. Less than three words are no
-sentence.
+KIND is `pages` (Markdown, the default), `python` (docstrings and comments), `vhdl` or `c++` (comments).
+
+A sentence is prose: no code block (fenced or indented), table, heading or front matter. In a comment of VHDL
+or C++, indented lines after an empty one are a drawing or a table. A list item ends its sentence. A link
+counts as its text, and code in a line as one word. Less than three words are no sentence.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import io
+import os
 import random
 import re
-import tokenize
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 NOT_READ = ("build", "dist", "node_modules")
 SHORTEST = 3  # words
+KINDS = {"pages": [".md"], "python": [".py"], "vhdl": [".vhd"], "c++": [".hpp", ".cpp", ".h"]}  # their files
 
 FENCE = re.compile(r"^\s*(```|~~~)")
 ITEM = re.compile(r"^\s*(?:[-*+]|\d+[.)])\s+")
@@ -34,9 +36,17 @@ LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)")
 HIDDEN = "\ue000"  # stands for a piece of code: its full stops end no sentence
 DOT = "\u2024"  # the full stop of an abbreviation
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|etc|vs|cf|Fig|No|approx)\.")
-END = re.compile(r"(?<=[.!?])[)\"”*_]*\s+(?![a-z])")
+END = re.compile(r"(?<=[.!?])[)\"”*_]*\s+(?:(?![a-z])|(?=\w+(?:, \w+)*: ))")  # or a name with a colon
 WORD = re.compile(rf"[\w{HIDDEN}]")
-DIRECTIVE = re.compile(r"#\s*(?:SPDX|type:|noqa|ruff:|mypy:|pragma|!)")
+DIRECTIVE = re.compile(r"(?:#|--|//)\s*(?:SPDX|type:|noqa|ruff:|mypy:|pragma|clang|NOLINT|!)")
+# What may hold the mark of a comment is passed over; the group is a comment.
+COMMENT = {
+    ".py": re.compile(r"""(?s:\"\"\".*?\"\"\"|'''.*?''')|\"(?:[^\"\\\n]|\\.)*\"|'(?:[^'\\\n]|\\.)*'|(#.*)"""),
+    ".vhd": re.compile(r"""\"[^\"\n]*\"|'.'|(--.*)"""),
+    ".cpp": re.compile(r"""\"(?:[^\"\\\n]|\\.)*\"|'\\?.'|(//.*|(?s:/\*.*?\*/))"""),
+}
+COMMENT[".hpp"] = COMMENT[".h"] = COMMENT[".cpp"]
+MARK = re.compile(r"^[ \t]*(?:#[#:]*|--|///?<?|/?\*+/?) ?|\s*\*/$", re.M)
 
 
 class Sentence(NamedTuple):
@@ -67,31 +77,34 @@ def figures(sentences: Iterable[Sentence]) -> Figures:
     return Figures(len(found), sum(words) / len(found), with_semicolon / len(found), max(words))
 
 
-def files(paths: Iterable[Path], *, python: bool = False) -> list[Path]:
-    """Return the Markdown files in `paths`, or with `python` the Python files."""
-    suffix, found = ".py" if python else ".md", set()
-    for path in (path.resolve() for path in paths):
-        inside = path.rglob(f"*{suffix}") if path.is_dir() else [path]
-        found |= {file for file in inside if file == path or not _is_made(file.relative_to(path))}
+def files(paths: Sequence[Path], kind: str = "pages") -> list[Path]:
+    """Return the files in `paths` that have sentences of this kind. A file itself is always one."""
+    found = {path.resolve() for path in paths if not path.is_dir()}
+    for path in paths:
+        for folder, folders, names in os.walk(path.resolve()):
+            folders[:] = [name for name in folders if not name.startswith(".") and name not in NOT_READ]
+            found |= {Path(folder, name) for name in names if Path(name).suffix in KINDS[kind]}
     return sorted(found)
 
 
-def _is_made(path: Path) -> bool:
-    return any(part.startswith(".") or part in NOT_READ for part in path.parts)
-
-
 def sentences(file: Path) -> list[Sentence]:
-    """Return the sentences of a Markdown file, or of the docstrings and comments of a Python file."""
-    text = file.read_text("utf-8")
+    """Return the sentences of a Markdown file, or of the docstrings and comments of a source file."""
+    text, code_indent = file.read_text("utf-8"), 4
+    if file.suffix == ".py":
+        parts = list(_python(text))
+    elif file.suffix in COMMENT:
+        parts, code_indent = list(_comments(text, COMMENT[file.suffix])), 2
+    else:
+        parts = [(0, text)]
     return [
         Sentence(file, line + offset, sentence, words)
-        for offset, part in (_python(text) if file.suffix == ".py" else [(0, text)])
-        for begin, block in _blocks(part)
+        for offset, part in parts
+        for begin, block in _blocks(part, code_indent)
         for line, sentence, words in _split(begin, block)
     ]
 
 
-def _blocks(text: str) -> Iterator[tuple[int, str]]:
+def _blocks(text: str, code_indent: int) -> Iterator[tuple[int, str]]:
     """Yield (line, text) of each paragraph and each list item; the text has the line ends of the page."""
     text = re.sub(r"\A---\n.*?^---$", _blank, text, flags=re.M | re.S)  # front matter
     text = re.sub(r"<!--.*?-->", _blank, text, flags=re.S)
@@ -99,7 +112,7 @@ def _blocks(text: str) -> Iterator[tuple[int, str]]:
     for number, line in enumerate([*text.splitlines(), ""], 1):
         fence, item = bool(FENCE.match(line)), ITEM.match(line)
         indent = len(line) - len(line.lstrip())
-        code = fenced or fence or (indent >= margin + 4 and not block and not item)
+        code = fenced or fence or (indent >= margin + code_indent and not block and not item)
         prose = bool(line.strip()) and not code and not NOT_PROSE.match(line)
         fenced ^= fence
         if block and (not prose or item):
@@ -136,16 +149,22 @@ def _python(source: str) -> Iterator[tuple[int, str]]:
             text = ast.get_docstring(node, clean=True)
             if text is not None:
                 yield node.body[0].lineno - 1, text
+    yield from _comments(source, COMMENT[".py"])
+
+
+def _comments(source: str, pattern: re.Pattern[str]) -> Iterator[tuple[int, str]]:
+    """Yield (lines before it, text) of each run of comments. A comment beside code is a run of its own."""
     begin, last, comment = 0, -1, ""  # `last`: the line that a further one may follow
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type != tokenize.COMMENT or DIRECTIVE.match(token.string):
+    for found in pattern.finditer(source):
+        if not found[1] or DIRECTIVE.match(found[1]):
             continue
-        line, text = token.start[0], token.string.lstrip("#: ")
-        alone = not token.line[: token.start[1]].strip()
+        line = source.count("\n", 0, found.start())
+        alone = not source[source.rfind("\n", 0, found.start()) + 1 : found.start()].strip()
+        text = MARK.sub("", found[1])
         if comment and not (alone and line == last + 1):
             yield begin, comment
             comment = ""
-        begin = begin if comment else line - 1
+        begin = begin if comment else line
         comment, last = f"{comment}\n{text}" if comment else text, line if alone else -1
     if comment:
         yield begin, comment
@@ -157,15 +176,15 @@ def _name(file: Path) -> str:
 
 def main() -> None:
     """Print the figures, or draw sentences."""
-    parser = argparse.ArgumentParser(description="Measure how plain the documents are.")
+    parser = argparse.ArgumentParser(description="Measure how plain texts are.")
     parser.add_argument(
-        "path", nargs="*", type=Path, default=[ROOT], help="files or folders; all pages without"
+        "path", nargs="*", type=Path, default=[ROOT], help="files or folders; the checkout without"
     )
-    parser.add_argument("--python", action="store_true", help="docstrings and comments instead of pages")
+    parser.add_argument("--of", choices=KINDS, default="pages", help="which texts are read")
     parser.add_argument("--draw", type=int, metavar="N", help="print N sentences drawn at random")
     parser.add_argument("--seed", type=int, default=1, help="which sentences --draw draws")
     arguments = parser.parse_args()
-    read = {file: sentences(file) for file in files(arguments.path, python=arguments.python)}
+    read = {file: sentences(file) for file in files(arguments.path, arguments.of)}
     every = [sentence for found in read.values() for sentence in found]
     if arguments.draw is not None:
         for one in random.Random(arguments.seed).sample(every, min(arguments.draw, len(every))):

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A robot on a link that may come and go, for nodes and controllers in C++: publishes in, set-points out, newest wins.
+// A robot on a link that may be lost and come back. For nodes and controllers in C++: publishes come in, set-points go out, and the newest values
+// win.
 //
 //     unitylink::Robot robot(table, options, on_publish, say);
-//     robot.set(values, numbers, count);      // from any thread: written soon, together, or refused whole
+//     robot.set(values, numbers, count);      // from any thread: all are written soon and together, or none is
 //
-// Header-only on the C ABI (unitylink.h), C++17. Threads: one that keeps the link and writes, one per published group, one that looks whether they work.
-// read_newest(), write_newest() and alive() are for one real-time thread: they neither allocate, lock, wait nor throw.
-// Loss: publishes stop, what is set is refused, the gateware's dead-man makes the outputs safe where it has one. Layer 2 opens the line again
-// (reconnect=1); when the device is back its safe values are written before anything else.
-// Life: a program that calls alive() has to call it again within a second, until rest(): else, or where a thread of the robot hangs, the dead-man trips.
+// Header-only on the C ABI (unitylink.h), C++17.
+// Threads: one keeps the link and writes, one per published group receives, and one checks that these work. read_newest(), write_newest() and alive()
+// are for one real-time thread: they never allocate, lock, wait or throw.
+// Loss: without a link no publishes come, set() is refused, and the gateware's dead-man makes the outputs safe if it has one. Layer 2 opens the line
+// again (reconnect=1). When the device is back, its safe values are written before anything else.
+// Life: a program that calls alive() must call it again within a second, until rest(). If it does not, or if a thread of the robot hangs, the
+// dead-man trips.
 #pragma once
 
 #include <unitylink.h>
@@ -37,8 +40,8 @@ namespace unitylink {
 struct RobotOptions {
   std::string url;
   double retry_s = 1.0;
-  double command_timeout_s = 0.0;  // without a set-point for so long the safe values are written; 0: never
-  double deadman_s = 1.0;          // without a sign of life for so long the gateware makes its outputs safe; 0: never
+  double command_timeout_s = 0.0;  // s without a set-point, after which the safe values are written; 0: never
+  double deadman_s = 1.0;          // s without a sign of life, after which the gateware makes its outputs safe; 0: never
   bool safe_at_exit = true;
   bool armed = true;
 };
@@ -64,7 +67,7 @@ class Robot {
     sem_destroy(&wake_);
   }
 
-  // The program works, says the thread that sets, or the one that answers services; see above.
+  // Signs of life of the thread that sets values, and of the one that answers services; see above.
   enum Thread : std::uint8_t { setting, answering };
   void alive(Thread thread = setting) noexcept { (thread == setting ? program_ : answerer_).beat(); }
   void rest() noexcept {
@@ -72,7 +75,7 @@ class Robot {
     answerer_.rest();
   }
 
-  // Have values written soon, together; false, with the reason, where one cannot be: then none is.
+  // Writes values soon and together. If one cannot be written, none is: then it returns false, and the reason.
   bool set(const std::uint16_t* values, const double* numbers, std::size_t count, std::string& why) {
     const std::lock_guard<std::mutex> lock(setting_);
     if (!ready(why)) return false;
@@ -90,7 +93,7 @@ class Robot {
     return true;
   }
 
-  // The real-time thread's set(): a number that cannot be written is left out and counted as refused.
+  // The set() of the real-time thread. A number that cannot be written is left out, and counted as refused.
   bool write_newest(const std::uint16_t* values, const double* numbers, std::size_t count) noexcept {
     if (!up || !armed || hanging_) return false;
     for (std::size_t i = 0; i < count; ++i) {
@@ -106,13 +109,13 @@ class Robot {
     return true;
   }
 
-  // The newest published numbers of the values, each group's of one moment; false while the link is down.
+  // Gets the newest published numbers of the values. Those of one group are of one moment. Returns false while the link is down.
   bool read_newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     publishes_.newest(values, numbers, count);
     return up;
   }
 
-  // Write the safe values now, and forget what was to be written.
+  // Writes the safe values now, and drops values that are still to be written.
   bool make_safe(std::string& said) {
     const std::lock_guard<std::mutex> lock(link_mutex_);
     if (!up) return said = state(), false;
@@ -121,7 +124,7 @@ class Robot {
     return outputs_.write_safe(said);
   }
 
-  // Take set-points from now on; without `on` take none, and write the safe values.
+  // Takes set-points from now on. Without `on` it takes none, and writes the safe values.
   bool arm(bool on, std::string& said) {
     if (on) {
       if (hanging_) return said = state(), false;
@@ -136,7 +139,7 @@ class Robot {
     return done;
   }
 
-  // Read or write a value by its name; false, with the reason, where that fails.
+  // Reads or writes a value by its name. On failure it returns false, and the reason.
   bool read(const std::string& path, double& found, std::string& why) {
     const std::lock_guard<std::mutex> lock(link_mutex_);
     const Value* value = find(path, why);
@@ -154,7 +157,7 @@ class Robot {
     return set(&index, &wanted, 1, why);
   }
 
-  // 0 all is well, 1 something was refused or failed, 2 there is no link; and what the diagnostics tell beside it.
+  // Returns 0 if all is well, 1 if something was refused or failed, 2 without a link. `facts` gets the diagnostics.
   int health(Facts& facts) {
     const std::pair<const char*, std::uint64_t> counted[] = {
         {"commands accepted", accepted}, {"commands refused", refused}, {"writes", writes}, {"writes failed", failed},
@@ -185,7 +188,7 @@ class Robot {
  private:
   struct Wanted {
     std::uint64_t raw = 0;
-    std::uint64_t version = 0;  // counts what was set: the writer sees by it what it has not written
+    std::uint64_t version = 0;  // counts the sets: the writer compares it to find values not yet written
   };
 
   void wanted_next_(std::uint16_t value, std::uint64_t raw) noexcept {
@@ -226,7 +229,7 @@ class Robot {
       trouble_ = trouble;
     }
     hanging_ = !trouble.empty();
-    say_(hanging_ ? 2 : 1, hanging_ ? trouble + ": no commands are taken, and the dead-man is not kept from tripping" : "all threads work again");
+    say_(hanging_ ? 2 : 1, hanging_ ? trouble + ": no commands are taken, and the dead-man may trip" : "all threads work again");
   }
   static std::string shown(double number) {
     char text[32];
@@ -236,7 +239,7 @@ class Robot {
 
   // ---- the link
 
-  // With reconnect=1 where the URL does not say. What cannot be opened again is opened anew here.
+  // Adds reconnect=1 unless the URL says otherwise. A device that cannot be opened again is opened as a new link here.
   static std::string lasting(const std::string& url) {
     if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0) return url;
     return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
@@ -295,8 +298,8 @@ class Robot {
     if (configuration.data_bytes * 8 != table_.data_bits) return "the device has words of another width: this is not the board the spec is for";
     if (const std::string notice = ul_notice(link_); !notice.empty()) {
       if (*table_.asks_for_frames != '\0') {
-        return std::string(table_.asks_for_frames) + ", which asks for the framed protocol, and " + options_.url + " has fallen back to the classic one: " + notice +
-               ". Use gateware that speaks frames, or add protocol=classic to the URL where that is what you want";
+        return std::string(table_.asks_for_frames) + ", which needs the framed protocol, but " + options_.url + " has fallen back to the classic one: " + notice +
+               ". Use gateware with the framed protocol, or add protocol=classic to the URL if you want that";
       }
       say_(1, notice);
     }
@@ -312,7 +315,7 @@ class Robot {
     if (!device_.open(link_, options_.deadman_s, safe)) return failure();
     if (std::string trouble = make_fit(again); !trouble.empty()) return trouble;
     if (!device_.tripped() && !again && writable && !device_.lacking().empty()) {
-      say_(0, device_.lacking() + ": outputs stay when the link is lost; back again, they are made safe first");
+      say_(0, device_.lacking() + ": outputs keep their values when the link is lost, and are made safe when it is back");
     }
     if (!publishes_.start(link_)) return failure();
     if (life_.serve(link_) != UL_OK) return failure();
@@ -320,7 +323,7 @@ class Robot {
     return "";
   }
 
-  // Arms a gateware that has tripped, where the robot is armed; then writes the safe values of a device that is `old`: what it was told before is old, too.
+  // Arms a gateware that has tripped, if the robot is armed. Then writes the safe values of a device that is `old`, because its values are old, too.
   std::string make_fit(bool old) {
     outputs_.open(link_);
     forget();
@@ -328,18 +331,18 @@ class Robot {
       if (!device_.arm()) return failure();
       say_(1, "the dead-man had tripped and made the outputs safe; they are armed again");
     }
-    generation_ = device_.generation();  // a loss from here on: all of it once more
+    generation_ = device_.generation();  // a later loss starts all of this again
     if (device_.tripped()) {
       say_(1, "the dead-man has tripped: the outputs are safe until the service arm is called");
     } else if (old) {
       std::string said;
       if (!outputs_.write_safe(said)) return said;
-      say_(1, "the device is back; " + said + "; commands of before are forgotten");
+      say_(1, "the device is back; " + said + "; earlier commands are dropped");
     }
     return "";
   }
 
-  // The keeper's thread while there is a link: write what is wanted, see how the line does. Returns why the link has ended.
+  // The keeper's thread while there is a link: it writes the wanted values, and watches the line. Returns why the link has ended.
   std::string serve() {
     double checked_s = now_s(), silent_s = 0.0;
     bool made_safe = false;
@@ -349,7 +352,7 @@ class Robot {
       until.tv_nsec += 50'000'000;
       if (until.tv_nsec >= 1'000'000'000) until.tv_nsec -= 1'000'000'000, ++until.tv_sec;
       sem_timedwait(&wake_, &until);
-      while (sem_trywait(&wake_) == 0) {}  // newest wins: one write for all that was set
+      while (sem_trywait(&wake_) == 0) {}  // the newest values win: one write for all sets so far
       writer_.beat();
       const std::lock_guard<std::mutex> lock(link_mutex_);
       if (const ul_status line = ul_wait_up(link_, 0); line != UL_OK) {
@@ -358,7 +361,7 @@ class Robot {
         continue;
       }
       const double now = now_s();
-      if (up && hanging_ && !made_safe && !device_.tripped()) {  // while the link still takes it: not all gateware has a dead-man
+      if (up && hanging_ && !made_safe && !device_.tripped()) {  // while the link still works: not all gateware has a dead-man
         std::string said;
         made_safe = outputs_.write_safe(said);
         forget();
@@ -366,11 +369,11 @@ class Robot {
       made_safe = made_safe && hanging_;
       const bool look = now - checked_s > 0.1;
       checked_s = look ? now : checked_s;
-      if (up && (device_.generation() != generation_ || (look && device_.has_tripped()))) fall("the device does not hold any more what was written to it");
+      if (up && (device_.generation() != generation_ || (look && device_.has_tripped()))) fall("the device has lost the values that were written to it");
       if (!up) {
         silent_s = 0.0;
         if (!look) continue;
-        if (!device_.renew()) continue;  // whether the line is gone is for layer 2 to say
+        if (!device_.renew()) continue;  // layer 2 decides whether the line is gone
         if (const std::string trouble = make_fit(true); trouble.empty()) {
           rise();
         } else {
@@ -410,19 +413,19 @@ class Robot {
       changed.push_back(static_cast<std::uint16_t>(i));
     }
     if (changed.empty()) return true;
-    for (int tries = 0; tries < 3 && !stop_; ++tries) {  // the link is up, and it is still what is wanted
+    for (int tries = 0; tries < 3 && !stop_; ++tries) {  // while the link is up, and the values are still wanted
       if (outputs_.burst(changed)) return true;
       ++failed;
-      if (device_.generation() != generation_ || ul_wait_up(link_, 0) != UL_OK) return false;  // nothing of before a loss is written after it
+      if (device_.generation() != generation_ || ul_wait_up(link_, 0) != UL_OK) return false;  // values from before a loss are not written after it
     }
     return false;
   }
-  TripleBuffer<Wanted> wanted_;           // what is set -> the keeper
+  TripleBuffer<Wanted> wanted_;           // what is set, for the keeper
   std::vector<Wanted> setting_copy_ = std::vector<Wanted>(table_.value_count);
   std::vector<std::uint64_t> written_;
   Outputs outputs_;
   Device device_;
-  std::uint64_t generation_ = 0;  // of the device that was made fit for commands
+  std::uint64_t generation_ = 0;  // of the device that was last made fit for commands
   std::string gateware_ = "not verified: there is no link";
   std::mutex setting_, link_mutex_;
   mutable std::mutex state_mutex_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a node asks of the device itself: its dead-man, what it counts, and whether it still holds what was written. On classic gateware: only the last.
+// A node's requests to the device itself: the dead-man, the counters, and whether it still holds the written values. On classic gateware only the
+// last.
 #pragma once
 
 #include <unitylink.h>
@@ -17,11 +18,11 @@ namespace unitylink {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-// One thread at a time.
+// For one thread at a time.
 class Device {
  public:
-  // A new link. Has the dead-man trip after `silence_s` without a sign of life of this program, where there is one and something to make
-  // `safe`; a deadman= in the link's URL goes before. False: ul_last_error_text().
+  // Takes a new link. If the device has a dead-man and there is something to make `safe`, the dead-man trips after `silence_s` without a sign of life
+  // from this program. A deadman= in the link's URL has priority. False: see ul_last_error_text().
   bool open(ul_link* link, double silence_s, bool safe) {
     link_ = link;
     wanted_s_ = silence_s;
@@ -33,7 +34,7 @@ class Device {
     return renew();
   }
 
-  // Find out how the dead-man stands, and start it where it does not run. False: ul_last_error_text().
+  // Asks for the state of the dead-man, and starts it if it does not run. False: see ul_last_error_text().
   bool renew() {
     std::uint32_t state = 0;
     if (has_one_ && !control(protocol::control::arm, state)) return false;
@@ -42,10 +43,10 @@ class Device {
   }
 
   bool tripped() const noexcept { return tripped_; }
-  // Why nothing makes the outputs safe when the link is lost; empty where the gateware does.
+  // Why nothing makes the outputs safe when the link is lost. Empty if the gateware does.
   const std::string& lacking() const noexcept { return lacking_; }
 
-  // Let outputs be written again after a trip. False: ul_last_error_text().
+  // Allows writes again after a trip. False: see ul_last_error_text().
   bool arm() {
     if (!tripped_) return true;
     if (ul_arm(link_, nullptr) != UL_OK) return false;
@@ -53,20 +54,20 @@ class Device {
     return start();
   }
 
-  // Whether the outputs have become safe by themselves since it was found out the last time. What is not answered is for the link to judge.
+  // Whether the dead-man has tripped since the last call. The link handles a missing answer.
   bool has_tripped() {
     std::uint32_t state = 0;
     return lacking_.empty() && !tripped_ && control(protocol::control::arm, state) && (state & tripped_bit) != 0;
   }
 
-  // Another number each time the device may not hold any more what was written to it.
+  // A number that changes each time the device may have lost the written values.
   std::uint64_t generation() const {
     ul_statistics counted{};
     counted.size = sizeof counted;
     return ul_get_statistics(link_, &counted) == UL_OK ? counted.restarts + counted.reconnections : 0;
   }
 
-  // For the diagnostics: how the dead-man stands, and the device's counters.
+  // For the diagnostics: the state of the dead-man, and the device's counters.
   void tell(Facts& facts) {
     char after[48];
     std::snprintf(after, sizeof after, "trips after %g s", silence_s_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Whether a node's threads work: what the link is told, and with it the gateware's dead-man.
+// Checks that a node's threads work. The link is told, and with it the gateware's dead-man.
 #pragma once
 
 #include <unitylink.h>
@@ -19,18 +19,18 @@
 
 namespace unitylink {
 
-// What one thread shows of itself: beat() when it does something that has to end, rest() when it waits for something to come.
+// The signs of life of one thread. It calls beat() before work that must end, and rest() before it waits for an event.
 class Sign {
  public:
   Sign(const char* what, double most_s) : what_(what), most_s_(most_s) {}
   void beat() noexcept { since_s_ = now_s(); }
   void rest() noexcept { since_s_ = 0.0; }
-  // Why it has to be taken for dead; empty: it works, or nothing is expected of it.
+  // Why the thread counts as dead. Empty: it works, or no sign is expected of it.
   std::string trouble() const {
     const double since_s = since_s_, for_s = now_s() - since_s;
     if (since_s == 0.0 || for_s <= most_s_) return "";
     char text[96];
-    std::snprintf(text, sizeof text, "%s stands still, for %.1f s now", what_, for_s);
+    std::snprintf(text, sizeof text, "%s has not moved on for %.1f s now", what_, for_s);
     return text;
   }
 
@@ -40,12 +40,12 @@ class Sign {
   std::atomic<double> since_s_{0.0};
 };
 
-// While all signs are fresh the link hears, from a thread that waits for nothing else, that the program works. `hangs(why)` is called when one
-// is not, and with "" when all are again.
+// While all signs are fresh, a thread that waits for nothing else tells the link that the program works. `hangs(why)` is called when a sign is late,
+// and with "" when all are fresh again.
 class Life {
  public:
-  static constexpr double patience_s = 1.0;  // with a thread that shows nothing of itself
-  static constexpr double device_s = 10.0;   // with one that waits for the device: the link ends that by itself, and sooner
+  static constexpr double patience_s = 1.0;  // for a thread without signs
+  static constexpr double device_s = 10.0;   // for a thread that waits for the device: the link ends such a wait earlier
 
   explicit Life(std::function<void(const std::string&)> hangs) : hangs_(std::move(hangs)) {}
   Life(const Life&) = delete;
@@ -60,11 +60,11 @@ class Life {
     thread_.join();
   }
 
-  // All before start().
+  // All calls come before start().
   Sign& expect(const char* what, double most_s) { return signs_.emplace_back(what, most_s); }
   void start() { thread_ = std::thread([this] { look(); }); }
 
-  // The link that is to be told, from now on; nullptr: none.
+  // Sets the link to be told from now on. nullptr: none.
   ul_status serve(ul_link* link) {
     const std::lock_guard<std::mutex> lock(mutex_);
     link_ = link;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a robot's outputs are to be, and how they get there: words in one burst, memory with a commit whole.
+// The wanted values of a robot's outputs, and how they are written: plain words in one burst, memory that needs a commit as a whole.
 #pragma once
 
 #include <unitylink.h>
@@ -20,12 +20,12 @@ inline double now_s() noexcept {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// One thread at a time. False: ul_last_error_text() says what failed, or `said` does.
+// For one thread at a time. False: see `said`, or ul_last_error_text() if it is empty.
 class Outputs {
  public:
   explicit Outputs(const Table& table) : table_(table), shadow_(table.value_count), known_(table.value_count) {}
 
-  // A new link: what the device holds is not known.
+  // Takes a new link: the values on the device are unknown.
   void open(ul_link* link) {
     link_ = link;
     std::fill(known_.begin(), known_.end(), false);
@@ -46,7 +46,7 @@ class Outputs {
     said = *ul_last_error_text() != 0 ? ul_last_error_text() : "the network behind the gateware is down, or has dropped the commit";
     return false;
   }
-  // Write the shadow of these values: plain words in one go, then per unit all of its outputs and one commit.
+  // Writes the wanted values: plain words in one burst, then for each unit all its outputs and one commit.
   bool burst(const std::vector<std::uint16_t>& changed) {
     std::vector<std::uint16_t> plain;
     for (const auto i : changed) {
@@ -64,7 +64,7 @@ class Outputs {
       }
       if (!touched) continue;
       if (!settle(table_.units[unit], false)) return false;
-      for (const auto i : outputs) {  // a robot that is running must not jump: what is not known is as the device has it
+      for (const auto i : outputs) {  // a running robot must not jump: an unknown value stays as the device has it
         if (!known_[i] && !read_raw(table_.values[i], shadow_[i])) return false;
         known_[i] = true;
       }
@@ -100,7 +100,7 @@ class Outputs {
     options.repeat = repeat;
     return addresses.empty() || ul_write_many(link_, addresses.data(), words.data(), addresses.size(), &options) == UL_OK;
   }
-  // Wait until no commit is pending; after our own see that it was not dropped.
+  // Waits until no commit is pending. After a commit of our own it checks that the commit was not dropped.
   bool settle(const Unit& unit, bool committed) {
     if (unit.pending == 0) return true;
     for (const double end = now_s() + 0.5; now_s() < end;) {
@@ -113,8 +113,8 @@ class Outputs {
   }
   const Table& table_;
   ul_link* link_ = nullptr;
-  std::vector<std::uint64_t> shadow_;  // what was last wanted of each value
-  std::vector<bool> known_;            // and whether that is known
+  std::vector<std::uint64_t> shadow_;  // the last wanted value of each output
+  std::vector<bool> known_;            // whether that value is known
 };
 
 }  // namespace unitylink

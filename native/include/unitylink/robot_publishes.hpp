@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a robot publishes: a thread per group that drains, decodes and hands on, and the newest of all for one real-time thread.
+// The publishes of a robot. A thread per group drains, decodes and passes on. The newest values are kept for one real-time thread.
 #pragma once
 
 #include <unitylink.h>
@@ -21,14 +21,14 @@ namespace unitylink {
 
 class Publishes {
  public:
-  // `raws` are those of the group's values, in order; `time_s` is of CLOCK_MONOTONIC.
+  // `raws` are the values of the group, in order. `time_s` is a time of CLOCK_MONOTONIC.
   using OnPublish = std::function<void(std::size_t group, double time_s, const std::uint64_t* raws)>;
 
   Publishes(const Table& table, OnPublish on_publish, Life& life) : table_(table), on_publish_(std::move(on_publish)), newest_(table.value_count) {
     for (std::size_t group = 0; group < table.group_count; ++group) signs_.push_back(&life.expect("a thread that publishes", Life::patience_s));
   }
 
-  // Subscribes all groups; the line may go and come back. False: ul_last_error_text().
+  // Subscribes all groups. The line may be lost and come back. False: see ul_last_error_text().
   bool start(ul_link* link) {
     ul_configuration configuration{};
     configuration.size = sizeof configuration;
@@ -55,13 +55,13 @@ class Publishes {
     }
     return true;
   }
-  // After ul_close.
+  // To be called after ul_close.
   void join() {
     for (auto& thread : readers_) thread.join();
     readers_.clear();
   }
 
-  // The newest published numbers of the values, each group's of one moment. Neither allocates, locks, waits nor throws.
+  // Gets the newest published numbers of the values. Those of one group are of one moment. Never allocates, locks, waits or throws.
   void newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     newest_.update();
     const auto& raws = newest_.front();
@@ -71,7 +71,7 @@ class Publishes {
   std::atomic<std::uint64_t> taken{0};
 
  private:
-  // A group's thread: drain, decode, hand on.
+  // The thread of a group: it drains, decodes and passes on.
   void follow(ul_link* link, std::size_t group, const std::vector<std::uint32_t>& addresses, std::uint32_t subscription, double base_hz) {
     const auto& wanted = table_.groups[group];
     std::vector<double> times(64);
@@ -114,7 +114,7 @@ class Publishes {
 
   const Table& table_;
   const OnPublish on_publish_;
-  TripleBuffer<std::uint64_t> newest_;  // the groups' threads -> the real-time thread
+  TripleBuffer<std::uint64_t> newest_;  // from the groups' threads to the real-time thread
   std::vector<std::uint64_t> copy_ = std::vector<std::uint64_t>(table_.value_count);
   std::mutex mutex_;
   std::vector<Sign*> signs_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a generated node knows of its robot: the values of the spec, what is published together, what needs a commit;
-// and from words to numbers and back. C++17, no allocation.
+// What a generated node knows of its robot: the values of the spec, which are published together, and which need a commit. It also converts between
+// words and numbers. C++17, no allocation.
 #pragma once
 
 #include <algorithm>
@@ -13,26 +13,26 @@
 
 namespace unitylink {
 
-// A value of the spec. Its number is raw * scale + offset in its unit, or, where that is written with whole numbers, (raw * multiplier + added) / divisor: 1254 * 0.01 is
-// 12.540000000000001, and 1254 / 100 is 12.54. NaN says that there is no limit, no safe value. Limits of a float are numbers in its unit, of all others
-// raw ones: what has been read can be written again.
+// A value of the spec. Its number in its unit is raw * scale + offset. If whole numbers express this, it is (raw * multiplier + added) / divisor,
+// because 1254 * 0.01 is 12.540000000000001, but 1254 / 100 is 12.54. NaN means no limit, or no safe value. The limits of a float are numbers in its
+// unit. All other limits are raw, so a value that was read can be written again.
 struct Value {
   const char* path;
   std::uint32_t address;
-  std::uint8_t words;   // the low one at `address`
+  std::uint8_t words;   // number of words; the low word is at `address`
   std::uint8_t width;   // bits
   bool is_signed;
   bool is_float;        // IEEE 754, 32 or 64 bits
   bool writable;
-  bool saturate;        // beyond the limits: the limit is written
-  std::int8_t unit;     // of `Table::units`, -1: takes effect when it is written
+  bool saturate;        // a number beyond the limits is replaced by the limit
+  std::int8_t unit;     // index in `Table::units`; -1: takes effect when it is written
   double scale, offset;
-  double multiplier, added, divisor;  // divisor 0: there are no such whole numbers
+  double multiplier, added, divisor;  // divisor 0: whole numbers do not express it
   double minimum, maximum, safe;
-  std::uint64_t members;  // of a closed enumeration below 64: a bit for each of its numbers; 0: all within the limits
+  std::uint64_t members;  // of a closed enumeration below 64: one bit for each of its numbers; 0: all numbers within the limits
 };
 
-// Values which the gateware publishes together; `divisor` 0: on an event. `polled` ones the PC reads at `divisor`.
+// Values that the gateware publishes together. `divisor` 0 means on an event. If `polled`, the PC reads them at `divisor`.
 struct Group {
   const std::uint16_t* values;
   std::size_t count;
@@ -40,17 +40,17 @@ struct Group {
   bool polled;
 };
 
-// Memory whose outputs take effect by a commit, and which swaps its buffers without copying: a commit needs all of them.
+// Memory whose outputs take effect by a commit. The commit swaps its buffers without copying, so it needs all outputs.
 struct Unit {
-  std::uint32_t commit;   // the address of the commit, and on TosNet of the status word
-  std::uint32_t pending;  // bits of the status word; 0: there is none
+  std::uint32_t commit;   // the address of the commit; on TosNet also of the status word
+  std::uint32_t pending;  // bits of the status word; 0: there is no status word
   std::uint32_t aborted, online, halted;
 };
 
 struct Table {
   const char* robot;
-  const char* spec;               // its file
-  const std::uint64_t* gateware;  // wire hashes that gateware built from it may have
+  const char* spec;               // the file name of the spec
+  const std::uint64_t* gateware;  // the wire hashes that gateware of this spec may have
   std::size_t gateware_count;
   std::uint32_t data_bits;
   const Value* values;
@@ -59,12 +59,12 @@ struct Table {
   std::size_t group_count;
   const Unit* units;
   std::size_t unit_count;
-  const char* asks_for_frames;    // "arm.speed has a SAFE value", of the first that does so or is a PULSE; "": none
+  const char* asks_for_frames;    // "arm.speed has a SAFE value", for the first value that needs frames (SAFE or PULSE); "": none
 };
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// The raw number as the type has it, without scale.
+// The raw number in its type, without scale.
 inline std::int64_t whole(const Value& value, std::uint64_t raw) noexcept {
   const unsigned unused = 64U - value.width;
   return value.is_signed ? static_cast<std::int64_t>(raw << unused) >> unused : static_cast<std::int64_t>(raw << unused >> unused);
@@ -89,13 +89,13 @@ inline double number(const Value& value, std::uint64_t raw) noexcept {
   return value.divisor != 0.0 ? (exact * value.multiplier + value.added) / value.divisor : exact * value.scale + value.offset;
 }
 
-// The raw number of a float; false where there is none.
+// Gets the raw number of a float. Returns false if there is none.
 inline bool encode_float(const Value& value, double wanted, std::uint64_t& raw) noexcept {
   const bool low = wanted < value.minimum, high = wanted > value.maximum;  // false for a limit that is NaN
   if ((low || high) && !value.saturate) return false;
   double scaled = ((low ? value.minimum : high ? value.maximum : wanted) - value.offset) / value.scale;
   const double most = value.width == 32 ? static_cast<double>(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
-  if (!(std::fabs(scaled) <= most)) {  // no set-point is infinite, nor becomes so in 32 bits
+  if (!(std::fabs(scaled) <= most)) {  // a set-point is never infinite, not even after rounding to 32 bits
     if (!value.saturate) return false;
     scaled = std::copysign(most, scaled);
   }
@@ -110,13 +110,13 @@ inline bool encode_float(const Value& value, double wanted, std::uint64_t& raw) 
   return true;
 }
 
-// The raw number of what is to be written; false, and `raw` as it was, where it cannot be. The same as in Python.
+// Gets the raw number to be written. If there is none, it returns false and leaves `raw` as it is. Python does the same.
 inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexcept {
   if (std::isnan(wanted)) return false;
   if (value.is_float) return encode_float(value, wanted, raw);
   const double rounded = std::nearbyint((wanted - value.offset) / value.scale);
   const bool unscaled = value.scale == 1.0 && value.offset == 0.0;
-  if (unscaled && (rounded != wanted || std::isinf(wanted))) return false;  // half a step is a mistake, not a wish
+  if (unscaled && (rounded != wanted || std::isinf(wanted))) return false;  // half a step is a mistake
   const double top = std::ldexp(1.0, value.is_signed ? value.width - 1 : value.width);
   const double bottom = value.is_signed ? -top : 0.0;
   const bool low = rounded < bottom || rounded < value.minimum, high = rounded >= top || rounded > value.maximum;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The newest of a stream of vectors, from one thread to another: neither ever waits, allocates or sees half of one.
+// The newest of a stream of vectors, passed from one thread to another. Neither thread ever waits, allocates, or sees a half vector.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@ class TripleBuffer {
  public:
   explicit TripleBuffer(std::size_t size) : buffers_{{std::vector<T>(size), std::vector<T>(size), std::vector<T>(size)}} {}
 
-  // The writer's: fill it, then publish.
+  // For the writer: fill it, then call publish().
   std::vector<T>& back() noexcept { return buffers_[back_]; }
   void publish() noexcept { back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & index; }
 
-  // The reader's: true when there was a newer one; front() is it from then on.
+  // For the reader: true if there was a newer vector. front() is this vector from then on.
   bool update() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & fresh) == 0) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & index;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which slave answers at which address; the bus as the application layer sees it.
+// Which slave answers at which address. It is the bus as the application layer sees it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace unitylink::device {
 
 class AddressMap final : public Bus {
  public:
-  // `sink` gets the event lines of slaves.
+  // `sink` gets the changes of the slaves' event lines.
   AddressMap(const DeviceConfiguration& configuration, const EventSink& sink);
 
   BusReply read(std::uint32_t address, Clock now) override;
@@ -45,8 +45,8 @@ class AddressMap final : public Bus {
   std::vector<AddressRange> silent_;
   std::vector<std::uint32_t> flags_;
   std::vector<std::uint32_t> strobes_;
-  std::vector<Region> regions_;  // the last is the memory everywhere else
-  std::vector<Bus*> timed_;      // slaves that do something by themselves
+  std::vector<Region> regions_;  // the last one is the memory at all other addresses
+  std::vector<Bus*> timed_;      // slaves that act without an access
   std::function<void(std::uint32_t, std::uint32_t)> observer_;
   Tosnet* tosnet_ = nullptr;
   std::uint32_t address_mask_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The application layer: executes requests on the bus, answers them, and publishes groups between them.
+// The application layer: executes requests on the bus and answers them. Between requests it publishes groups.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,8 @@
 
 namespace unitylink::device {
 
-// One state machine, as in the gateware: it does one thing at a time, and whether the next thing is a request or a
-// publish is decided only between messages. Its clock is when the next step is due; it stands still while the transmit
-// FIFO is full.
+// One state machine, as in the gateware. It does one thing at a time. It chooses between a request and a publish only between
+// messages. Its clock is the time of the next step, and it stops while the transmit FIFO is full.
 class Application {
  public:
   Application(const DeviceConfiguration& configuration, DatalinkReceiver& receiver, SubscriptionManager& subscriptions,
@@ -26,13 +25,13 @@ class Application {
   [[nodiscard]] Clock next_clock() const noexcept;
   void step(Clock now);
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
-  // A framed session is open: publishes are its own, and what a classic message would change is refused.
+  // A framed session is open. Publishes belong to it, and classic messages that would change something are refused.
   void yield(bool to_session) noexcept { yielding_ = to_session; }
 
  private:
   enum class State : std::uint8_t { idle, emit, single_access, block_access };
 
-  // The data bytes of the request being executed, and the clock cycles that looking at them takes.
+  // The data bytes of the current request, and the clock cycles that it takes to read them.
   struct Cursor {
     std::span<const std::uint8_t> data;
     Clock clocks = 0;
@@ -62,9 +61,9 @@ class Application {
   void letters(std::string_view text);
   void mark(char c) { pending_.push_back({Word::Kind::mark, static_cast<std::uint8_t>(c), 0}); }
   void value(std::uint32_t value, std::uint32_t bytes);
-  void success(std::string_view reply);  // the whole reply that carries no data
+  void success(std::string_view reply);  // the whole reply, which has no data
   void refuse(std::string_view error);
-  void refuse_missing(std::string_view error);  // bytes of the request are; while it is open they may still come
+  void refuse_missing(std::string_view error);  // bytes of the request are missing; while it is open they may still come
   bool refuse_access(BusStatus status, std::string_view error);
   void schedule_access(std::uint32_t address, State state);
 
@@ -78,23 +77,23 @@ class Application {
 
   State state_ = State::idle;
   State after_emit_ = State::idle;
-  Clock at_ = 0;               // when the next step is due; when the machine became idle
+  Clock at_ = 0;               // when the next step is due, or when the machine became idle
   Clock decision_ = 0;         // clock of the decode in progress
   bool yielding_ = false;
-  bool blocked_ = false;       // waits for a place in the transmit FIFO
+  bool blocked_ = false;       // waits for room in the transmit FIFO
   bool request_ = false;       // the message in hand is a request, not a publish
   bool checked_publish_ = false;
   bool write_ = false;
   BusStatus access_status_ = BusStatus::ok;
   std::uint32_t address_ = 0;
   std::uint32_t write_value_ = 0;
-  std::vector<Word> pending_;  // words on their way into the transmit FIFO
+  std::vector<Word> pending_;  // words that go into the transmit FIFO
   std::size_t sent_ = 0;
   std::size_t held_from_ = never_held;  // words from here on wait for the end of the request
   std::vector<std::uint32_t> addresses_;  // of the block being read
   std::size_t next_address_ = 0;
-  std::uint32_t group_ = 0;        // that is published
-  std::uint32_t block_words_ = 0;  // words asked for; more than there are addresses if the request was cut short
+  std::uint32_t group_ = 0;        // the published group
+  std::uint32_t block_words_ = 0;  // requested words; more than the addresses if the request was cut short
 };
 
 }  // namespace unitylink::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that lives: a thread that serves it on an endpoint while its clock follows the time of all virtual boards in this process.
+// A running device: a thread serves it on an endpoint. Its clock follows the common time of all virtual boards in this process.
 #pragma once
 
 #include <atomic>
@@ -17,8 +17,8 @@
 
 namespace unitylink::device {
 
-// What moves behind the registers. `step` is called by the board's thread, without its lock, every `period_s` of device
-// time; false ends the stepping (the board goes on serving).
+// The simulated machine behind the registers. The board's thread calls `step` without its lock, every `period_s` of device time.
+// If it returns false, the stepping ends, and the board continues to serve.
 struct PlantHook {
   double period_s = 0;
   std::function<bool(double time_s)> step;
@@ -26,15 +26,14 @@ struct PlantHook {
 
 struct BoardStatistics {
   DeviceStatistics device;
-  std::uint64_t clients = 0;        // that came, so far
-  std::uint64_t bytes_dropped = 0;  // published while nobody listened
+  std::uint64_t clients = 0;        // clients so far
+  std::uint64_t bytes_dropped = 0;  // bytes published without a client
   std::uint64_t plant_steps = 0;
-  double time_slipped_s = 0;        // by which the device clock lags the real one because the machine was too busy
+  double time_slipped_s = 0;        // how late the device clock is because the machine was too busy
 };
 
-// A client that leaves frees the board; what it set stays. Publishing goes on, into the void, as a real board's would.
-// A client that does not read fills the transmit FIFO, and the device stops as gateware does.
-// All calls may come from any thread.
+// A client that leaves frees the board, and its settings stay. Publishing continues without a client, as on a real board. A
+// client that does not read fills the transmit FIFO, and the device stops, as gateware does. All calls may come from any thread.
 class Board {
  public:
   Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint);
@@ -46,7 +45,7 @@ class Board {
 
   void set_plant(PlantHook hook);  // before start()
   void start();
-  // Idempotent; waits for the thread, thus for a plant's step in progress, unless it is that step that calls it.
+  // Idempotent. Waits for the thread, and so for a step of the plant, unless this step itself calls it.
   void stop();
 
   std::string url();
@@ -56,21 +55,21 @@ class Board {
   void set_event(std::uint32_t group, bool high);
   void pulse_event(std::uint32_t group);
   void receive_error(std::uint8_t bits);
-  void hang_up();  // the line to the client breaks; the device goes on
+  void hang_up();  // the line to the client breaks; the device continues
   bool async_take(AsyncWord& word);
   bool async_give(const AsyncWord& word);
-  void set_online(bool online);  // of the TosNet, as the next
+  void set_online(bool online);  // of the TosNet, like the next one
   void damage_cycle();
   BoardStatistics statistics();
   std::string failure();  // of the device; empty while it runs
   [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_->configuration(); }
 
  private:
-  // The calls from outside. A mutex lets whoever asks first have it again at once: a caller in a tight loop would keep the
-  // board's thread out for long, so callers stand back while it waits.
+  // A call from outside. A mutex gives itself first to the thread that asks first, so a caller in a tight loop could keep the
+  // board's thread waiting. So callers let the board's thread go first.
   [[nodiscard]] std::unique_lock<std::mutex> enter();
   void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
-  void let_in(std::unique_lock<std::mutex>& lock);     // whoever waits, while the board's thread has no pause of its own
+  void let_in(std::unique_lock<std::mutex>& lock);     // lets callers in, while the board's thread has no pause of its own
 
   void serve();
   [[nodiscard]] Clock in_time(Clock target);
@@ -87,14 +86,14 @@ class Board {
 
   std::mutex mutex_;
   std::atomic<bool> board_waits_ = false;
-  std::atomic<int> callers_ = 0;  // that wait for the mutex
+  std::atomic<int> callers_ = 0;  // callers that wait for the mutex
   std::unique_ptr<ServedDevice> device_;
   std::unique_ptr<Endpoint> endpoint_;
   PlantHook plant_;
   Clock plant_period_ = 0;
   Clock plant_next_ = never;
   BoardStatistics statistics_;
-  std::vector<std::uint8_t> output_;  // taken from the device, not yet sent
+  std::vector<std::uint8_t> output_;  // taken from the device and not yet sent
   std::size_t output_sent_ = 0;
   bool output_blocked_ = false;
   bool fed_ = false;                  // the device has just got bytes
@@ -104,7 +103,7 @@ class Board {
   RobotTime::Follower follower_{RobotTime::here()};
   Clock slip_ = 0;
   Clock lead_ = 0;
-  Clock linger_until_ = 0;            // when a client that sends no more is let go
+  Clock linger_until_ = 0;            // when a client that sends nothing more is dismissed
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

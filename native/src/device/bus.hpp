@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bus behind the application layer, as every slave implements it.
+// The interface of all slaves on the bus behind the application layer.
 #pragma once
 
 #include <cstdint>
@@ -9,30 +9,30 @@
 
 namespace unitylink::device {
 
-enum class BusStatus : std::uint8_t { ok, error, silent, denied };  // denied: a write, and the dead-man has tripped
+enum class BusStatus : std::uint8_t { ok, error, silent, denied };  // denied: a write after a trip of the dead-man
 
 struct BusReply {
   BusStatus status = BusStatus::ok;
   std::uint32_t value = 0;
 };
 
-// Addresses are relative to the slave. `read`, `write` and `block` are what the link does; `get` and `set` are the FPGA's
-// own side of the same words, where plants attach.
+// Addresses are relative to the slave. The link uses `read`, `write` and `block`. The FPGA's own side of the same words is `get`
+// and `set`, and plants use them.
 class Bus {
  public:
   virtual ~Bus() = default;
   virtual BusReply read(std::uint32_t address, Clock now) = 0;
   virtual BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) = 0;
-  // True from the first until after the last word of a read-many or publish: its words must belong together.
+  // True from the first to after the last word of a read-many or publish, because these words must belong together.
   virtual void block(bool /*held*/, Clock /*now*/) {}
   virtual BusReply get(std::uint32_t address, Clock now) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
-  // When advance() has something to do by itself.
+  // When advance() has something to do without an access.
   [[nodiscard]] virtual Clock next_clock() const noexcept { return never; }
   virtual void advance(Clock /*now*/) {}
 };
 
-// The event input of a group changes. Given by whoever has the groups.
+// Reports a change of a group's event input. It comes from the owner of the groups.
 using EventSink = std::function<void(std::uint32_t group, bool high, Clock now)>;
 
 }  // namespace unitylink::device

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bus master of the gateware of 2012, with its defects; docs/classic-protocol.md, section 7. For a twin to try a host on.
+// The bus master of the gateware of 2012, with its defects (docs/classic-protocol.md, section 7). A twin with it tests hosts.
 //
-// - A request that nobody acknowledges in time ends in E_BAT, but its cycle goes on, at address 0: a read reads there, a write
-//   writes 0 there. Where nothing answers at 0 either, the cycle waits for the next access, takes its address, and keeps its own
-//   direction: a write that timed out writes 0 where the next request reads; a read that timed out reads where it writes.
-// - The word of a write is taken from the wrong end of 32 bits: 32 bits are right, 24 keep their top 16, 16 and fewer are 0.
+// - A request without an acknowledge in time ends in E_BAT, but its cycle goes on at address 0. A read reads there, and a write
+//   writes 0 there. If no slave answers at 0 either, the cycle waits for the next access and takes its address, but keeps its own
+//   direction. So a write that timed out writes 0 where the next request reads, and a read that timed out reads where it writes.
+// - The word of a write is taken from the wrong end of 32 bits: 32 bits are right, 24 bits keep their top 16, and 16 or fewer are
+//   0.
 #pragma once
 
 #include "device/bus.hpp"
@@ -39,7 +40,7 @@ class BusMaster2012 final : public Bus {
 
   Bus& bus_;
   std::uint32_t data_bits_;
-  Cycle left_ = Cycle::none;  // what goes on after its timeout
+  Cycle left_ = Cycle::none;  // what continues after its timeout
 };
 
 }  // namespace unitylink::device

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes to messages: the ASCII decoder, its checks and its error codes; and what is left of it in the lesser datalinks.
+// Turns bytes into messages: the ASCII decoder, its checks and its error codes. For the smaller datalinks only parts of it.
 #pragma once
 
 #include <array>
@@ -15,22 +15,22 @@ class DatalinkReceiver {
   explicit DatalinkReceiver(const DeviceConfiguration& configuration);
 
   struct Taken {
-    Clock next = 0;          // when the following byte can be taken
+    Clock next = 0;          // when the next byte can be taken
     std::uint8_t error = 0;  // datalink error code, 0 for none
-    Clock error_at = 0;      // when the code goes to the transmitter
+    Clock error_at = 0;      // when the code is given to the transmitter
   };
 
-  // A pair of message buffers: while one is executed the other is filled. No byte can be taken when both are full.
+  // There are two message buffers: while one is executed, the other is filled. No byte can be taken when both are full.
   [[nodiscard]] bool stalled() const noexcept { return complete_ == messages_.size(); }
   Taken take(std::uint8_t byte, Clock now);
-  // Forgets the message being received; what follows is skipped up to the next head.
+  // Drops the message that is being received. Bytes up to the next head are skipped.
   void abandon() noexcept { receiving_ = false; }
 
   [[nodiscard]] bool has_message() const noexcept { return complete_ > 0; }
   [[nodiscard]] const Message& message() const noexcept { return messages_[first_]; }
-  // The message in hand is done with; its buffer can be filled from `at` on.
+  // The current message is done. Its buffer can be filled from `at` on.
   void release(Clock at) noexcept;
-  // From when the next byte between messages can be taken; not meaningful while stalled.
+  // When the next byte between messages can be taken. Without meaning while stalled.
   [[nodiscard]] Clock room_at() const noexcept { return receiving_ ? 0 : messages_[first_ ^ complete_].free_at; }
 
  private:
@@ -42,7 +42,7 @@ class DatalinkReceiver {
   Taken take_unchecked(std::uint8_t byte, Clock now);
   void take_data(std::uint8_t byte, Clock now);
   void hand_on(Clock now) noexcept;
-  bool stored() noexcept;  // counts one more entry of the message buffer; false when it is full
+  bool stored() noexcept;  // counts one more entry of the message buffer; false if it is full
 
   const DeviceConfiguration& configuration_;
   Crc8 checksum_;
@@ -52,9 +52,9 @@ class DatalinkReceiver {
   std::size_t complete_ = 0;
 
   bool receiving_ = false;
-  bool broken_ = false;           // lite: a digit was none; the message handed on is open until the next head
+  bool broken_ = false;           // lite: a character was not a digit; the message that was passed on stays open until the next head
   bool star_ = false;
-  bool half_ = false;             // the first digit of a pair has been seen
+  bool half_ = false;             // the first digit of a pair has come
   std::uint8_t first_digit_ = 0;
   std::uint8_t sum_ = 0;
   std::uint32_t checksum_bytes_ = 0;

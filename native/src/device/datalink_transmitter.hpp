@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Words of the application and datalink error codes to bytes; the two never mix within a message.
+// Turns words of the application and datalink error codes into bytes. The two never mix within a message.
 #pragma once
 
 #include "device/configuration.hpp"
@@ -16,15 +16,15 @@ class DatalinkTransmitter {
 
   [[nodiscard]] bool full() const noexcept { return words_.full(); }
   void push(Word word) noexcept { words_.push(word); }
-  // No message is leaving, and no code waits.
+  // No message is being sent, and no code waits.
   [[nodiscard]] bool idle() const noexcept { return words_.empty() && errors_.empty() && !in_message_; }
-  // From when the newest free place in a FIFO that was full could be used.
+  // From when the newest free place in a full FIFO can be used.
   [[nodiscard]] Clock place_free_at() const noexcept { return place_free_at_; }
 
   [[nodiscard]] bool errors_full() const noexcept { return errors_.full(); }
   void report(std::uint8_t code, Clock at) noexcept { errors_.push({at + timing::error_latency, code}); }
 
-  // When the next character leaves; never while there is none or the physical FIFO has no room.
+  // When the next character is sent. `never` if there is none, or if the physical FIFO has no room.
   [[nodiscard]] Clock next_clock() const noexcept;
   void step() noexcept;
 
@@ -42,7 +42,7 @@ class DatalinkTransmitter {
   void send_error() noexcept;
 
   PhysicalTransmitter& physical_;
-  bool digits_;  // a byte goes as two digits, else as it is
+  bool digits_;  // a byte is sent as two digits; false: as it is
   Crc8 checksum_;
   Ring<Word> words_{timing::transmit_words};
   Ring<ErrorCode> errors_{timing::error_codes};

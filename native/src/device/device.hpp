@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin of the gateware: bytes and events in, bytes out, on a clock the caller owns.
+// The twin of the gateware: bytes and events in, bytes out, on a clock that the caller owns.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,7 @@
 
 namespace unitylink::device {
 
-// Sans-IO: no thread, no socket, no wall clock. Not thread-safe. Memory pages apart, nothing is allocated after
-// construction.
+// Sans-IO: no thread, no socket, no wall clock. Not thread-safe. After construction it allocates only pages of memory.
 //
 //   Device device(configuration);
 //   for (char c : std::string_view("#R:12\n")) device.receive(static_cast<std::uint8_t>(c));
@@ -38,7 +37,7 @@ class Device final : public ServedDevice {
   bool receive(std::uint8_t byte) noexcept override;
   [[nodiscard]] std::size_t room() const noexcept override { return input_.room(); }
   [[nodiscard]] bool input_empty() const noexcept override { return input_.empty(); }
-  void receive_error(std::uint8_t bits) override;  // only a full datalink listens
+  void receive_error(std::uint8_t bits) override;  // only a full datalink uses them
   void set_event(std::uint32_t group, bool high) override;
   void set_events(std::uint32_t mask);  // of groups 0..31 at once
 
@@ -83,7 +82,7 @@ class Device final : public ServedDevice {
   Clock clock_ = 0;
   Clock receiver_ready_ = 0;
   Clock last_activity_ = 0;
-  std::uint8_t unheard_errors_ = 0;  // bits of physical errors that the gateware of 2012 has not looked at yet
+  std::uint8_t unheard_errors_ = 0;  // bits of physical errors that the gateware of 2012 has not read yet
   DeviceStatistics statistics_;
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A double-buffered memory slave: what the PC writes becomes visible to the FPGA all at once, by a commit.
+// A double-buffered memory slave: a commit makes all that the PC wrote visible to the FPGA at once.
 //
 //   +0 .. +size-1  write: the hidden bank         read: the visible bank (the FPGA's own words after a block read began
 //                                                 are seen from the next block on)
 //   +size          write: commit, the banks swap  read: number of commits so far
 //
-// Hazard, as in the 2012 library: the swap does not copy. A word not rewritten before a commit has the value of two
-// commits ago. On the FPGA's side `get` and `set` are the visible bank.
+// Hazard, as in the 2012 library: the swap does not copy. A word that is not rewritten before a commit has its value of two
+// commits ago. `get` and `set`, on the FPGA's side, use the visible bank.
 #pragma once
 
 #include <vector>

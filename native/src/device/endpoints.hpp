@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The four kinds of endpoint, and what they share.
+// The four kinds of endpoint, and their common parts.
 #pragma once
 
 #include <memory>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A FIFO slave, one queue each way.
+// A FIFO slave, with one queue in each direction.
 //
 //   +0  read: the oldest word from the FPGA, and removes it; bus error when there is none
 //       write: one word to the FPGA; bus error when there is no room
 //   +1  read: words from the FPGA that wait        +2  read: words the FPGA still has room for
 //
-// Event: high while words wait, and low for a moment after one was taken or when none has been for remind_clocks. On an
-// edge event input each word is asked for once.
+// Event: high while words wait. It is low for a moment after a word was taken, or when no word was taken for remind_clocks. So an
+// edge event input requests each word once.
 //
-// On the FPGA's side `set(+0)` queues a word for the PC and `get(+0)` takes one of the PC's.
+// On the FPGA's side, `set(+0)` queues a word for the PC, and `get(+0)` takes a word from the PC.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plain words, one for every address; both sides see the same ones at once.
+// Plain words, one for each address. Both sides see the same words at once.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace unitylink::device {
 
-// Pages are made when first written, so that a 32-bit address space costs what is used of it. Beyond `pages_most`
-// (64 MiB) a write to a new page is a bus error: a host that writes everywhere must not take the machine's memory.
+// A page is allocated at its first write, so a 32-bit address space uses only the memory that is needed. Beyond `pages_most` (64
+// MiB) a write to a new page is a bus error, so that a host cannot use up the memory of the machine.
 class Memory final : public Bus {
  public:
   static constexpr std::size_t page_words = 1024;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What passes between the datalink and the application layer: received messages one way, single words the other.
+// The data between the datalink and the application layer: received messages in one direction, single words in the other.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace unitylink::device {
 
-// A request: behind a full datalink its form and checksum are right.
+// A request. After a full datalink, its form and checksum are right.
 struct Message {
   bool checked = false;
   bool colon = false;
-  bool open = false;   // a lite datalink hands it on before its end, which is still to come
+  bool open = false;   // a lite datalink passes it on before its end
   Clock ready_at = 0;  // when the application may start
   Clock free_at = 0;   // when the buffer may be filled again
   std::vector<char> letters;       // upper case

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The physical layer: a byte FIFO each way and, if there is a baud rate, a line in front of it that takes its time.
+// The physical layer: a byte FIFO in each direction. With a baud rate there is also a line, which needs time for each byte.
 //
-// With a line, as with a UART: a byte that arrives at a full receive FIFO is lost (overrun), whatever the host meant.
-// Without one, as with USB or TCP: the FIFO takes only what it has room for and the rest waits at the host.
+// With a line, as for a UART, a byte that arrives at a full receive FIFO is lost (overrun). Without a line, as for USB or TCP,
+// the FIFO takes only bytes for which it has room. The others wait at the host.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class PhysicalReceiver {
   [[nodiscard]] std::size_t room() const noexcept { return byte_clocks_ > 0 ? line_.free() : fifo_.free(); }
   [[nodiscard]] bool empty() const noexcept { return line_.empty() && fifo_.empty(); }
 
-  // False when there is no room; the host keeps the byte.
+  // False if there is no room. Then the host keeps the byte.
   bool offer(std::uint8_t byte, Clock now) noexcept {
     if (byte_clocks_ == 0) {
       return fifo_.push({now, byte});
@@ -46,7 +46,7 @@ class PhysicalReceiver {
 
   [[nodiscard]] Clock next_arrival() const noexcept { return line_.empty() ? never : line_.front().at; }
 
-  // The byte that is due moves from the line into the FIFO; false when it is lost to an overrun.
+  // Moves the byte that is due from the line into the FIFO. False if it is lost in an overrun.
   bool arrive() noexcept {
     const bool kept = fifo_.push(line_.front());
     line_.pop();
@@ -78,7 +78,7 @@ class PhysicalTransmitter {
   [[nodiscard]] std::size_t room() const noexcept { return fifo_.free(); }
   void put(char character, Clock at) noexcept { fifo_.push({at + latency_, static_cast<std::uint8_t>(character)}); }
 
-  // When the line has carried the oldest byte of the FIFO; never while the host does not read.
+  // When the line has carried the oldest byte of the FIFO. `never` while the host does not read.
   [[nodiscard]] Clock next_departure() const noexcept {
     const bool idle = byte_clocks_ == 0 || fifo_.empty() || sent_.full();
     return idle ? never : std::max(fifo_.front().at, last_departure_) + byte_clocks_;
@@ -90,7 +90,7 @@ class PhysicalTransmitter {
     fifo_.pop();
   }
 
-  // The oldest byte the host may have at `now`; false when there is none.
+  // Takes the oldest byte that the host may have at `now`. False if there is none.
   bool take(TimedByte& byte, Clock now) noexcept {
     Ring<TimedByte>& from = byte_clocks_ > 0 ? sent_ : fifo_;
     if (from.empty() || from.front().at > now) {
@@ -101,7 +101,7 @@ class PhysicalTransmitter {
     return true;
   }
 
-  // When the oldest byte leaves for the host, whether or not a line has to carry it first.
+  // When the oldest byte is given to the host, with or without a line.
   [[nodiscard]] Clock next_output() const noexcept {
     const Ring<TimedByte>& from = byte_clocks_ > 0 ? sent_ : fifo_;
     return from.empty() ? never : from.front().at;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which requests a gateware knows, and how long they are.
+// The requests that a gateware knows, and their lengths.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ namespace unitylink::device {
          (letters != command::enable_checked_publishing || configuration.has_checksum());
 }
 
-// Bytes that belong behind the colon of a request, as far as those that have come tell.
+// The number of bytes after the colon of a request, as far as the received bytes say.
 [[nodiscard]] inline std::size_t data_bytes_needed(const DeviceConfiguration& configuration, std::string_view letters,
                                                       std::span<const std::uint8_t> data) noexcept {
   namespace command = protocol::command;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A first-in first-out buffer whose capacity is fixed at construction, as a hardware FIFO's is.
+// A first-in first-out buffer with a fixed capacity, like a hardware FIFO.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class Ring {
   [[nodiscard]] std::size_t free() const noexcept { return items_.size() - size_; }
   [[nodiscard]] const Item& front() const noexcept { return items_[first_]; }
 
-  // False, and nothing is kept, when full.
+  // False if it is full. Then the item is not kept.
   bool push(const Item& item) noexcept {
     if (full()) {
       return false;

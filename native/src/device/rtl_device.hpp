@@ -15,20 +15,20 @@
 
 namespace unitylink::device {
 
-// A file that is not a model, or one of another design; the message names it.
+// The file is not a model, or is the model of another design. The message names it.
 class RtlError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Where the words of a model stand: their place in the list is their place in the model.
+// The addresses of a model's words. Their place in the list is their place in the model.
 struct RtlWords {
-  std::vector<std::uint32_t> read;   // addresses the PC reads: `set` takes them, `get` gives back what was set
-  std::vector<std::uint32_t> write;  // addresses the PC writes: `get` takes them
+  std::vector<std::uint32_t> read;   // addresses that the PC reads: `set` writes them, `get` gives the value set
+  std::vector<std::uint32_t> write;  // addresses that the PC writes: `get` reads them
 };
 
-// Unlike the twin it has no idea of what comes next: every clock is run, and next_event() is but a time to look again.
-// After an assertion of the gateware has failed it stands still; failure() says which.
+// Unlike the twin, it does not know what comes next. So every clock is run, and next_event() is only a time to look again. After
+// a failed assertion of the gateware it stops, and failure() names the assertion.
 class RtlDevice final : public ServedDevice {
  public:
   // Throws RtlError.
@@ -51,13 +51,13 @@ class RtlDevice final : public ServedDevice {
   [[nodiscard]] const DeviceStatistics& statistics() const noexcept override { return statistics_; }
   [[nodiscard]] std::string failure() const override;
 
-  // Pulls its reset; what stood in the FIFOs in front of it is gone, and its clock goes on.
+  // Resets the gateware. The FIFOs in front of it lose their bytes, and its clock continues.
   void reset();
-  // Tells each word that the PC writes when it changes, but by a reset. Costs time at each clock.
+  // Reports each change of a word that the PC writes, except by a reset. This costs time at each clock.
   void observe(std::function<void(std::uint32_t address, std::uint32_t value)> on_change);
 
  private:
-  // A word whose bits the PC clears by writing ones, as the logic behind the registers does: by index.
+  // A word whose bits the PC clears by writing ones, by its index. The logic behind the registers does this.
   struct Flags {
     std::uint32_t read;
     std::uint32_t write;
@@ -75,16 +75,16 @@ class RtlDevice final : public ServedDevice {
   std::unique_ptr<void, void (*)(void*)> state_;
   std::unordered_map<std::uint32_t, std::uint32_t> read_index_;
   std::unordered_map<std::uint32_t, std::uint32_t> write_index_;
-  std::vector<std::uint32_t> given_;  // what `set` was given, by index
+  std::vector<std::uint32_t> given_;  // values given to `set`, by index
   std::vector<Flags> flags_;
   std::vector<std::uint32_t> write_addresses_;
   std::function<void(std::uint32_t, std::uint32_t)> on_change_;
-  std::vector<std::uint32_t> seen_;   // while somebody observes: the words that the PC writes
+  std::vector<std::uint32_t> seen_;   // with an observer: the words that the PC writes
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   unitylink_rtl_pins pins_{};
-  std::vector<std::uint32_t> rising_;   // groups whose event line the model has yet to see high
-  std::vector<std::uint32_t> falling_;  // those of them that come down behind the next clock
+  std::vector<std::uint32_t> rising_;   // groups whose event line the model has not yet seen high
+  std::vector<std::uint32_t> falling_;  // those of them that fall after the next clock
   std::uint8_t error_ = 0;
   Clock clock_ = 0;
   DeviceStatistics statistics_;

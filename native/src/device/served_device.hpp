@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a board serves: the twin, or gateware compiled by Verilator. Bytes and events in, bytes out, on the board's clock.
+// A device that a board can serve: the twin, or gateware compiled by Verilator. Bytes and events in, bytes out, on the board's
+// clock.
 #pragma once
 
 #include <cstdint>
@@ -32,30 +33,30 @@ class ServedDevice {
   [[nodiscard]] virtual const DeviceConfiguration& configuration() const noexcept = 0;
   [[nodiscard]] virtual Clock clock() const noexcept = 0;
 
-  // One byte from the host, now. False: no room, the host keeps it.
+  // Takes one byte from the host, now. False: no room, and the host keeps it.
   virtual bool receive(std::uint8_t byte) noexcept = 0;
   [[nodiscard]] virtual std::size_t room() const noexcept = 0;
   [[nodiscard]] virtual bool input_empty() const noexcept = 0;
   // The physical layer reports errors: 1 parity, 2 framing, 4 overrun.
   virtual void receive_error(std::uint8_t bits) = 0;
-  // The event input of one group. High and low again without a clock in between is caught once, as an edge is.
+  // Sets the event input of one group. A pulse without a clock in between counts once, like an edge.
   virtual void set_event(std::uint32_t group, bool high) = 0;
 
-  // Everything due up to and at `clock`; never goes back.
+  // Runs everything that is due up to and at `clock`. It never goes back.
   virtual void run_until(Clock clock) = 0;
-  // How many clocks to run at once at most, so that the board can look after its client in between.
+  // The most clocks to run at once, so that the board can serve its client in between.
   [[nodiscard]] virtual Clock most_at_once() const noexcept { return never; }
-  // When something will happen, or has to be looked for, if nothing comes from outside.
+  // When something will happen, or must be checked, without input from outside.
   [[nodiscard]] virtual Clock next_event() const noexcept = 0;
 
-  // The oldest byte that has left the device; false when there is none.
+  // Takes the oldest byte that was sent. False if there is none.
   virtual bool take(TimedByte& byte) noexcept = 0;
   [[nodiscard]] virtual Clock next_output() const noexcept = 0;
 
   // The FPGA's own side of the registers.
   virtual BusReply get(std::uint32_t address) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value) = 0;
-  [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network as a model, where it is one
+  [[nodiscard]] virtual Tosnet* tosnet() noexcept { return nullptr; }  // the network, if it is a model
 
   [[nodiscard]] virtual const DeviceStatistics& statistics() const noexcept = 0;
   [[nodiscard]] virtual std::string failure() const { return {}; }  // why the device has stopped, if it has

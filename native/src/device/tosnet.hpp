@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bus slave of a TosNet network, seen from its master: 11-bit word map, mirrored memory, commits, async channel.
+// The bus slave of a TosNet network, as its master sees it: 11-bit word map, mirrored memory, commits, asynchronous channel.
 //
-// Time is the network cycle. At the strobe that begins each cycle a pending commit takes effect, and what the nodes put
-// out appears in the memory the PC reads, or at the end of the block the PC is reading. Two hazards are those of the original, on purpose:
-//   - the banks swap without a copy: a word not rewritten before a commit goes back to its value of two commits ago;
-//   - a write while a commit is pending (CWP) aborts the commit (CWA) and lands in the bank all the same.
+// Time is the network cycle. At the strobe that begins a cycle, a pending commit takes effect. The outputs of the nodes then
+// appear in the memory that the PC reads, or at the end of the block that the PC is reading. Two hazards are those of the
+// original, on purpose:
+//   - the banks swap without a copy: a word that is not rewritten before a commit returns to its value of two commits ago;
+//   - a write while a commit is pending (CWP) aborts the commit (CWA), and is still written to the bank.
 #pragma once
 
 #include <algorithm>
@@ -21,14 +22,14 @@ namespace unitylink::device {
 // One word of the asynchronous channel: up to four bytes, the first in bits 31-24.
 struct AsyncWord {
   std::uint32_t data = 0;
-  std::uint8_t last = 3;  // index of the last byte that counts
+  std::uint8_t last = 3;  // index of the last valid byte
   std::uint8_t node = 0;
 };
 
-// One direction of the asynchronous channel: a queue whose words travel with the network cycle.
+// One direction of the asynchronous channel: a queue whose words are passed on with the network cycle.
 class TosnetChannel {
  public:
-  // False when there is no room.
+  // False if there is no room.
   bool put(const AsyncWord& word) noexcept { return queue_.push(word); }
   [[nodiscard]] bool full() const noexcept { return queue_.full(); }
   void travel(std::uint64_t cycles) noexcept {
@@ -58,16 +59,16 @@ class Tosnet final : public Bus {
   BusReply read(std::uint32_t address, Clock now) override;
   BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override;
   void block(bool held, Clock now) override;
-  // The nodes' side: `get` IN words as committed, `set` OUT words of the nodes beside the PC's.
+  // The nodes' side: `get` reads the committed IN words, `set` writes the OUT words of nodes other than the PC's.
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
 
-  // The network breaks (no strobes, ONLINE = 0, commits stay pending) and comes back (reset counter + 1).
+  // The network breaks (no strobes, ONLINE = 0, commits stay pending), or comes back (reset counter + 1).
   void set_online(bool online, Clock now);
-  // A cycle arrives damaged: error counter + 1, PCKERR until the next cycle.
+  // A cycle is damaged: error counter + 1, PCKERR until the next cycle.
   void damage_cycle(Clock now);
 
-  // What the PC sent through the asynchronous channel and the network has delivered; what nodes answer. False: no room.
+  // Takes a word that the PC sent and the network delivered; sends a word of a node. False: no room.
   bool async_take(AsyncWord& word, Clock now);
   bool async_give(const AsyncWord& word, Clock now);
 
@@ -81,11 +82,11 @@ class Tosnet final : public Bus {
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
 
   TosnetConfiguration configuration_;
-  std::array<Bank, 2> banks_{};   // what the PC writes; banks_[write_bank_] is the hidden one
-  Bank outputs_{};                // OUT words as the nodes hold them
+  std::array<Bank, 2> banks_{};   // written by the PC; banks_[write_bank_] is the hidden one
+  Bank outputs_{};                // the OUT words of the nodes
   Bank seen_{};                   // … and as the PC reads them
   std::uint32_t write_bank_ = 0;
-  std::uint32_t shown_bank_ = 1;  // the bank the PC reads
+  std::uint32_t shown_bank_ = 1;  // the bank that the PC reads
   Clock cycles_ = 0;              // strobes since reset, also those of an offline network
   std::uint32_t packets_ = 0;
   std::uint32_t resets_ = 0;
@@ -99,7 +100,7 @@ class Tosnet final : public Bus {
   bool read_refused_ = false;
   bool write_refused_ = false;
   bool held_ = false;
-  bool stale_ = false;            // a cycle ended in a block: what it brought is not shown yet
+  bool stale_ = false;            // a cycle ended within a block, and its words are not shown yet
   AsyncWord async_control_{};
   TosnetChannel to_nodes_;
   TosnetChannel from_nodes_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The plants a board has when nobody gave it one: words that count, words that echo.
+// The default plants of a board: words that count, and words that echo.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One user of the link. It does one operation at a time, on words that are its own, and believes nothing.
+// One user of the link. It does one operation at a time on words of its own, and checks every result.
 #pragma once
 
 #include <algorithm>
@@ -19,33 +19,33 @@ class FramedEngine;
 
 namespace unitylink::faults {
 
-// What all clients count together.
+// Counts shared by all clients.
 struct Tally {
   std::uint64_t messages = 0;  // requests and posts
   std::uint64_t good = 0;
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
-  std::uint32_t nonce = 0;     // the last value written by anybody
-  std::uint64_t answered_ns = 0;  // when somebody's request last had its answer
-  bool lied_to = false;        // errors may be told that could have been asked again
-  std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on that is over
+  std::uint32_t nonce = 0;     // the last value written by any client
+  std::uint64_t answered_ns = 0;  // when any client's request was last answered
+  bool lied_to = false;        // errors may be reported although the request could have been repeated
+  std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on no longer
 };
 
 class Client {
  public:
   static constexpr std::uint32_t words = 8;
 
-  // `framed` is the engine, if it is that one.
+  // `framed` is the engine, if it is a framed one.
   Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally, std::uint64_t timeout_ns,
          std::uint32_t attempts);
 
   [[nodiscard]] Journal& journal() noexcept { return journal_; }
   [[nodiscard]] bool busy() const noexcept { return begun_; }
-  // When its operation has to be over, nobody being answered any more.
+  // When its operation must end if nobody is answered any more.
   [[nodiscard]] std::uint64_t limit_ns(std::uint64_t answered_ns) const noexcept {
     return std::max(begun_ns_, answered_ns) + timeout_ns_ * attempts_;
   }
-  // Begins an operation if none is under way, and judges the one that is if it is done. True: something was done.
+  // Begins an operation if none is under way, and checks the current one if it is done. True: something was done.
   bool step(std::uint64_t now_ns);
 
  private:
@@ -73,7 +73,7 @@ class Client {
   std::uint64_t begun_ns_ = 0;
   Kind kind_ = Kind::read;
   std::size_t posts_ = 0;
-  std::uint64_t session_ = 0;  // in which they were made
+  std::uint64_t session_ = 0;  // the session in which they were made
   std::size_t used_ = 0;
   Batch batch_;
   std::array<Exchange, exchanges_max> exchanges_;

@@ -19,21 +19,21 @@ class FaultyWire {
  public:
   static constexpr std::uint64_t never = ~std::uint64_t{0};
 
-  // Messages end with `border`; a byte takes `byte_ns`, and everything `delay_ns`.
+  // Messages end with `border`. A byte takes `byte_ns`, and everything is delayed by `delay_ns`.
   FaultyWire(Random& random, std::uint8_t border, std::uint64_t byte_ns, std::uint64_t delay_ns)
       : random_(random), border_(border), byte_ns_(byte_ns), delay_ns_(delay_ns) {}
 
   void set(const WireFaults& faults) noexcept { faults_ = faults; }
   [[nodiscard]] std::uint64_t faults() const noexcept { return count_; }
 
-  // When the line has carried all that was sent.
+  // When the line has carried all bytes sent so far.
   [[nodiscard]] std::uint64_t free_ns() const noexcept { return free_ns_; }
   void send(std::span<const std::uint8_t> bytes, std::uint64_t now_ns);
-  // The sender is gone in the middle of a message.
+  // The sender stops within a message.
   void break_off(std::uint64_t now_ns);
 
   [[nodiscard]] std::uint64_t next_ns() const noexcept { return arriving_.empty() ? never : arriving_.front().at_ns; }
-  // Gives what has arrived by now to `receive`.
+  // Gives the bytes that have arrived by now to `receive`.
   template <class Receive>
   void take(std::uint64_t now_ns, Receive receive) {
     while (!arriving_.empty() && arriving_.front().at_ns <= now_ns) {
@@ -62,8 +62,8 @@ class FaultyWire {
   WireFaults faults_;
   std::uint64_t count_ = 0;
   std::uint64_t free_ns_ = 0;
-  std::uint64_t held_ns_ = 0;     // nothing arrives before
-  Bytes open_;                    // a message whose end has not been sent
+  std::uint64_t held_ns_ = 0;     // nothing arrives before this time
+  Bytes open_;                    // a message whose end was not yet sent
   std::deque<Arrival> arriving_;
 };
 

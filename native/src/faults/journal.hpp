@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The oracle: what the device's bus really did, beside what it was allowed to do. Every value is written once in a run, so that an
-// execution names its request.
+// The oracle: it compares the writes on the device's bus with the writes that were allowed. Every value is written once in a run,
+// so an execution names its request.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 
 namespace unitylink::faults {
 
-// One write that somebody has asked for.
+// A requested write.
 struct Wish {
   std::uint32_t address = 0;
   std::uint32_t value = 0;
-  std::uint64_t number = 0;  // of all wishes of the client
-  std::uint32_t times = 0;   // it was executed
-  bool unknown = false;      // that is what was told
+  std::uint64_t number = 0;  // among all wishes of the client
+  std::uint32_t times = 0;   // number of executions
+  bool unknown = false;      // the outcome was reported as unknown
 };
 
-// What was not as promised.
+// A broken promise.
 struct Violation {
   std::string text;
-  bool damage = false;  // a wrong value was read, or written in place of another: what a checksum that fails to notice brings about
+  bool damage = false;  // a wrong value was read, or written instead of another: the effect of a checksum that misses an error
 };
 
 // The words of one client, and its wishes in the order in which they must be executed.
@@ -38,13 +38,13 @@ class Journal {
 
   enum class Told : std::uint8_t { executed, not_executed, unknown };
 
-  // It is to be executed behind all that is wished already.
+  // Adds a write that must be executed after all earlier ones.
   void wish(std::uint32_t address, std::uint32_t value) { wishes_.push_back({address, value, ++number_}); }
   [[nodiscard]] std::size_t wishes() const noexcept { return wishes_.size(); }
   // The outcome of the oldest wish.
   void settle(Told told, const char* status = "");
 
-  // ---- of the device's bus
+  // ---- calls from the device's bus
   void on_write(std::uint32_t address, std::uint32_t value);
   void on_reset() noexcept {
     for (std::uint32_t& word : truth_) {
@@ -53,9 +53,9 @@ class Journal {
     disturbed_ = true;
   }
 
-  // The word as the device has it.
+  // The word on the device.
   [[nodiscard]] std::uint32_t truth(std::uint32_t address) const noexcept { return truth_[address - first_]; }
-  // Words have changed since the operation began that it did not wish: it cannot know what it reads.
+  // Words have changed that the operation did not write. So it cannot know what it reads.
   [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
   void begin() noexcept { disturbed_ = false; }
 
@@ -67,10 +67,10 @@ class Journal {
 
   std::uint32_t first_;
   std::vector<std::uint32_t> truth_;
-  std::vector<std::uint64_t> told_;  // by word: the last wish that was told as executed
+  std::vector<std::uint64_t> told_;  // by word: the last wish that was reported as executed
   std::uint64_t number_ = 0;
   std::deque<Wish> wishes_;
-  std::deque<Wish> past_;  // the last ones that are over
+  std::deque<Wish> past_;  // the last wishes that have ended
   bool disturbed_ = false;
   std::vector<Violation> violations_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that is half dead, or lies: it stands behind the twin's mouth and passes on what it likes. It never says that something was done
-// which was not.
+// A device that is half dead, or lies. It stands between the twin and the wire, and changes what passes. It never reports
+// something as done that was not done.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,9 @@ class LyingPeer {
   void set(Peer peer) noexcept { peer_ = peer; }
   [[nodiscard]] std::uint64_t lies() const noexcept { return lies_; }
 
-  // What goes out in place of the twin's next byte.
+  // The bytes that are sent instead of the twin's next byte.
   [[nodiscard]] Bytes say(std::uint8_t byte);
-  // What goes out because of the host's next byte, before the twin has it.
+  // The bytes that are sent because of the host's next byte, before the twin gets this byte.
   [[nodiscard]] Bytes heard(std::uint8_t byte);
 
  private:
@@ -39,10 +39,10 @@ class LyingPeer {
   std::mt19937_64& random_;
   const bool framed_;
   Peer peer_ = Peer::honest;
-  FrameKey key_;                        // of the session that is open: a lie must have the right check to be one
+  FrameKey key_;                        // of the open session: a lie needs the right check
   Bytes open_;                          // a message whose end has not come
-  bool passed_on_ = false;              // its bytes so far
-  std::uint8_t heard_ = 0;              // the last byte of the host's
+  bool passed_on_ = false;              // its bytes so far were passed on
+  std::uint8_t heard_ = 0;              // the last byte from the host
   std::vector<std::uint8_t> greeting_;  // the payload of the twin's last HELLO answer
   std::uint64_t lies_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of one kind, as many as there is room for, and whether each of their words did what it should.
+// Messages of one kind, as many as there is room for, and a check that each of their words did what it should.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace unitylink::faults {
 
 enum class TrafficKind : std::uint8_t {
   posts,   // writes without an answer, in order
-  writes,  // acknowledged ones
+  writes,  // acknowledged writes
   reads,
 };
 
@@ -23,16 +23,16 @@ enum class TrafficKind : std::uint8_t {
 class Traffic {
  public:
   virtual ~Traffic() = default;
-  // Hands over what the engine takes now, up to `words` in all.
+  // Gives the engine as much as it takes now, up to `words` in all.
   virtual void offer(std::uint64_t words, std::uint64_t now_ns) = 0;
   // The device's bus has written a word.
   virtual void on_write(std::uint32_t address, std::uint32_t value) = 0;
-  // Words that are through: posts executed, requests answered.
+  // Words that got through: posts executed, requests answered.
   [[nodiscard]] virtual std::uint64_t through() const noexcept = 0;
   [[nodiscard]] virtual std::uint64_t wrong() const noexcept = 0;
 };
 
-// Each message carries `message_words`. The device's memory is filled with what is to be read.
+// Each message carries `message_words`. The device's memory is filled with the words to be read.
 [[nodiscard]] std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine,
                                                     device::Device& device);
 

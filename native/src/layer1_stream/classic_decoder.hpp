@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes from the device to messages, whatever the chunks they come in. No I/O, no clock, no allocation.
+// Turns bytes from the device, in chunks of any size, into messages. No I/O, no clock, no allocation.
 //
-// The decoder believes only whole lines: one that is too long, has an odd digit, a wrong letter, a wrong or missing checksum or a
-// head in its middle gives no value, ever. A lost line feed costs the message before it, not the one after. It starts in the middle
-// of anything: up to the first head all is garbage, which is counted. Hex digits of either case are taken: gateware sends lower
-// case, and the case of a digit carries nothing that could be wrong.
+// The decoder accepts only whole lines. A line gives no value if it is too long, has an odd digit, a wrong letter, a wrong or missing checksum, or a
+// head within it. A lost line feed costs the message before it, not the one after it. The decoder may start within a line: everything up to the first
+// head is garbage, and is counted. Hex digits may be upper or lower case. Gateware sends lower case, and the case carries no information.
 #pragma once
 
 #include <array>
@@ -21,12 +20,12 @@
 namespace unitylink {
 
 enum class MessageKind : std::uint8_t {
-  reply,              // letters, data; for CNF `fields` and `checksum` instead of data
-  application_error,  // error; letters and data hold what came before it
+  reply,              // letters and data; for CNF `fields` and `checksum` instead of data
+  application_error,  // error; letters and data are what came before it
   datalink_error,     // code
-  busy,               // "?busy": the board serves somebody else
-  bad_checksum,       // head tells whether it was a reply or a publish
-  malformed,          // head likewise
+  busy,               // "?busy": the board serves another program
+  bad_checksum,       // head says whether it was a reply or a publish
+  malformed,          // the same for head
 };
 
 struct Message {
@@ -46,26 +45,26 @@ struct Message {
 
 struct Publish {
   std::uint32_t group = 0;
-  std::uint32_t count = 0;  // as labelled; the words are what really came
+  std::uint32_t count = 0;  // as labelled; the words are those that came
   bool checked = false;
   std::span<const std::uint32_t> words;
 };
 
 template <class T>
 concept DecoderSink = requires(T& sink, const Message& message, const Publish& publish, std::size_t bytes) {
-  sink.on_message(message);  // views in it are valid during the call only
+  sink.on_message(message);  // its views are valid only during the call
   sink.on_publish(publish);
-  sink.on_garbage(bytes);    // bytes that belong to no message
+  sink.on_garbage(bytes);    // bytes outside all messages
 };
 
 class ClassicDecoder {
  public:
-  // The longest line gateware can send: RSI of 255 addresses of 4 bytes; some room for an error behind it.
+  // The longest line that gateware can send: RSI of 255 addresses of 4 bytes, with room for an error after it.
   static constexpr std::size_t line_bytes_max = 2304;
 
   explicit ClassicDecoder(const Crc8& sum = Crc8{}) noexcept;
 
-  // Until the data width is known no publish is decoded: they are reported without words.
+  // Until the data width is known, publishes are not decoded: they are reported without words.
   void set_data_bytes(std::uint32_t bytes) noexcept { data_bytes_ = bytes; }
   [[nodiscard]] const Crc8& sum() const noexcept { return sum_; }
 
@@ -85,7 +84,7 @@ class ClassicDecoder {
       const std::span<const std::uint8_t> piece = chunk.first(size);
       chunk = chunk.subspan(size);
       if (end != nullptr && used_ == 0 && size <= line_bytes_max) {
-        read_line(piece, sink);  // whole in the chunk: no copy
+        read_line(piece, sink);  // the line is complete in the chunk: no copy
         continue;
       }
       if (used_ + size <= line_bytes_max) {
@@ -103,7 +102,7 @@ class ClassicDecoder {
     }
   }
 
-  // Bytes of a line whose end has not come yet.
+  // Bytes of a line whose end has not yet come.
   [[nodiscard]] std::size_t pending() const noexcept { return used_; }
 
  private:
@@ -114,7 +113,7 @@ class ClassicDecoder {
     const std::span<const std::uint8_t> body = line.first(line.size() - 1);
     std::size_t begin = 0;
     for (std::size_t index = 1; index < body.size(); ++index) {
-      if (is_head(body[index])) {  // what stood before it lost its end
+      if (is_head(body[index])) {  // the line before it lost its end
         deliver(cut(body.subspan(begin, index - begin)), index - begin, sink);
         begin = index;
       }

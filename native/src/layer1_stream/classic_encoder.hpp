@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Requests of the classic ASCII protocol as text: '#' or '$', letters, hex digits, checksum on request, line feed.
+// Requests of the classic protocol as text: '#' or '$', letters, hex digits, a checksum if wanted, line feed.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace unitylink {
 
-// Bytes that a message of this shape has, so that a caller can make room before it encodes.
+// The length of a message of this shape, so that a caller can make room before it encodes.
 [[nodiscard]] constexpr std::size_t encoded_bytes(std::size_t letters, std::size_t data_bytes, bool checked) noexcept {
   return 1 + letters + (data_bytes > 0 ? 1 + 2 * data_bytes : 0) + (checked ? 3 : 0) + 1;
 }
 
-// Writes one message into `room`:  ClassicEncoder(room, sum, true).command("R").word(0x12, 1).finish() gives "$R:12*58\n".
-// A message that does not fit gives finish() == 0 and nothing valid in `room`.
+// Writes one message into `room`. Example: ClassicEncoder(room, sum, true).command("R").word(0x12, 1).finish() gives "$R:12*58\n". For a message that
+// does not fit, finish() returns 0, and `room` is not valid.
 class ClassicEncoder {
  public:
   ClassicEncoder(std::span<std::uint8_t> room, const Crc8& sum, bool checked) noexcept

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CRC-8 with any polynomial, the 2012 gateware's byte XOR, or none: the three checksums a classic datalink can have.
+// The three checksums of a classic datalink: CRC-8 with any polynomial, the 2012 gateware's XOR of bytes, or none.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace unitylink {
 
-// One table per polynomial, made once; update() is one load and one XOR. No reflection, no final XOR, so that the
-// remainder over data followed by its checksum is 0, which is how the receiver checks.
+// One table per polynomial, made once. update() is one load and one XOR. There is no reflection and no final XOR. So the remainder over data and
+// their checksum is 0, and the receiver checks this.
 class Crc8 {
  public:
   constexpr explicit Crc8(std::uint8_t polynomial = protocol::crc8::polynomial) noexcept : polynomial_(polynomial) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The two CRCs of the framed protocol, CRC-16/MCRF4XX and CRC-32C: reflected, no final XOR. Eight bytes at a time by eight tables.
+// The two CRCs of the framed protocol: CRC-16/MCRF4XX and CRC-32C. Both are reflected, without a final XOR. Eight tables process eight bytes at a
+// time.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@ namespace unitylink {
 
 template <class Word, Word polynomial>
 struct ReflectedCrc {
-  // One byte into the sum: what the device does, too.
+  // Adds one byte. The device does the same.
   [[nodiscard]] static constexpr Word update(Word sum, std::uint8_t byte) noexcept {
     return static_cast<Word>((sum >> 8) ^ tables[0][(sum ^ byte) & 0xFF]);
   }

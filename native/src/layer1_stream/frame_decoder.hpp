@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes in any chunks to frames that can be believed. It serves both directions: what a kind means, and whether a payload has the form of
-// its kind, is for whoever is given it.
+// Turns bytes, in chunks of any size, into checked frames, for both directions. The receiver of a frame decides what its kind means, and whether the
+// payload fits the kind.
 #pragma once
 
 #include <algorithm>
@@ -21,23 +21,23 @@ struct Frame {
 };
 
 enum class Discard : std::uint8_t {
-  check,     // the check is wrong, or there is no room for one
-  cobs,      // the check is right, but the blocks do not end where it begins
+  check,     // the check is wrong or incomplete
+  cobs,      // the check is right, but the blocks do not end before it
   too_long,  // longer than any frame may be
 };
 
 template <class T>
 concept FrameSink = requires(T& sink, const Frame& frame, Discard why, std::size_t bytes, std::uint8_t kind) {
-  sink.on_frame(frame);                // valid during the call only
-  sink.on_discard(why, kind, bytes);   // bytes between two delimiters that are no frame, and the first of them
+  sink.on_frame(frame);                // valid only during the call
+  sink.on_discard(why, kind, bytes);   // bytes between two delimiters that are not a frame, and the first of them
 };
 
 class FrameDecoder {
  public:
-  // Frames of a session are checked with its key from now on; the others never need one.
+  // From now on, frames of a session are checked with its key. Other frames need no key.
   void set_key(const FrameKey& key) noexcept { key_ = key; }
   [[nodiscard]] const FrameKey& key() const noexcept { return key_; }
-  // Longer payloads are discarded as too long; frame_payload_max at most, which is the default.
+  // Longer payloads are discarded as too long. The limit is at most frame_payload_max, which is the default.
   void set_payload_max(std::size_t bytes) noexcept {
     payload_max_ = std::min(bytes, frame_payload_max);
     limit_ = frame_bytes(payload_max_, true) - 1;
@@ -50,7 +50,7 @@ class FrameDecoder {
     }
   }
 
-  // Takes bytes up to the next delimiter, which is the last of them; all of `chunk` when it has none. Returns how many.
+  // Takes bytes up to and including the next delimiter, or all of `chunk` if it has none. Returns how many.
   template <FrameSink Sink>
   std::size_t take(std::span<const std::uint8_t> chunk, Sink& sink) {
     if (chunk.size() == 1 && chunk[0] != protocol::frame::delimiter && used_ < limit_) {  // a device takes one at a time
@@ -81,9 +81,9 @@ class FrameDecoder {
     return size + 1;
   }
 
-  // Bytes of a frame whose end has not come yet; 0 directly behind a delimiter.
+  // Bytes of a frame whose end has not yet come. 0 directly after a delimiter.
   [[nodiscard]] std::size_t pending() const noexcept { return used_; }
-  // Forgets them, as a device does that is reset.
+  // Drops these bytes, like a device that is reset.
   void reset() noexcept { used_ = 0; }
 
  private:

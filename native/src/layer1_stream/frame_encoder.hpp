@@ -11,8 +11,8 @@
 
 namespace unitylink {
 
-// Writes one frame into `room`:  FrameEncoder(room, request_kind::read, key).word(id, 2).word(address, 2).finish() gives its bytes.
-// A frame that does not fit into `room`, or whose payload is longer than any frame's, gives finish() == 0 and nothing valid in `room`.
+// Writes one frame into `room`. Example: FrameEncoder(room, request_kind::read, key).word(id, 2).word(address, 2).finish() gives its bytes. If the
+// frame does not fit, or its payload is too long for any frame, finish() returns 0, and `room` is not valid.
 class FrameEncoder {
  public:
   FrameEncoder(std::span<std::uint8_t> room, std::uint8_t kind, const FrameKey& key) noexcept : room_(room), key_(key) {
@@ -21,7 +21,7 @@ class FrameEncoder {
   }
 
   FrameEncoder& byte(std::uint8_t value) noexcept {
-    if (used_ - block_ == full) {  // a full block has taken no zero with it
+    if (used_ - block_ == full) {  // a full block takes no zero with it
       open_block();
     }
     payload_ += 1;
@@ -64,7 +64,7 @@ class FrameEncoder {
   }
 
  private:
-  static constexpr std::size_t full = 255;  // bytes of a block, its code byte among them
+  static constexpr std::size_t full = 255;  // bytes of a block, with its code byte
 
   void put(std::uint8_t byte) noexcept {
     if (used_ < room_.size()) {
@@ -72,7 +72,7 @@ class FrameEncoder {
     }
     ++used_;
   }
-  // The code byte of a block is its size, which is known at its end.
+  // The code byte of a block is its size, which is known only at its end.
   void close_block() noexcept {
     if (block_ < room_.size()) {
       room_[block_] = static_cast<std::uint8_t>(used_ - block_);

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ClassicEngine: requests in order to text, text to answers, and what to do when an answer does not come. Sans I/O: it is given bytes and
-// times and gives bytes and verdicts, so that tests can run it on a virtual clock.
+// ClassicEngine turns requests into text, in order, and text into answers. It also recovers when an answer is missing. Sans I/O: it is given bytes
+// and times, and gives bytes and results, so tests can run it on a virtual clock.
 //
 //   submit() -> waiting -> transmit() -> in flight -> receive() -> replied -> done
 //                  ^                        |  a bad or missing answer: everything in flight is void
 //                  +----- fence ------------+  what must not be sent twice ends here
 //
 // Rules, and why:
-// - The protocol has no ids: the n-th reply belongs to the n-th request. A request that vanished would shift every later answer by one, so
-//   answers count only when all that was in flight together has been answered (`replied` waits for that); then the numbers agree.
-// - Requests in flight never hold more bytes, either way, than the device's FIFOs (credit), unless one is alone.
-// - Every request ends: (attempts + 1) x timeout after it was made, or after the last answer to another one, and the time that its bytes take;
-//   damaged answers and fences that come through do not put that off.
-// - After a void nothing is sent but the fence, until the device has answered it. All that comes before that answer is dropped.
-// - After a bus timeout 2012 gateware may stay in its bus cycle, which the next access then completes in its own direction. A word
-//   that is known to answer is read before that can be a write, and no answer is believed that such a cycle may have spoiled
+// - The protocol has no ids: the n-th reply belongs to the n-th request. A lost request would shift every later answer by one. So answers count only
+//   when all requests in flight together were answered (`replied` waits for that). Then the numbers agree.
+// - Requests in flight, and their replies, never have more bytes than the device's FIFOs hold (credit), unless one request is alone.
+// - Every request ends within (attempts + 1) x timeout after it was made, or after the last answer to another one, plus the time for its bytes.
+//   Damaged answers and answered fences do not extend this.
+// - After a failure only the fence is sent, until the device has answered it. Everything before that answer is dropped.
+// - After a bus timeout, 2012 gateware may stay in its bus cycle. The next access then completes this cycle in the cycle's direction. So a word that
+//   is known to answer is read before the next access can be such a write. An answer that such a cycle may have spoiled is not accepted
 //   (classic_engine_bus.cpp).
 #pragma once
 
@@ -32,19 +32,19 @@ namespace unitylink {
 
 class ClassicEngine final : public Engine {
  public:
-  // The longest request is a WSA or RM of 255 addresses of 4 bytes; several short ones fit together.
+  // The longest request is a WSA or RM of 255 addresses of 4 bytes. Several short ones fit together.
   static constexpr std::size_t transmit_bytes_max = 8192;
 
   explicit ClassicEngine(const EngineSettings& settings) noexcept;
 
   void configure(const Configuration& configuration) noexcept override;
-  // The device's last CNF; nothing when it has no RLC or has not been asked.
+  // The device's last CNF. Empty if it has no RLC or was not asked.
   [[nodiscard]] const std::optional<Configuration>& reported() const noexcept { return reported_; }
-  // False once the device has shown that it has no checksums ("lite" datalink).
+  // False after the device has shown that it has no checksums ("lite" datalink).
   [[nodiscard]] bool checksums() const noexcept { return !plain_fence_; }
   // The device is known to have none of the defects of 2012.
   void expect_corrected_gateware() noexcept { corrected_ = true; }
-  // Whether publishes were asked for with a checksum; the other kind is then refused.
+  // Whether publishes were requested with a checksum. Publishes of the other form are then refused.
   void expect_checked_publishes(bool checked) noexcept { publishes_checked_ = checked; }
 
   void submit(Exchange& exchange, std::uint64_t now_ns) noexcept override;
@@ -53,7 +53,7 @@ class ClassicEngine final : public Engine {
   void sent(std::size_t bytes) noexcept override;
   void advance(std::uint64_t now_ns) noexcept override;
   [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept override;
-  // If one of them was on its way, all that is becomes void.
+  // If one of them was already sent, all requests in flight become void.
   void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept override;
   void end(Status status, std::uint64_t now_ns) noexcept override;
@@ -102,30 +102,30 @@ class ClassicEngine final : public Engine {
   State state_ = State::fence_due;
 
   ExchangeList waiting_;
-  ExchangeList in_flight_;           // first the replied ones, then those whose answer is awaited
-  Exchange* oldest_ = nullptr;       // the first awaited one of in_flight_
-  std::uint32_t batch_ = 0;          // how many are in in_flight_
-  std::uint32_t request_credit_ = 0; // bytes of awaited ones, each way
+  ExchangeList in_flight_;           // first those with a reply, then those that wait for an answer
+  Exchange* oldest_ = nullptr;       // the first one in in_flight_ that waits for an answer
+  std::uint32_t batch_ = 0;          // number of requests in in_flight_
+  std::uint32_t request_credit_ = 0; // bytes of those that wait, in each direction
   std::uint32_t reply_credit_ = 0;
 
   std::uint64_t oldest_since_ns_ = 0;
   std::uint64_t fence_deadline_ns_ = 0;
-  std::uint32_t fences_sent_ = 0;     // since the last answered one
-  std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have swallowed them
+  std::uint32_t fences_sent_ = 0;     // since the last one that was answered
+  std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have consumed them
   bool fence_hastened_ = false;
-  bool fence_unanswered_ = false;     // the last one was, for all its time
+  bool fence_unanswered_ = false;     // the last one was not answered in its whole time
   bool publishes_checked_ = false;
-  std::uint8_t fence_code_ = 0;       // the last ?xx heard while fencing
+  std::uint8_t fence_code_ = 0;       // the last ?xx received while fencing
   std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come
   bool plain_fence_;
 
   enum class StrayCycle : std::uint8_t { none, read, write };
   StrayCycle stray_cycle_ = StrayCycle::none;      // what the device's bus may still be doing
-  std::optional<std::uint32_t> harmless_address_;  // a word that has answered a read which may be repeated
-  Exchange freeing_;                               // reads it
+  std::optional<std::uint32_t> harmless_address_;  // a word that answered a repeatable read
+  Exchange freeing_;                               // the request that reads it
   bool corrected_ = false;
 
-  std::uint64_t position_ = 0;        // bytes ever handed to the driver
+  std::uint64_t position_ = 0;        // bytes given to the driver so far
   std::size_t pending_begin_ = 0;
   std::size_t pending_end_ = 0;
   std::array<std::uint8_t, transmit_bytes_max> pending_;

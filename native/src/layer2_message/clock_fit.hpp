@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The device's clock in the host's time: offset and drift, fitted to readings of it. Sans I/O.
+// The device's clock in the host's time: offset and drift, fitted to readings of the clock. Sans I/O.
 #pragma once
 
 #include <algorithm>
@@ -10,18 +10,18 @@
 
 namespace unitylink {
 
-// A reading is the device's count of clocks, taken at some moment between a request's departure and its answer's arrival. The middle is
-// wrong by half of that at most, so readings with a quick answer weigh more.
+// A reading is the device's count of clocks at some moment between sending a request and receiving its answer. The middle of the two is wrong by at
+// most half their distance. So readings with a quick answer have more weight.
 class ClockFit {
  public:
-  // Until there are readings that say more, a clock takes 1 / clock_hz.
+  // Until better readings exist, a clock takes 1 / clock_hz.
   void set_nominal_hz(double clock_hz) noexcept { nominal_ns_ = clock_hz > 0 ? 1e9 / clock_hz : 0; }
 
   void clear() noexcept { count_ = 0; }
 
   void add(std::uint64_t clocks, std::uint64_t sent_ns, std::uint64_t received_ns) noexcept {
     if (count_ > 0 && clocks < last().clocks) {
-      clear();  // it has been reset
+      clear();  // the device was reset
     }
     readings_[count_ % kept] = {clocks, sent_ns + (received_ns - sent_ns) / 2, std::max<std::uint64_t>(1, (received_ns - sent_ns) / 2)};
     ++count_;
@@ -31,13 +31,13 @@ class ClockFit {
   static constexpr std::size_t kept = 32;
   [[nodiscard]] std::size_t readings() const noexcept { return std::min(count_, kept); }
   [[nodiscard]] bool valid() const noexcept { return count_ > 0 && period_ns_ > 0; }
-  // How long one clock of the device really takes, and by how much that is more than it says, in parts per million.
+  // The real duration of one clock of the device, and how much it exceeds the nominal duration, in parts per million.
   [[nodiscard]] double period_ns() const noexcept { return period_ns_; }
   [[nodiscard]] double drift_ppm() const noexcept { return nominal_ns_ > 0 ? (period_ns_ / nominal_ns_ - 1) * 1e6 : 0; }
-  // How far the time of a clock can be off: half of the quickest answer.
+  // The largest error of a converted time: half of the quickest round trip.
   [[nodiscard]] double uncertainty_ns() const noexcept { return uncertainty_ns_; }
 
-  // The host's time at which the device's count had these low 32 bits: the one nearest to `near_ns`.
+  // The host's time at which the low 32 bits of the device's count were `low`: the time nearest to `near_ns`.
   [[nodiscard]] std::uint64_t host_ns(std::uint32_t low, std::uint64_t near_ns) const noexcept {
     const double expected = static_cast<double>(origin_clocks_ & 0xFFFFFFFF) +
                             (static_cast<double>(static_cast<std::int64_t>(near_ns - origin_ns_)) - offset_ns_) / period_ns_;
@@ -48,7 +48,7 @@ class ClockFit {
   }
 
  private:
-  static constexpr double drift_max = 0.05;  // a fit that says more is noise
+  static constexpr double drift_max = 0.05;  // a larger fitted drift is noise
 
   struct Reading {
     std::uint64_t clocks = 0;
@@ -58,7 +58,7 @@ class ClockFit {
 
   [[nodiscard]] const Reading& last() const noexcept { return readings_[(count_ - 1) % kept]; }
 
-  // A straight line by least squares, each reading weighted by the square of its certainty.
+  // A straight line by least squares. The weight of each reading is the square of its certainty.
   void fit() noexcept {
     const std::size_t have = std::min(count_, kept);
     origin_clocks_ = last().clocks;
@@ -91,7 +91,7 @@ class ClockFit {
   std::size_t count_ = 0;
   double nominal_ns_ = 0;
   double period_ns_ = 0;
-  double offset_ns_ = 0;            // of the line at the origin, which is the last reading
+  double offset_ns_ = 0;            // of the line at its origin, which is the last reading
   double uncertainty_ns_ = 0;
   std::uint64_t origin_clocks_ = 0;
   std::uint64_t origin_ns_ = 0;

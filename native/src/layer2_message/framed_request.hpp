@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The payload of each framed request, and of its reply. docs/protocol.md, section 3.
+// The payload of each framed request and of its reply (docs/protocol.md, section 3).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace unitylink {
 
-// A number of `bytes` bytes at the front, most significant first; `data` must have them.
+// The number in the first `bytes` bytes, most significant first. `data` must have them.
 [[nodiscard]] constexpr std::uint32_t number_at(const std::uint8_t* data, std::size_t bytes) noexcept {
   std::uint32_t value = 0;
   for (std::size_t index = 0; index < bytes; ++index) {
@@ -22,28 +22,28 @@ namespace unitylink {
   return value;
 }
 
-// What the operations of a list take together, its flags left out.
+// The length of all operations of a list, without its flags.
 [[nodiscard]] std::size_t bytes_of(std::span<const ListWord> steps, const Configuration& configuration) noexcept;
 // Words to write as the operations of a POST_LIST.
 void put_post(FrameEncoder& encoder, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
               const Configuration& configuration) noexcept;
-// What the words of an exchange group take together.
+// The length of the words of an exchange group.
 [[nodiscard]] std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept;
 // The kind of an exchange's frame, without the chained and barrier bits.
 [[nodiscard]] std::uint8_t framed_kind(const Exchange& exchange) noexcept;
-// What stands behind id and barrier.
+// What follows id and barrier.
 void put_request(FrameEncoder& encoder, const Exchange& exchange, const Configuration& configuration) noexcept;
-// The bytes behind `posts` of its reply if all went well.
+// The length of its reply after `posts`, if all went well.
 [[nodiscard]] std::size_t reply_bytes(const Exchange& exchange, const Configuration& configuration) noexcept;
 inline constexpr std::size_t sync_reply_bytes = 7;
-// Takes what stands behind `posts` in the reply of that status; false when it has not exactly the length it must have.
+// Takes what follows `posts` in a reply with this status. False if the length is not exactly right.
 [[nodiscard]] bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
                               const Configuration& configuration) noexcept;
-// What was asked was done, or tried: its id is taken.
+// The request was done, or tried, so its id is used.
 [[nodiscard]] constexpr bool executed(std::uint8_t status) noexcept {
   return status == protocol::reply_status::ok || status == protocol::reply_status::bus_error || status == protocol::reply_status::bus_timeout;
 }
-// "bus_error", "denied" …; empty for ok, nothing for a status that the protocol does not have.
+// "bus_error", "denied" …; "" for ok; empty for a status that the protocol does not have.
 [[nodiscard]] std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept;
 
 }  // namespace unitylink

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a device says about itself in its answer to HELLO.
+// What a device reports about itself in its answer to HELLO.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace unitylink {
 
 struct Greeting {
-  std::uint32_t version = 0;        // of the protocol, 0: none that both speak
+  std::uint32_t version = 0;        // of the protocol; 0: none that both sides speak
   std::uint32_t nonce = 0;
   std::uint32_t epoch = 0;          // of the session that is open there
   std::uint32_t address_bytes = 0;
@@ -24,12 +24,12 @@ struct Greeting {
   std::uint32_t features = 0;
   std::uint64_t spec_hash = 0;
 
-  // The same device as `other`, as far as a session depends on it.
+  // Whether it is the same device as `other`, as far as a session depends on it.
   [[nodiscard]] bool same_device(const Greeting& other) const noexcept {
     return address_bytes == other.address_bytes && data_bytes == other.data_bytes && spec_hash == other.spec_hash;
   }
 
-  // Nothing when it has another length than it must have, or says what no device can be.
+  // Empty if the length is wrong, or if no device can have these values.
   [[nodiscard]] static std::optional<Greeting> parse(std::span<const std::uint8_t> payload) noexcept {
     if (payload.size() != 25) {
       return std::nullopt;

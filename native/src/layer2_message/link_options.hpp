@@ -19,23 +19,23 @@ struct LinkOptions {
   EngineSettings engine;          // timeout= fifo= window= polynomial=
   Protocol protocol = Protocol::automatic;
   double deadman_s = 0;           // deadman=, 0: none
-  std::optional<std::uint64_t> spec_hash;  // spec_hash=HEX: of the spec the caller was made for
+  std::optional<std::uint64_t> spec_hash;  // spec_hash=HEX: of the caller's spec
   bool any_spec = false;                   // spec_hash=any: the user knows that the two belong together
   std::uint32_t attempts = 3;
   bool checked = false;           // crc=
-  bool reconnect = false;         // reconnect=: what is lost is opened again
+  bool reconnect = false;         // reconnect=: a lost line is opened again
   std::uint64_t wait_ns = 0;      // wait=, for reads while the line is gone
   std::uint64_t spin_ns = 200'000;         // spin=, 0: never
   bool publish_checked = true;    // publish_crc=
   Gateware gateware = Gateware::automatic;
-  // Where the device has no RLC; where it has, they must agree with it.
+  // For a device without RLC. Otherwise they must agree with its reply.
   std::optional<std::uint32_t> address_bytes, data_bytes, read_many, publish_mode, base_hz, groups, group_size, rate_bytes;
 };
 
-// bad_url for an option nobody knows or a value it cannot have.
+// bad_url for an unknown option, or for a value that it cannot have.
 [[nodiscard]] Outcome parse_options(const Url& url, LinkOptions& options);
 
-// The device's configuration, or the URL's where it reports none; mismatch when they differ or a width is missing.
+// The device's configuration, or the URL's if the device reports none. mismatch if they differ or a width is missing.
 [[nodiscard]] Outcome settle_configuration(const LinkOptions& options, const std::optional<Configuration>& reported,
                                            Configuration& configuration);
 

@@ -16,13 +16,13 @@ struct Link::Subscription {
         on_event(request.on_event),
         ring(request.addresses.size(), request.ring) {}
 
-  std::uint32_t id = 0;  // its group, plus 256 for each subscription of the group before it
+  std::uint32_t id = 0;  // its group, plus 256 for each earlier subscription of the group
   std::vector<std::uint32_t> addresses;
   std::uint32_t divisor;
   bool on_event;
   bool open = false;
-  bool closed_unheard = false;  // while the line was gone: the device may be setting it up
-  PublishRing ring;  // outlives the subscription, so that what came can still be fetched
+  bool closed_unheard = false;  // closed while the line was gone: the device may be setting it up
+  PublishRing ring;  // outlives the subscription, so that earlier publishes can still be fetched
 };
 
 }  // namespace unitylink

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The publishes of one group that nobody has fetched yet: k words and a host time each. When full, the newest wins.
+// The publishes of one group that are not fetched yet: k words and a host time each. When it is full, the newest replace the oldest.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace unitylink {
 
-// Not thread-safe: the link's mutex guards it. All its memory is taken at construction.
+// Not thread-safe: the link's mutex guards it. It allocates all its memory at construction.
 class PublishRing {
  public:
   PublishRing(std::size_t words, std::size_t capacity)
@@ -21,11 +21,11 @@ class PublishRing {
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
   [[nodiscard]] std::uint64_t received() const noexcept { return head_; }
 
-  // Publishes that were lost on the way: gaps in their sequence, where they have one.
+  // Publishes lost on the way: gaps in their sequence, if they have one.
   [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
   void miss(std::uint64_t count) noexcept { missing_ += count; }
 
-  // False when an older one was lost for it. `values` must hold words() of them.
+  // False if an older publish was lost for it. `values` must have words() words.
   bool push(std::uint64_t time_ns, std::span<const std::uint32_t> values) noexcept {
     std::copy(values.begin(), values.end(), slot(time_ns));
     return pushed();
@@ -47,7 +47,7 @@ class PublishRing {
     return pushed();
   }
 
-  // Moves the oldest ones out, as many as `times_s` has room for; `values` has room for words() times that. Returns how many.
+  // Moves the oldest publishes out, as many as fit into `times_s`. `values` has room for words() times that. Returns how many.
   std::size_t drain(std::span<double> times_s, std::span<std::uint32_t> values) noexcept {
     const std::size_t count = std::min(times_s.size(), size());
     std::size_t slot = static_cast<std::size_t>(tail_ % capacity_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For each operation its letters, and how many data bytes its request and its reply have.
+// For each operation: its letters, and the number of data bytes in its request and its reply.
 #pragma once
 
 #include <cstddef>
@@ -56,7 +56,7 @@ struct Letters {
   }
 }
 
-// The most it can be where the device decides (read_group).
+// The largest number, if the device decides it (read_group).
 [[nodiscard]] constexpr std::size_t reply_data_bytes(const Exchange& exchange, const Configuration& configuration) noexcept {
   switch (exchange.operation) {
     case Operation::read: return configuration.data_bytes;

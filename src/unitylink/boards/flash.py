@@ -30,7 +30,7 @@ def flash_command(folder: Path, *, volatile: bool = False, program: str | None =
     board = load_board(report["board"])
     bitstream = folder / Path(report["bitstream"]).name
     if not bitstream.is_file():
-        raise BoardError(f"{bitstream} is not there any more; `unitylink build` makes it again")
+        raise BoardError(f"{bitstream} does not exist any more; `unitylink build` makes it again")
     name = _program(board, program)
     mode = (_VOLATILE if volatile else _LASTING)[name]
     return [str(shutil.which(name)), *board.flash[name], *mode, str(bitstream)]
@@ -49,7 +49,7 @@ def run_flash(command: Sequence[str]) -> None:
 def _program(board: Board, wanted: str | None) -> str:
     known = [name for name in board.flash if name in PACKAGES]
     if wanted is not None and wanted not in known:
-        raise BoardError(f"{board.name}: {wanted} is none of its programs: {', '.join(known)}")
+        raise BoardError(f"{board.name}: {wanted} is not one of its programs: {', '.join(known)}")
     names = [wanted] if wanted else known
     for name in names:
         if shutil.which(name):

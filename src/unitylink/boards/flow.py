@@ -92,7 +92,7 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     if placed.link_fmax_hz is not None:
         notices.append(
             f"the chip's clock on {board.link_clock}: {CHIP_CLOCK_HZ / 1e6:g} MHz, and the design is good "
-            f"for {placed.link_fmax_hz / 1e6:.1f} MHz of it; nextpnr does not check the pins' set-up times"
+            f"for {placed.link_fmax_hz / 1e6:.1f} MHz; nextpnr does not check the pins' set-up times"
         )
     if pll is not None and not has_reset(ports):
         notices.append(f"{logic.top} has no port reset: its logic runs before the PLL has locked")
@@ -147,7 +147,9 @@ def rates(spec: Spec, order: Order) -> tuple[int, int]:
     clock_hz = order.clock_hz or board.design_hz
     if board.physical != "uart":
         if order.baud_hz is not None:
-            raise BoardError(f"--baud {order.baud_hz}: {board.name} has no line but a {board.physical}")
+            raise BoardError(
+                f"--baud {order.baud_hz}: {board.name} has no serial line; its link is {board.physical}"
+            )
         return clock_hz, 0
     baud_hz = order.baud_hz or told_baud_hz(spec) or board.baud_hz
     if baud_hz > board.baud_hz_most:
@@ -208,12 +210,12 @@ def _place(
     if not best:
         raise BoardError(
             f"the link is too slow for its chip's clock: {link_best / 1e6:.1f} MHz at best of {order.seeds} "
-            f"seeds, and {CHIP_CLOCK_HZ / 1e6:g} MHz are asked: try more with --seeds"
+            f"seeds, and {CHIP_CLOCK_HZ / 1e6:g} MHz are needed: try more with --seeds"
         )
     raise BoardError(
         f"the design is too slow for its clock: {best / 1e6:.1f} MHz at best of {order.seeds} seeds, and "
-        f"{clock_hz / 1e6:.6g} MHz are asked; --clock-hz {int(best // 1e6) * 1_000_000} would do, or try "
-        f"more with --seeds. The path that is too long: {order.folder / 'timing.json'}"
+        f"{clock_hz / 1e6:.6g} MHz are needed; --clock-hz {int(best // 1e6) * 1_000_000} would do, or try "
+        f"more with --seeds. The path that is too long is in {order.folder / 'timing.json'}"
     )
 
 
@@ -230,7 +232,7 @@ def fmax(clocks: Mapping[str, Mapping[str, float]], link_clock: str | None) -> t
         of_link = link_clock is not None and link_clock in name.split("$")
         best[of_link] = min(best.get(of_link, sys.maxsize), int(clock["achieved"] * 1e6))
     if link_clock is not None and True not in best:
-        raise ToolError(f"nextpnr tells of no clock on {link_clock}, only of {', '.join(clocks) or 'none'}")
+        raise ToolError(f"nextpnr reports no clock on {link_clock}, only of {', '.join(clocks) or 'none'}")
     return best.get(False, 0), best.get(True)
 
 
@@ -246,7 +248,9 @@ def _refused(order: Order, configuration: BoardConfiguration, said: str) -> Boar
     lines = [line for line in said.splitlines() if "ERROR" in line] or said.strip().splitlines()[
         -_LINES_SHOWN:
     ]
-    return ToolError(f"nextpnr gave up (all it said: {order.folder / 'nextpnr.log'}):\n" + "\n".join(lines))
+    return ToolError(
+        f"nextpnr failed (its whole output: {order.folder / 'nextpnr.log'}):\n" + "\n".join(lines)
+    )
 
 
 def _run(command: Sequence[str], folder: Path) -> None:

@@ -103,14 +103,16 @@ def logic_of(plan: SpecPlan, wanted: Wanted, *, pin_for_trips: bool = False) -> 
         names = "|".join(port.name for port in design.layer.ports)
         if uart or re.search(rf"\b({names})\b", _plain(beside), re.IGNORECASE):
             return own_logic([beside], None, generics)
-        passed_over = (f"{beside.name} is not used, as it is not for {design.layer.what}: --logic takes it",)
+        passed_over = (
+            f"{beside.name} is not used, because it is not for {design.layer.what}: --logic takes it",
+        )
     wished = wished_names(wanted.pins)
     if pin_for_trips or TRIPPED in wished:
         wished |= {TRIPPED}
         watches = configuration.protocol != "classic" and configuration.deadman
         if not watches and f"{TRIPPED}={OPEN}" not in wanted.pins:
             raise BoardError(
-                "the pin for tripped would never tell of a trip: this gateware has no dead-man; build it "
+                "the pin for tripped would never go high: this gateware has no dead-man; build it "
                 f"with frames and deadman=true, or say --pin {TRIPPED}={OPEN}"
             )
     logic = pin_logic(design, component_ports(design), wished, wanted.folder / FOLDER / name)
@@ -156,9 +158,9 @@ def own_logic(files: Sequence[Path], top: str | None, wanted: Sequence[str]) -> 
         m[1] for one in texts if (m := re.search(pattern, one, re.IGNORECASE | re.DOTALL | re.MULTILINE))
     ]
     if not found:
-        raise BoardError(f"no entity {top} is in {', '.join(map(str, files))}")
+        raise BoardError(f"the entity {top} is in none of {', '.join(map(str, files))}")
     generics = {name for name in wanted if re.search(rf"\b{name}\b", found[0], re.IGNORECASE)}
-    notices = [f"{top} has no generic {name}: what it has instead counts" for name in wanted]
+    notices = [f"{top} has no generic {name}: its own value is used instead" for name in wanted]
     missing = tuple(text for text in notices if not any(f" {name}:" in text for name in generics))
     whence = f"{files[0]} is the logic around the link"
     return Logic(top.lower(), tuple(files), frozenset(generics), notices=missing, whence=whence)

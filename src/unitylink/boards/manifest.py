@@ -221,7 +221,7 @@ class _Table:
     def __init__(self, path: Path, data: Any, key: str = "") -> None:
         self.path, self.data, self.key = path, data, key
         if not isinstance(data, dict):
-            raise BoardError(f"{path}: {key} is {data!r}; a table is asked for")
+            raise BoardError(f"{path}: {key} is {data!r}; expected a table")
 
     def wrong(self, key: str, text: str) -> BoardError:
         return BoardError(f"{self.path}: {self.key + '.' if self.key else ''}{key}: {text}")
@@ -246,7 +246,7 @@ class _Table:
     ) -> str:
         value = self._value(key, default)
         if not isinstance(value, str):
-            raise self.wrong(key, f"is {value!r}; a text is asked for")
+            raise self.wrong(key, f"is {value!r}; expected a text")
         if among and value not in among and value != default:
             raise self.wrong(key, f"is {value!r}; {_meant(value, among)}")
         return value
@@ -256,7 +256,7 @@ class _Table:
     ) -> tuple[str, ...]:
         value = self._value(key, default)
         if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
-            raise self.wrong(key, f"is {value!r}; a list of texts is asked for")
+            raise self.wrong(key, f"is {value!r}; expected a list of texts")
         for one in value:
             if among is not None and one not in among:
                 raise self.wrong(key, f"{one!r} is no pin of [pins]; {_meant(one, among)}")
@@ -265,7 +265,7 @@ class _Table:
     def number(self, key: str) -> int:
         value = self._value(key, None)
         if not isinstance(value, int) or isinstance(value, bool) or value <= 0:
-            raise self.wrong(key, f"is {value!r}; a number above 0 is asked for")
+            raise self.wrong(key, f"is {value!r}; expected a number above 0")
         return value
 
     def _value(self, key: str, default: Any) -> Any:

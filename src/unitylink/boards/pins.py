@@ -143,7 +143,7 @@ def assign_pins(
             if (line.name, number) not in done and free:
                 pinout.pins[line.name][number] = _take(board, free.pop(0), line.name, taken)
     pinout.notices += [
-        f"{pin}: nothing drives it, for the design has no port {TRIPPED}"
+        f"{pin}: nothing drives it, because the design has no port {TRIPPED}"
         for pin in board.roles.get(TRIPPED, ())
         if TRIPPED not in names
     ]
@@ -154,7 +154,9 @@ def assign_pins(
 def _parsed(wish: str) -> tuple[str, int | None, list[str]]:
     found = _WISH.fullmatch(wish)
     if found is None or not found[3]:
-        raise BoardError(f"--pin {wish}: write PORT=PIN, PORT=PIN,PIN,... or PORT[3]=PIN; {OPEN} is no pin")
+        raise BoardError(
+            f"--pin {wish}: write PORT=PIN, PORT=PIN,PIN,... or PORT[3]=PIN; {OPEN} is not a pin"
+        )
     return found[1].lower(), int(found[2]) if found[2] else None, [pin.strip() for pin in found[3].split(",")]
 
 
@@ -179,7 +181,7 @@ def _take(board: Board, name: str, who: str, taken: dict[str, str]) -> Pin:
 
 def _no_pin(board: Board, line: Line, role: str | None, taken: Mapping[str, str]) -> str:
     free = [pin.name for pin in board.pins.values() if pin.site not in taken]
-    why = f"{board.name} has no free pin for {role}" if role else "its name tells none"
+    why = f"{board.name} has no free pin for {role}" if role else "its name gives none"
     return (
         f"the port {line.name} has no pin: {why}; say --pin {line.name}=PIN "
         f"({OPEN} for none). Free: {', '.join(free)}"

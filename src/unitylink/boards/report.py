@@ -56,7 +56,7 @@ class Report:
         lines = [f"{self.spec} on {self.title}", f"  bitstream   {self.bitstream}"]
         slack = self.fmax_hz / self.clock_hz - 1
         lines.append(
-            f"  clock       {_mhz(self.clock_hz)}; the design is good for {_mhz(self.fmax_hz)} "
+            f"  clock       {_mhz(self.clock_hz)}; the design reaches {_mhz(self.fmax_hz)} "
             f"({slack:+.0%}), seed {self.seed}"
         )
         for area in self.area:
@@ -122,7 +122,7 @@ def read_report(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, KeyError, RecursionError):
         pass
     raise BoardError(
-        f"{folder} is no folder that `unitylink build SPEC --board NAME` finished: {path} is not its report"
+        f"{folder} has no finished build of `unitylink build SPEC --board NAME`: {path} is not its report"
     )
 
 

@@ -58,7 +58,7 @@ class FrameReader:
                 return self._answer(kind, _Fields(payload))
             return self._request(kind, _Fields(payload))
         except _CutError:
-            return "damaged", between.hex(), "a frame whose payload has not the form of its kind"
+            return "damaged", between.hex(), "a frame whose payload does not fit its kind"
 
     def _open(self, between: bytes) -> tuple[int, bytes, str]:
         outside = between[0] in _OUTSIDE
@@ -71,7 +71,7 @@ class FrameReader:
             return 0, b"", "too short for a frame"
         body = between[:size]
         if epoch is not None and between[size:] != check_bytes(body, epoch, long):
-            return 0, b"", "wrong check: damaged on the way, or of another session"
+            return 0, b"", "wrong check: damaged on the way, or from another session"
         payload = _cobs_decoded(body[1:])
         return (0, b"", "not a frame") if payload is None else (body[0], payload, "")
 
@@ -82,7 +82,7 @@ class FrameReader:
         operation = kind if kind in _UNFLAGGED else kind & ~(p.FRAME_CHAINED_BIT | p.FRAME_BARRIER_BIT)
         name = _REQUESTS.get(operation)
         if name is None:
-            return "damaged", f"{kind:02x}", "no kind of frame there is"
+            return "damaged", f"{kind:02x}", "an unknown kind of frame"
         if operation == p.REQUEST_KIND_HELLO:
             return "request", name, f"who is there? versions {fields.take(1)} to {fields.take(1)}"
         if operation == p.REQUEST_KIND_OPEN:
@@ -213,7 +213,7 @@ class FrameReader:
             return "publish", f"PUBLISH {sequence}", f"publish of group {group} at clock {clock}: {told}"
         status = _STATUSES.get(kind - p.DEVICE_KIND_REPLY)
         if status is None:
-            return "damaged", f"{kind:02x}", "no kind of frame there is"
+            return "damaged", f"{kind:02x}", "an unknown kind of frame"
         number = fields.take(2)
         fields.take(2)
         name, reads = self.requests.get(number, ("", ()))

@@ -168,7 +168,7 @@ class MessageReader:
         request = _Request(command, data)
         if fence:
             self.waiting.clear()
-            meaning = "resynchronise: all requests before are void"
+            meaning = "resynchronise: all earlier requests are void"
         else:
             meaning = self._asked(request)
         self.waiting.append(request)

@@ -41,7 +41,7 @@ def command(specs: tuple[str, ...], as_json: bool, as_sarif: bool, fix: bool, di
     if as_json and as_sarif:
         raise click.UsageError("--json and --sarif exclude each other")
     if fix and "-" in specs:
-        raise click.UsageError("--fix writes into a file, and - is none; --diff shows the fixes")
+        raise click.UsageError("--fix writes into a file, and - is not a file; --diff shows the fixes")
     quiet = as_json or as_sarif
     results = [_fixed(spec, fix, quiet) if fix or diff else _compiled(spec) for spec in specs]
     found = [diagnostic for result in results for diagnostic in result.diagnostics]

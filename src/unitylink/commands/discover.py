@@ -16,9 +16,9 @@ _BAUD_HZ = 3_000_000
 _SAID = {
     "silence": "nothing",
     "garbage": "something else, or a board at another baud rate",
-    "echo": "just what is sent to it",
+    "echo": "an echo of what is sent to it",
     "busy": "a board that serves another program",
-    "refused": "a board that does not tell its configuration",
+    "refused": "a board that does not report its configuration",
     "checksum": "a board with another checksum",
     "line-errors": "a board that hears another baud rate or parity",
 }
@@ -80,7 +80,7 @@ def command(*, ask: bool, baud_hz: int, port: int, broadcast: str, as_json: bool
     if spi:
         click.echo(f"SPI ports, which are not asked: {', '.join(spi)}")
     if not entries:
-        more = ", and nobody answers on the network" if ask else "; --ask looks for boards on the network"
+        more = ", and no board answers on the network" if ask else "; --ask looks for boards on the network"
         click.echo("no serial ports" + more)
         return
     rows = [(e["link"], e["identity"], _held(e), _answer(e, ask)) for e in entries]

@@ -57,7 +57,10 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
     if not scheme_of(link).stream:
         raise Failure(f"{link} is memory of this machine, not a port", "`unitylink info` looks at it")
     if scheme_of(link).name == "fd":
-        raise Failure(f"{link} can be opened once, and the doctor tries things", "`unitylink info` asks it")
+        raise Failure(
+            f"{link} can be opened only once, and the doctor opens it several times",
+            "`unitylink info` asks it",
+        )
     spec = load_names(link, spec_file).spec
     say = (lambda message: None) if as_json else (lambda message: click.echo(f"  {message}", err=True))
     findings = examine(link, spec=spec, say=say)

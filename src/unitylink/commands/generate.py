@@ -77,7 +77,9 @@ def command(
     gateware = {"--physical": physical, "--send-immediate": send_immediate, "--protocol": protocol}
     given = {**gateware, "--root": root}
     if any(given.values()) and not any(ARTEFACTS[name].gateware for name in artefacts):
-        raise click.UsageError(f"{' and '.join(o for o in given if given[o])}: of VHDL only; add --only vhdl")
+        raise click.UsageError(
+            f"{' and '.join(o for o in given if given[o])}: only for VHDL; add --only vhdl"
+        )
     configuration = {option[2:].replace("-", "_"): value for option, value in gateware.items() if value}
     spec = load(spec_file)
     whole = SpecPlan(spec, configuration)

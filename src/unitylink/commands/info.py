@@ -130,7 +130,9 @@ def _binding(target: Target) -> dict[str, Any]:
     told = link.description.spec_hash if link.description else 0
     kind = "this" if link.description else "classic"
     known = (
-        f"the gateware's has the wire hash {told:016x}" if told else f"{kind} gateware cannot tell its own"
+        f"the spec of the gateware has the wire hash {told:016x}"
+        if told
+        else f"{kind} gateware cannot report its spec"
     )
     return {"verified": False, "reason": f"no spec is given; {known}"}
 

@@ -40,9 +40,9 @@ def _checked(ctx: click.Context, parameter: click.Parameter, value: str) -> str:
     if value.endswith(".ul"):
         raise click.UsageError(f"LINK comes first and '{value}' is a spec; did you mean sim:{value}?", ctx)
     if value.startswith("/dev/"):
-        raise click.UsageError(f"'{value}' is no LINK; did you mean serial:{value}?", ctx)
+        raise click.UsageError(f"'{value}' is not a LINK; did you mean serial:{value}?", ctx)
     raise click.UsageError(
-        f"LINK comes first and '{value}' is none; a LINK is like {forms()}",
+        f"LINK comes first and '{value}' is not a LINK; a LINK looks like {forms()}",
         ctx,
     )
 

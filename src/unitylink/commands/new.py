@@ -84,6 +84,8 @@ def _check_name(name: str) -> None:
     if not _NAME.fullmatch(name):
         meant = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
         hint = f"; did you mean {meant}?" if _NAME.fullmatch(meant) else ""
-        raise click.UsageError(f"'{name}' is no name: letters, digits and _, a letter first{hint}")
+        raise click.UsageError(
+            f"'{name}' is not a valid name: use letters, digits and _, and begin with a letter{hint}"
+        )
     if module_name(name) != name or name in _OWN:
         raise click.UsageError(f"'{name}' means something else in Python; did you mean {name}_robot?")

@@ -77,9 +77,9 @@ def command(
       unitylink plot arm.mcap x.position --out x.svg
     """
     if out is not None and Path(out).suffix.lower() not in _PICTURES:
-        raise click.UsageError(f"--out {out}: a picture ends in {', '.join(_PICTURES)}")
+        raise click.UsageError(f"--out {out}: the name of a picture ends in {', '.join(_PICTURES)}")
     if out is None and not terminal():
-        raise Failure("the output is no terminal to draw on", "add --out FILE.png")
+        raise Failure("the output is not a terminal, so nothing can be drawn on it", "add --out FILE.png")
     if out is not None:
         check_output(out, force=force)
     _need("matplotlib" if out is not None else "plotext")  # before anything is measured
@@ -155,7 +155,7 @@ def _recorded(path: str, patterns: Sequence[str], spec_file: str | None) -> AllS
         click.echo(f"note: {error}", err=True)
     if not series.count:
         wanted = ", ".join(patterns)
-        raise Failure(f"{path} holds nothing that is called {wanted}" if wanted else f"{path} is empty")
+        raise Failure(f"{path} has no item that is called {wanted}" if wanted else f"{path} is empty")
     for name in [name for name, one in series.items() if not one.times_s]:
         del series[name]
     series.begin_at_zero()

@@ -44,7 +44,7 @@ def command(
         items = target.names.find_readable(names)
         if not items:
             raise Failure(
-                f"{' '.join(names)}: reading changes what is there, so it must be named itself",
+                f"{' '.join(names)}: a read changes the value on the device, so a pattern does not select it",
                 "give its full name",
             )
         values = item_values(target.link, items)

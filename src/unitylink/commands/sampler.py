@@ -31,7 +31,7 @@ Sample = tuple[float, Sequence[PublishedValue], Sequence[Any]]  # host time in s
 _log = logging.getLogger("unitylink.commands")
 _BECAME = {
     "lost": "the line was lost, and is being opened again",
-    "restarted": "the device has restarted: what was written to it is gone",
+    "restarted": "the device has restarted: the values written to it are lost",
     "back": "the line is back, and the samples go on",
 }
 TICK_S = 0.1  # between two looks at whether the link still lives and the time is not up

@@ -64,11 +64,11 @@ def _is_set_point(item: Item) -> bool:
 
 
 def _read_back(link: Link, items: Sequence[Item]) -> set[str]:
-    """Return the names of those items that the device lets be read."""
+    """Return the names of those items that the device allows to be read."""
     refused = [item.name for item in items if not _reads(link, item)]
     if refused:
         shown = ", ".join(refused[:3]) + (f" and {len(refused) - 3} more" if len(refused) > 3 else "")
-        click.echo(f"note: without {shown}: the device does not let it be read back", err=True)
+        click.echo(f"note: {shown} left out: the device does not allow reading it back", err=True)
     return {item.name for item in items} - set(refused)
 
 

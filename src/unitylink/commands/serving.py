@@ -58,7 +58,7 @@ def serve(board: Board, announce: Callable[[], None], look: Callable[[], None] =
             look()
     lag_s = board.statistics.time_slipped_s
     if lag_s >= _LAG_S:  # and with its clock all that it publishes stood still now and then
-        lag = f"the clock of the board lags {lag_s:.2f} s: this machine was too busy to run it in time"
+        lag = f"the clock of the board is late by {lag_s:.2f} s: this machine was too busy to run it in time"
         click.echo(lag, err=True)
 
 
@@ -82,16 +82,16 @@ def endpoint_of(
         raise click.UsageError(f"--{kind} says {host} and --bind says {bind}; leave the host out of --{kind}")
     if host is not None and bind is None and not _is_loopback(host):
         raise click.UsageError(
-            f"{host} is not a loopback address: other machines could reach the board; if that is meant: "
+            f"{host} is not a loopback address: other machines could reach the board; if you want that: "
             f"--{kind} {port} --bind {host} --anyone"
         )
     if bind is not None and not _is_loopback(bind):
         if not anyone:
             raise click.UsageError(
-                f"--bind {bind}: whoever reaches this machine over a network could command the board, "
-                "for nobody is asked who they are; if that is meant, add --anyone"
+                f"--bind {bind}: everybody who reaches this machine over a network could command the board, "
+                "because there is no log-in; if you want that, add --anyone"
             )
-        click.echo(f"warning: whoever reaches {bind} over a network may command this board", err=True)
+        click.echo(f"warning: everybody who reaches {bind} over a network may command this board", err=True)
     return f"{kind}:{port}", bind or host or _LOOPBACK
 
 

@@ -65,7 +65,7 @@ def command(link: str, spec_file: str | None) -> None:
       printf '#RLC\\n#R:x.position\\n' | unitylink term sim:arm.ul
     """
     if scheme_of(link).name == "rs485":
-        raise Failure(f"{link} carries frames only, and what is typed is text", "`unitylink read` asks it")
+        raise Failure(f"{link} carries only frames, and this command sends text", "`unitylink read` asks it")
     names = load_names(link, spec_file)
     from unitylink.connection import open_driver
 

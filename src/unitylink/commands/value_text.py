@@ -41,7 +41,7 @@ def _parse(text: str, name: str, quantity: Quantity) -> Any:
     kind = quantity.type
     if kind.kind == "bool":
         if text.lower() not in _TRUTH:
-            raise click.UsageError(f"{name}: '{text}' is no truth value; write {', '.join(_TRUTH)}")
+            raise click.UsageError(f"{name}: '{text}' is not a truth value; write {', '.join(_TRUTH)}")
         return _TRUTH[text.lower()]
     if kind.kind == "enum":
         return _integer(text, name) if text[:1].isdigit() else text  # the codec knows the names
@@ -60,7 +60,7 @@ def _fields(text: str, name: str, kind: ValueType) -> dict[str, Any]:
         field, _, value = (side.strip() for side in part.partition("="))
         if field not in types or field in given or not value:
             raise click.UsageError(
-                f"{name}: '{part.strip()}' is not one of its fields once; write "
+                f"{name}: '{part.strip()}' is not one of its fields, or is given twice; write "
                 f"{{{', '.join(f'{known}=…' for known in types)}}}"
             )
         given[field] = _parse(value, f"{name}.{field}", Quantity.of(types[field]))
@@ -71,20 +71,22 @@ def _integer(text: str, name: str) -> int:
     try:
         return int(text, 0)
     except ValueError:
-        raise click.UsageError(f"{name}: '{text}' is no integer; write 30, -30, 0x1E or 0b11110") from None
+        raise click.UsageError(
+            f"{name}: '{text}' is not an integer; write 30, -30, 0x1E or 0b11110"
+        ) from None
 
 
 def _real(text: str, name: str, quantity: Quantity) -> Any:
     match = _NUMBER.fullmatch(text.strip())
     if match is None:
         unit = f" or {30}{quantity.unit}" if quantity.unit else ""
-        raise click.UsageError(f"{name}: '{text}' is no number; write 1.5, -30, 2e-3{unit}")
+        raise click.UsageError(f"{name}: '{text}' is not a number; write 1.5, -30, 2e-3{unit}")
     digits, unit = match[1], match[2].strip()
     whole = digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b")
     try:
         number: Any = int(digits, 0) if whole else float(digits)
     except ValueError:  # 0_, or more digits than a number has
-        raise click.UsageError(f"{name}: '{text}' is no number") from None
+        raise click.UsageError(f"{name}: '{text}' is not a number") from None
     if not unit or unit == quantity.unit:
         return number if quantity.scaled or quantity.type.kind == "float" else _whole(number, text, name)
     converted = _converted(number, unit, name, quantity)
@@ -93,7 +95,9 @@ def _real(text: str, name: str, quantity: Quantity) -> Any:
 
 def _whole(number: float, text: str, name: str) -> int:
     if not math.isfinite(number) or number != round(number):
-        raise click.UsageError(f"{name}: '{text}' is {number:g} and no integer; it counts whole steps")
+        raise click.UsageError(
+            f"{name}: '{text}' is {number:g} , not an integer; the value counts whole steps"
+        )
     return round(number)
 
 
@@ -102,7 +106,7 @@ def _converted(number: float, given: str, name: str, quantity: Quantity) -> floa
 
     stored = f"it is in {quantity.unit}" if quantity.unit else "it has no unit"
     if isinstance(number, int) and number.bit_length() > _MOST_BITS:
-        raise click.UsageError(f"{name}: a number that nothing can hold")
+        raise click.UsageError(f"{name}: this number is too large")
     source, target = unit(given), unit(quantity.unit) if quantity.unit else None
     if source is None or target is None or source.dimension != target.dimension or not math.isfinite(number):
         raise click.UsageError(f"{name}: '{number:g} {given}' cannot be converted; {stored}")

@@ -56,7 +56,7 @@ def command(link: str, assignments: tuple[str, ...], spec_file: str | None, as_j
 def _split(assignment: str) -> tuple[str, str]:
     name, equals, value = assignment.partition("=")
     if not equals or not name:
-        raise click.UsageError(f"'{assignment}' is no NAME=VALUE; write for example x.target=30")
+        raise click.UsageError(f"'{assignment}' is not NAME=VALUE; write for example x.target=30")
     return name, value
 
 

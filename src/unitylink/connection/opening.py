@@ -74,7 +74,7 @@ def connect(url: str, *, reconnect: bool | Literal["auto"] | None = None) -> Lin
 
 def _with_reconnect(url: str, reconnect: bool) -> str:
     if _RECONNECT.search(url):
-        raise UrlError(f"link URL {url!r}: reconnect stands in the URL, and is given beside it")
+        raise UrlError(f"link URL {url!r}: reconnect is given in the URL and as an argument; give it once")
     return f"{url}{'&' if '?' in url else '?'}reconnect={int(reconnect)}"
 
 

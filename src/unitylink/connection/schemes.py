@@ -76,11 +76,11 @@ def scheme_of(url: str) -> Scheme:
     except UnicodeEncodeError:  # a word of a command line that is not UTF-8
         whole = False
     if not whole:
-        raise UrlError(f"link URL {url!r}: it is no UTF-8, or has a NUL in it")
+        raise UrlError(f"link URL {url!r}: it is not UTF-8, or contains a NUL")
     if colon and name in SCHEMES:
         return SCHEMES[name]
-    wrong = f"no scheme {name!r}" if colon else "no scheme and colon at its beginning"
-    raise UrlError(f"link URL {url!r}: {wrong}; a link is like {forms()}")
+    wrong = f"no scheme {name!r}" if colon else "it does not begin with a scheme and a colon"
+    raise UrlError(f"link URL {url!r}: {wrong}; a link looks like {forms()}")
 
 
 def forms() -> str:

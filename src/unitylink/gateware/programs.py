@@ -65,7 +65,7 @@ def run_tool(
         )
     except subprocess.TimeoutExpired as error:
         name = called or Path(command[0]).name
-        raise ToolError(f"{name}: no end after {timeout_s:.0f} s") from error
+        raise ToolError(f"{name}: it did not end within {timeout_s:.0f} s") from error
     return Ended(done.returncode, done.stdout, done.stderr or "")
 
 

@@ -87,7 +87,7 @@ def planned_files(plan: SpecPlan, names: Sequence[str]) -> dict[str, str]:
     source = plan.spec.source
     if not source.isprintable():
         raise BindingError(
-            f"the spec's file is called {source!r}, which has characters that do not print; rename it"
+            f"the spec's file is called {source!r}, which has characters that cannot be printed; rename it"
         )
     for name in names:
         if name not in ARTEFACTS:
@@ -185,7 +185,7 @@ def _refuse_links(folder: Path, name: str) -> None:
 
 def _present(path: Path) -> str | None:
     if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe would never end
-        raise BindingError(f"{path} is no ordinary file and was not overwritten; remove it")
+        raise BindingError(f"{path} is not an ordinary file and was not overwritten; remove it")
     try:
         return path.read_bytes().decode("utf-8", "replace")
     except (FileNotFoundError, NotADirectoryError):

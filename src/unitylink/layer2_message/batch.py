@@ -28,7 +28,7 @@ class Pending:
         """The word. RuntimeError before the batch has ended, or if it failed."""
         if self._value is None:
             raise RuntimeError(
-                f"the batch has not read 0x{self.address:x} yet: it does so where its with block ends"
+                f"the batch has not read 0x{self.address:x} yet: it reads at the end of its with block"
             )
         return self._value
 

@@ -103,7 +103,10 @@ class CallbackThread:
                 told = sum(subscription.told for subscription in self._subscriptions)
                 if told == before:
                     stuck = " or ".join(map(repr, self._subscriptions))
-                    text = f"a callback of {stuck} has not returned for {STUCK_S:g} s; it is not waited for"
+                    text = (
+                        f"a callback of {stuck} has not returned for {STUCK_S:g} s; "
+                        "close() no longer waits for it"
+                    )
                     warnings.warn(text, RuntimeWarning, stacklevel=4)
                     return False
                 before = told

@@ -31,7 +31,7 @@ def wholes(what: str, values: Iterable[object]) -> list[int]:
             raise TypeError
         given = list(values)
     except TypeError:
-        raise ValueRangeError(f"{what}: {shown(values)} is no sequence of whole numbers") from None
+        raise ValueRangeError(f"{what}: {shown(values)} is not a sequence of whole numbers") from None
     return [whole(what, value) for value in given]
 
 

@@ -119,7 +119,7 @@ class TosNetProxy(CommittedProxy):
                 )
         if committed and status.commit_aborted:
             raise NetworkError(
-                "the commit was aborted: somebody else wrote to the network's memory while it was pending; "
+                "the commit was aborted: another program wrote to the network's memory while it was pending; "
                 "nothing of this write took effect. Write again (or commit())",
                 address=self.base + protocol.TOSNET_STATUS,
             )

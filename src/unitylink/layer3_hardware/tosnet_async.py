@@ -35,12 +35,12 @@ class TosNetAsync:
         node_id = whole("tosnet: node", node_id)
         timeout_s = positive("tosnet: timeout_s", timeout_s)
         if not isinstance(data, (bytes, bytearray, memoryview)):
-            raise ValueRangeError(f"tosnet: {shown(data)} are no bytes to send")
+            raise ValueRangeError(f"tosnet: {shown(data)} are not bytes to send")
         data = bytes(data)
         if not 0 <= node_id <= 15:
             raise ValueRangeError(f"tosnet: node {shown(node_id)} is not in 0..15 (0 = all)")
         if not data:
-            raise ValueRangeError("tosnet: there are no bytes to send")
+            raise ValueRangeError("tosnet: there are not bytes to send")
         deadline = time.monotonic() + timeout_s
         with self._lock:
             control = None

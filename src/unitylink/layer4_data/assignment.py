@@ -18,7 +18,7 @@ def refuse(path: str, held: object, value: object) -> NoReturn:
 
     >>> refuse("j1.pos_sp", robot.j1.pos_sp, 3)  # doctest: +SKIP
     Traceback (most recent call last):
-    unitylink.errors.AssignmentError: j1.pos_sp is not replaced by 3; write it: j1.pos_sp.write(3)
+    unitylink.errors.AssignmentError: j1.pos_sp cannot be replaced by 3; write it: j1.pos_sp.write(3)
     """
     text = shown(value)
     if isinstance(held, Value):
@@ -30,7 +30,7 @@ def refuse(path: str, held: object, value: object) -> NoReturn:
         remedy = f"write its values: {path}.write(...)"
     else:
         remedy = "write a value of it by the value's own methods"
-    raise AssignmentError(f"{path} is not replaced by {text}; {remedy}")
+    raise AssignmentError(f"{path} cannot be replaced by {text}; {remedy}")
 
 
 class Array(tuple[Any, ...]):

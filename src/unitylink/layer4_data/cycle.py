@@ -50,7 +50,7 @@ class Cycle:
         for value in group.reads.values():
             if not (value.pollable and value.hardware.repeatable_reads):
                 raise ValueRangeError(
-                    f"{value.path}: reading it does something, so it cannot be in a cycle; read it by itself"
+                    f"{value.path}: a read of it has a side effect, so it cannot be in a cycle; read it alone"
                 )
         self._raw: dict[WriteValue[Any], int | None] = {
             value: _initial(value) for value in group.writes.values()
@@ -84,8 +84,8 @@ class Cycle:
         missing = [value.path for value, raw in self._raw.items() if raw is None]
         if missing:
             raise ValueRangeError(
-                f"{self.group.path}: {', '.join(missing)}: never given, and no INITIAL, or "
-                "given before the line was lost or the device restarted; nothing was sent"
+                f"{self.group.path}: {', '.join(missing)}: no value yet: it has no INITIAL, and "
+                "none was given since the line was lost or the device restarted; nothing was sent"
             )
         try:
             fetched = at_once([partial(part.run, timeout_s) for part in self._parts])
@@ -147,7 +147,7 @@ class _Part:
         self.atomic = link.protocol == "framed" and not self._committed
         self._exchange: ExchangeGroup | None = None
         if self._committed:
-            say("outputs behind a commit go out before the inputs are read")
+            say("outputs that need a commit are sent before the inputs are read")
         elif not self.atomic:
             say(f"{link.url} speaks no framed protocol: values are written and read one after the other")
         if link.protocol == "framed" and (outputs or inputs):

@@ -58,10 +58,10 @@ class ValueGroup:
         try:
             items = values.items() if isinstance(values, Mapping) else [(None, value) for value in values]
         except TypeError:
-            raise ValueRangeError(f"{path}: {shown(values)} are no values of a robot") from None
+            raise ValueRangeError(f"{path}: {shown(values)} are not values of a robot") from None
         for _, value in items:
             if not isinstance(value, Value):
-                raise ValueRangeError(f"{path}: {shown(value)} is no value of a robot")
+                raise ValueRangeError(f"{path}: {shown(value)} is not a value of a robot")
         pairs = [(value.path if key is None else key, value) for key, value in items]
         self.values: dict[str, Value[Any]] = {}
         for key, value in pairs:
@@ -281,7 +281,7 @@ class ValueGroup:
                 raise ValueRangeError(f"{self.path}: nothing to write; there are {', '.join(self.writes)}")
         elif isinstance(values, (str, bytes)) or not _has_length(values):
             raise ValueRangeError(
-                f"{self.path}: {shown(values)} is no sequence or mapping of values for its "
+                f"{self.path}: {shown(values)} is not a sequence or mapping of values for its "
                 f"{len(self.writes)} WRITEs ({', '.join(self.writes)}); nothing was sent"
             )
         else:

@@ -135,7 +135,7 @@ class Listeners(Generic[T]):
 
     def _check(self, callback: object) -> None:
         if not callable(callback):
-            raise ValueRangeError(f"{self._item}: {shown(callback)} cannot be called back")
+            raise ValueRangeError(f"{self._item}: {shown(callback)} is not a function")
 
     def _report(self, callback: object) -> None:
         logger.exception("%s: the callback %r raised; publishing goes on", self._item, callback)

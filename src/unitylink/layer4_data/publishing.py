@@ -95,7 +95,7 @@ class _Allocation:
         if not clocked and (len(parts) > 1 or self.used > self.groups):
             raise DeviceMismatch(
                 f"{values[0].path}: {len(values)} values {how} do not fit a group of {link.url}, which has "
-                f"{self.groups} of {self.size} words; and what an event triggers cannot be polled"
+                f"{self.groups} of {self.size} words; and values on an event cannot be polled"
             )
         return made
 

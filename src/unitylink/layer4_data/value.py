@@ -70,9 +70,9 @@ class Value(Generic[T]):
             )
         if hardware.link.notice and (reason := quantity.asks_for_frames(self.access)):
             raise DeviceMismatch(
-                f"{path} {reason}, which asks for the framed protocol, and {hardware.link.url} has fallen "
-                f"back to the classic one: {hardware.link.notice}. Use gateware that speaks frames, or add "
-                "protocol=classic to the URL where that is what you want"
+                f"{path} {reason}, which needs the framed protocol, but {hardware.link.url} has fallen "
+                f"back to the classic one: {hardware.link.notice}. Use gateware with the framed protocol, "
+                "or add protocol=classic to the URL if you want that"
             )
         self.path = path
         self.hardware = hardware

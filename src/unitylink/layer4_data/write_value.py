@@ -21,7 +21,7 @@ class WriteValue(Value[T]):
     >>> robot.j1.pos_sp.write(-0.5)               # doctest: +SKIP
     >>> robot.j1.pos_sp = -0.5                    # doctest: +SKIP
     Traceback (most recent call last):
-    unitylink.errors.AssignmentError: j1.pos_sp is not replaced by -0.5; write it: j1.pos_sp.write(-0.5)
+    unitylink.errors.AssignmentError: j1.pos_sp cannot be replaced by -0.5; write it: j1.pos_sp.write(-0.5)
     >>> robot.j1.spd_sp.write(-1)                 # doctest: +SKIP
     Traceback (most recent call last):
     unitylink.errors.ValueRangeError: j1.spd_sp: -1 is not in 0 to 4294967295; nothing was sent
@@ -133,8 +133,8 @@ class ClearValue(ReadValue[T], _Strobe[T]):
         """Clear the flags set in `value`, by default those last read. Flags that came since then stay."""
         if value is None and self.raw is None:
             raise ValueRangeError(
-                f"{self.path}: nothing was read yet, so it is not known what to clear; "
-                "read it, or give the flags"
+                f"{self.path}: no value was read yet, so the flags to clear are not known; "
+                "read it first, or give the flags"
             )
         self._strobe(
             self.raw if value is None and self.raw is not None else self.codec.encode(value), timeout_s

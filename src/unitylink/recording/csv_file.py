@@ -114,7 +114,9 @@ def read_csv(path: str | Path) -> Iterator[Sample]:
             if header is None:
                 raise RecordingTruncated(f"{path}: cut off before its first line")
             if not header or header[0] != _TIME:
-                raise UnityLinkError(f"{path}: its first column is not {_TIME}: this is no recording of ours")
+                raise UnityLinkError(
+                    f"{path}: its first column is not {_TIME}: this is not a recording of Unity-Link"
+                )
             for row in rows:
                 if len(row) != len(header):
                     raise UnityLinkError(f"{path}: line {rows.line_num}: {len(row)} columns of {len(header)}")
@@ -144,7 +146,7 @@ def _value(text: str) -> Any:
     if text.startswith("{"):
         fields = json.loads(text)
         if not all(isinstance(field, str) or is_number(field) for field in fields.values()):
-            raise ValueError(f"{text[:40]} is no packed value")
+            raise ValueError(f"{text[:40]} is not a packed value")
         return fields
     for kind in (int, float):
         try:

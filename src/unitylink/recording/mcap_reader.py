@@ -62,7 +62,7 @@ def read_origin(path: str | Path) -> Origin:
             except (ValueError, RecursionError):
                 units = None
             if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
-                raise UnityLinkError(f"{path}: damaged: its units are none")
+                raise UnityLinkError(f"{path}: damaged: its units cannot be read")
             return Origin(known.get("spec", ""), known.get("text", ""), known.get("hash", ""), units)
     return Origin()
 
@@ -83,7 +83,7 @@ def _flat(message: Any, paths: list[str]) -> dict[str, Any]:
                 raise _DamagedError(f"a message without {name}")
             value = value[step]
         if not _is_value(value):
-            raise _DamagedError(f"a value of {name} that is none")
+            raise _DamagedError(f"a value of {name} that is not a value")
         values[name] = value
     return values
 
@@ -155,14 +155,14 @@ def _of_chunk(chunk: Chunk, left: int) -> list[Any]:
         import zstandard
 
         if zstandard.frame_content_size(data) not in (-1, size):  # -1: it does not tell
-            raise _DamagedError("a chunk of another size than it says")
+            raise _DamagedError("a chunk whose size differs from its header")
         data = zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
     elif chunk.compression == "lz4":
         from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
         data = LZ4FrameDecompressor().decompress(data, max_length=size + 1)
     if len(data) != size:
-        raise _DamagedError("a chunk of another size than it says")
+        raise _DamagedError("a chunk whose size differs from its header")
     plain = Plain(
         compression="",
         data=data,
@@ -177,4 +177,4 @@ def _of_chunk(chunk: Chunk, left: int) -> list[Any]:
 def _cut_off(path: str | Path, count: int) -> RecordingTruncated:
     if count == 0:
         return RecordingTruncated(f"{path}: cut off or damaged before its first sample")
-    return RecordingTruncated(f"{path}: cut off or damaged behind sample {count}; those before it were read")
+    return RecordingTruncated(f"{path}: cut off or damaged after sample {count}; those before it were read")

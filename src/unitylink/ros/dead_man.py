@@ -10,9 +10,10 @@ from unitylink.protocol import CONTROL_VALUE_FEATURE_DEADMAN
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
 
-NONE = "this gateware has no dead-man: outputs stay when the link is lost; back again, they are safe first"
-OFF = "the dead-man is off: outputs stay when the link is lost; back again, they are made safe first"
-NO_SAFE = "the spec gives no SAFE values for a dead-man: outputs stay when the link is lost"
+_KEPT = "outputs keep their values when the link is lost"
+NONE = f"this gateware has no dead-man: {_KEPT}, and are made safe when it is back"
+OFF = f"the dead-man is off: {_KEPT}, and are made safe when it is back"
+NO_SAFE = f"the spec gives no SAFE values for a dead-man: {_KEPT}"
 
 
 class DeadManGuard:

@@ -108,7 +108,7 @@ class LinkKeeper:
                     continue
                 try:
                     if self.up.is_set() and session.stale():
-                        self._fall(session, "the device does not hold any more what was written to it")
+                        self._fall(session, "the device has lost the values that were written to it")
                     if not self.up.is_set():
                         session.renew()
                         self._rise(link)

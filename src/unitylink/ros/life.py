@@ -42,11 +42,11 @@ class Life:
         return sign[0] if sign is not None else ""
 
     def trouble(self) -> str:
-        """Return what stands still, or "" if all works."""
+        """Return which task has not moved on, or "" if all works."""
         now_s = time.monotonic()
         for what, since_s, until_s in list(self._signs.values()):
             if now_s > until_s:
-                return f"{what} stands still, for {now_s - since_s:.1f} s now"
+                return f"{what} has not moved on for {now_s - since_s:.1f} s now"
         return ""
 
 

@@ -44,8 +44,8 @@ def plan_interface(spec: Spec, root: str | None = None, *, standard: bool = Fals
     links = [device.comm or device.link.name for device in spec.devices if device.root == instance.name]
     if len(links) > 1:
         raise BindingError(
-            f"{spec.source}: `{instance.name}` needs {len(links)} links ({', '.join(links)}), and a node "
-            "holds one; give what is behind each link a public constructor of its own: it becomes a node"
+            f"{spec.source}: `{instance.name}` needs {len(links)} links ({', '.join(links)}), but a node "
+            "has one; write a public constructor for the part behind each link: each becomes a node"
         )
     return _Planner(spec, instance, standard).interface()
 
@@ -143,9 +143,9 @@ class _Planner:
         for axis in axes:
             if note.text(axis) not in names:
                 known = ", ".join(names) or "none"
-                raise note.wrong(f"{axis}={note.text(axis)!r} is no WRITE; there are: {known}")
+                raise note.wrong(f"{axis}={note.text(axis)!r} is not a WRITE; there are: {known}")
         if not axes:
-            raise note.wrong('type "Twist" needs to know where to: linear_x="..", angular_z=".."')
+            raise note.wrong('type "Twist" needs its targets: linear_x="..", angular_z=".."')
         paths = tuple(names[note.text(axis)].path for axis in axes)
         topic = Topic(f"{prefix}cmd_vel", "geometry_msgs/Twist", TWIST, paths, axes=tuple(axes))
         self.commanded.append(topic)
@@ -167,7 +167,7 @@ class _Planner:
             name = field_name(Note(element).text("name") or element.array or element.name)
             if name in owner:
                 raise BindingError(
-                    f"{self.spec.source}: `{owner[name].path}` and `{element.path}` are both the field "
+                    f"{self.spec.source}: `{owner[name].path}` and `{element.path}` both become the field "
                     f'{name!r} in ROS; rename one, or give it @ros(name="..")'
                 )
             owner[name] = element

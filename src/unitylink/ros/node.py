@@ -123,7 +123,7 @@ class RobotNode:
         self.hanging = trouble
         if trouble:
             self._made_safe = False
-            self.plane.say(2, f"{trouble}: no commands are taken, and the dead-man is not kept from tripping")
+            self.plane.say(2, f"{trouble}: no commands are taken, and the dead-man may trip")
         else:
             self.plane.say(1, "all threads work again")
 
@@ -163,7 +163,7 @@ class RobotNode:
 
     def undecodable(self, topic: str, error: Exception) -> None:
         """Refuse bytes on a topic that are not a message of its type."""
-        self._refuse(f"{topic}: what came is no message of its type: {error}")
+        self._refuse(f"{topic}: the message does not have its type: {error}")
 
     def complain(self, message: str) -> None:
         """Warn, at most once a second: a stream of wrong commands must not become a stream of warnings."""

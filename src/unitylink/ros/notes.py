@@ -41,16 +41,16 @@ class Note:
 
     def _take(self, annotation: Annotation, known: dict[str, type]) -> None:
         if annotation.values:
-            raise self.wrong(f"{annotation.values[0]!r} has no key; write key=value, as type=..")
+            raise self.wrong(f"{annotation.values[0]!r} has no key; write key=value, such as type=..")
         for key, given in annotation.options:
             if key not in known:
                 raise self.wrong(f"there is no option {key!r}; there are {', '.join(known)}")
             # the language's forms of false and true
             value = bool(given) if known[key] is bool and given in (0, 1) else given
             if not isinstance(value, known[key]):
-                raise self.wrong(f"{key}={value!r} is no {known[key].__name__}")
+                raise self.wrong(f"{key}={value!r} is not of type {known[key].__name__}")
             if isinstance(value, str) and not value.isprintable():
-                raise self.wrong(f"{key}={value!r} has characters that do not print")
+                raise self.wrong(f"{key}={value!r} has characters that cannot be printed")
             self._options[key] = value
 
     def wrong(self, what: str) -> BindingError:

@@ -35,7 +35,7 @@ Refuse = Callable[[str, Exception], None]  # topic, why
 
 def log_refused(topic: str, error: Exception) -> None:
     """Log that bytes on a topic were not a message of its type."""
-    _log.warning("%s: what came is no message of its type: %s", topic, error)
+    _log.warning("%s: the message does not have its type: %s", topic, error)
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,9 @@ def _module(name: str) -> Any:
     except ImportError as error:
         version = ".".join(map(str, sys.version_info[:2]))
         raise ToolError(
-            f"Python {version} at {sys.executable} cannot import {name} ({error}). ROS 1 brings it; "
-            "a virtual environment that is to see it is made with --system-site-packages, by the Python that "
-            "ROS was made for; messages of a robot's package need its workspace: source devel/setup.bash"
+            f"Python {version} at {sys.executable} cannot import {name} ({error}). It is a "
+            "part of ROS 1: make the virtual environment with --system-site-packages and with the Python of "
+            "ROS. The messages of a robot's package need its workspace: source devel/setup.bash"
         ) from None
 
 

@@ -94,7 +94,7 @@ class RobotSession:
         elif old:  # first of all, because commands before the loss are old
             self.tree.apply_safe()
             said = self.said_safe() or "the spec gives no SAFE values, so its outputs stay as they are"
-            self._say(1, f"the device is back; {said}; commands of before are forgotten")
+            self._say(1, f"the device is back; {said}; earlier commands are dropped")
 
     # Asked by the keeper
 

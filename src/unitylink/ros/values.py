@@ -55,7 +55,7 @@ def _named(tree: Node, name: str) -> Value[Any]:
     except KeyError as error:
         raise ValueRangeError(str(error.args[0])) from None
     if not isinstance(value, Value):
-        raise ValueRangeError(f"{name} is no value; the values are {', '.join(v.path for v in tree)}")
+        raise ValueRangeError(f"{name} is not a value; the values are {', '.join(v.path for v in tree)}")
     return value
 
 

@@ -149,7 +149,7 @@ class Board:
     def error(self) -> UnityLinkError | None:
         """The exception that ended the plant, or why the device itself stands still. None otherwise."""
         if self._plant_error is None and (failure := self._native.failure()):
-            return UnityLinkError(f"the gateware stands still: assertion at {failure} failed")
+            return UnityLinkError(f"the gateware has stopped: assertion at {failure} failed")
         return self._plant_error
 
     @property

@@ -42,7 +42,8 @@ class Registers:
             )
         if not self._native.set(self._word(address), value & ((1 << self._data_bits) - 1)):
             raise ValueRangeError(
-                f"register 0x{address:04x} cannot be set from the board: the PC's own, full, or not there"
+                f"register 0x{address:04x} cannot be set from the board: "
+                "it belongs to the PC, is full, or does not exist"
             )
 
     def signed(self, address: int) -> int:

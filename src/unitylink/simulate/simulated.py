@@ -53,7 +53,7 @@ def simulated_board(url: str) -> tuple[Board, str]:
     physical = settings.get("physical", told_physical(spec))
     if kind == "rtl" and physical in _ASKED_FOR:
         raise UrlError(
-            f"{url!r}: {physical} speaks only when a master asks for it, which an rtl: link is not; say "
+            f"{url!r}: {physical} sends only when a master asks, and an rtl: link is not a master; write "
             f"physical=uart, or use RtlBoard and a {physical}: link (docs/{physical}.md)"
         )
     if physical == "rs485":  # an RS-485 pair carries no classic text

@@ -107,7 +107,7 @@ def _replay_run(run: Any, place: str, right: dict[str, dict[str, str]], player: 
             known = right.get(f"{run['run']}/{exchange['name']}")
             if known is None:
                 raise RecordingError(
-                    f"{where}: what is right instead of the defect {exchange['name']!r} is not known"
+                    f"{where}: the right answer instead of the defect {exchange['name']!r} is not known"
                 )
             expected, reason = known["right"], known["reason"]
         passed = same(exchange["compare"], expected, got)
@@ -181,7 +181,8 @@ def render(report: Report) -> None:
     console.print()
     defects = report.count("defect", True)
     console.print(
-        f"defects of the 2012 gateware answered rightly: {defects}/{defects + report.count('defect', False)}"
+        f"defects of the 2012 gateware answered correctly: "
+        f"{defects}/{defects + report.count('defect', False)}"
     )
     optional = report.count("optional", True)
     missing = f" (different: {', '.join(absent)})" if absent else ""

@@ -117,14 +117,14 @@ def test_own_vhdl_beside_the_spec(tmp_path: Path) -> None:
     )
     made = logic(order)
     assert (made.top, made.generics) == ("arm_board", {"clock_hz"})
-    assert made.notices == ("Arm_Board has no generic baud_hz: what it has instead counts",)
+    assert made.notices == ("Arm_Board has no generic baud_hz: its own value is used instead",)
 
 
 @pytest.mark.parametrize(
     ("text", "top", "message"),
     [
         ("entity a is\nend;\nentity b is\nend;", None, r"has 2 entities \(a, b\): say which with --top"),
-        ("entity a is\nend;", "c", "no entity c is in"),
+        ("entity a is\nend;", "c", "the entity c is in none of"),
         ("package p is\nend;", None, "has 0 entities"),
     ],
 )

@@ -44,7 +44,7 @@ def test_the_first_program_that_is_there(built: Path) -> None:
     assert flash_command(built) == [str(built.parent / "bin" / "iceprog"), bitstream]
     assert flash_command(built, volatile=True)[1:] == ["-S", bitstream]
     assert flash_command(built, program="openFPGALoader")[:3] == line
-    with pytest.raises(BoardError, match="icebreaker: dfu-util is none of its programs: iceprog, "):
+    with pytest.raises(BoardError, match="icebreaker: dfu-util is not one of its programs: iceprog, "):
         flash_command(built, program="dfu-util")
 
 
@@ -62,9 +62,9 @@ def test_command(built: Path, capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_folders_without_a_build(built: Path) -> None:
     (built / "servo-icebreaker.bin").unlink()
-    with pytest.raises(BoardError, match=r"servo-icebreaker\.bin is not there any more; `unitylink build`"):
+    with pytest.raises(BoardError, match=r"servo-icebreaker\.bin does not exist any more; `unitylink build`"):
         flash_command(built)
     for text in ("", "[]", "{}", '{"board": 3, "bitstream": ""}'):
         (built / "report.json").write_text(text)
-        with pytest.raises(BoardError, match="is no folder that"):
+        with pytest.raises(BoardError, match="has no finished build of"):
             flash_command(built)

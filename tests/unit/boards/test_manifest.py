@@ -54,7 +54,7 @@ def test_a_folder_of_ones_own(tmp_path: Path) -> None:
     [
         ('family = "ice40"', 'family = "ice4"', r"chip.family: is 'ice4'; did you mean ice40\?"),
         ('family = "ice40"', 'famliy = "ice40"', r"chip.famliy: there is no such key; did you mean family\?"),
-        ("hz = 12_000_000\n", "hz = 0\n", "clock.hz: is 0; a number above 0 is asked for"),
+        ("hz = 12_000_000\n", "hz = 0\n", "clock.hz: is 0; expected a number above 0"),
         ('rx = "RX"', 'rx = "RXD"', r"link.rx: is 'RXD'; did you mean RX\?"),
         ('tx = "TX"\n', "", "link.tx: is missing"),
         (
@@ -63,7 +63,7 @@ def test_a_folder_of_ones_own(tmp_path: Path) -> None:
             r"roles.pwm: 'P1A22' is no pin of \[pins\]; did you mean P1A2",
         ),
         ('P1A1 = "4"', '_P1 = "4"', "pins._P1: a pin's name begins with a letter"),
-        ('P1A1 = "4"', "P1A1 = 4", "pins.P1A1 is 4; a table is asked for"),
+        ('P1A1 = "4"', "P1A1 = 4", "pins.P1A1 is 4; expected a table"),
         ('active = "low"', 'active = "lwo"', r"pins.BTN_N.active: is 'lwo'; did you mean low\?"),
         ('physical = "uart"', 'physical = "ft245"', "link.physical: is 'ft245'; "),
         ('physical = "uart"', 'physical = "ft245_async"', "link.rx: there is no such key; "),

@@ -42,7 +42,7 @@ def test_the_board_s_pin_for_trips() -> None:
     assert pins(assign_pins(drivers, line, [])) == {"tripped": "P1B1"}
     assert pins(assign_pins(BOARD, line, ["tripped=P1A1"])) == {"tripped": "P1A1"}
     assert assign_pins(drivers, (), []).notices == [
-        "P1B1: nothing drives it, for the design has no port tripped"
+        "P1B1: nothing drives it, because the design has no port tripped"
     ]
 
 
@@ -58,7 +58,7 @@ def test_what_has_no_pin_is_said() -> None:
 @pytest.mark.parametrize(
     ("wishes", "message"),
     [
-        ([], "the port x has no pin: its name tells none; say --pin x=PIN"),
+        ([], "the port x has no pin: its name gives none; say --pin x=PIN"),
         (["x=P1A99"], r"icebreaker has no pin P1A99; did you mean P1A9\?; site:B10"),
         (["lmap=P1A1"], r"the design has no port lmap; did you mean lamp\?"),
         (["x=P1A1,P1A1"], r"pin P1A1 \(site 4\) is taken by --pin x=P1A1,P1A1"),

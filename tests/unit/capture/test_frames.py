@@ -110,7 +110,7 @@ def test_damage_and_other_sessions_are_believed_by_nobody() -> None:
     assert [m.meaning.split(":")[0] for m in found[:3]] == [
         "wrong check",
         "wrong check",
-        "a frame whose payload has not the form of its kind",
+        "a frame whose payload does not fit its kind",
     ]
 
 

@@ -64,7 +64,8 @@ def test_an_absent_package_is_named_with_the_command_that_installs_it(
     assert main(command) == 1
     error = capsys.readouterr().err
     assert (
-        f"needs the package {name}: {installation(name)}; all that is optional at once: make extras" in error
+        f"needs the package {name}: {installation(name)}; for all optional packages at once: make extras"
+        in error
     )
     assert not list(project.glob("*.mcap")), "nothing was begun"
 

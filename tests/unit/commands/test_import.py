@@ -127,7 +127,7 @@ def test_equal_blocks_become_one_constructor(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "syntax": ("addrmap x { reg { } ", "no SystemRDL that compiles"),
+    "syntax": ("addrmap x { reg { } ", "does not compile as SystemRDL"),
     "unknown type": ("addrmap x { regg r; };", "regg"),
     "two fields at a place": (
         "addrmap x { reg { field {sw=r;hw=w;} a[3:0]; field {sw=r;hw=w;} b[4:2]; } q; };",
@@ -135,11 +135,11 @@ WRONG = {
     ),
     "perl": ("<% print 1; %> addrmap x { reg { field {sw=r;hw=w;} a[3:0]; } q; };", "embeds Perl"),
     "too wide": ("addrmap x { reg { regwidth=128; field {sw=r;hw=w;} a[127:0]; } q; };", "at most 64"),
-    "nothing": ("", "no SystemRDL that compiles"),
+    "nothing": ("", "does not compile as SystemRDL"),
     "not text": ("\udcff", "not UTF-8"),
     "what the compiler itself ends at": (
         UART.read_text("utf-8").replace("fast = 2'd1", "fast =,;1"),
-        "cannot be read|no SystemRDL that compiles",  # its C++ half looks at memory that it never wrote
+        "cannot be read|does not compile as SystemRDL",  # its C++ half looks at memory that it never wrote
     ),
 }
 

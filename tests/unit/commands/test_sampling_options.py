@@ -84,7 +84,7 @@ def test_set_points_are_what_the_device_lets_be_read_back(
     half = Target(link, Names(compile_text(SPEC).spec))
     found = [item.name for item in sampled_items(half, (), "record", set_points=True)]
     assert found == ["position", *(["target"] if not refused else []), "mode", "faults"]
-    note = "note: without target: the device does not let it be read back\n"
+    note = "note: target left out: the device does not allow reading it back\n"
     assert capsys.readouterr().err == (note if refused else "")
 
 

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sentences of the pages are short, as tools/docs/plain.py measures them; and that tool works."""
+"""The sentences of pages, docstrings and comments are short, as tools/docs/plain.py measures them."""
 
 from __future__ import annotations
 
 import sys
 from itertools import groupby
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -16,11 +17,25 @@ import plain
 
 ROOT = Path(__file__).resolve().parents[3]
 
-# Ceilings: lower them when the pages got plainer, never raise them.
-MEAN_WORDS = 12
-PAGE_MEAN_WORDS = 15.5  # of a page with more than a few sentences
-FEW = 8
-SEMICOLONS = 0.03  # share of the sentences
+FEW = 8  # sentences of a file that may be longer
+
+
+class Ceilings(NamedTuple):
+    """What the sentences may have. Lower it when the texts got plainer, never raise it."""
+
+    folders: tuple[str, ...]
+    mean: float  # words
+    file_mean: float  # words, of a file with more than a few sentences
+    semicolons: float  # share of the sentences
+    least: int  # sentences there are
+
+
+CEILINGS = {
+    "pages": Ceilings((".",), 12, 15.5, 0.03, 3000),
+    "python": Ceilings(("src", "tools"), 11, 16, 0.04, 4000),
+    "vhdl": Ceilings(("gateware", "examples", "src"), 10.5, 15.5, 0.06, 2500),
+    "c++": Ceilings(("native/include", "native/src"), 12, 18, 0.14, 1000),
+}
 
 PAGE = """---
 title: no sentence; it is front matter
@@ -76,17 +91,58 @@ def f() -> None:
     """
 '''
 
+VHDL = """-- SPDX-License-Identifier: BSD-3-Clause
+--
+-- Counts the first clocks.
+-- The second goes
+-- over lines.
+--
+--   no --> sentence here
+--
+-- Ports     clock: the third one. reset, start: a fourth.
+  a <= "-- no comment";  -- beside the code
+  b <= '"';
+  -- Over the code.
+"""
+IN_VHDL = [
+    (3, "Counts the first clocks.", 4),
+    (4, "The second goes over lines.", 5),
+    (9, "Ports clock: the third one.", 5),
+    (9, "reset, start: a fourth.", 4),
+    (10, "beside the code", 3),
+    (12, "Over the code.", 3),
+]
+CPP = """// A first one.
+//
+//     no(sentence, here);
+#pragma once
+/* A second one over
+ * two lines. */
+const char* a = "http://no.sentence of words";  ///< The third, beside code.
+char b = '"';  // is it one
+}  // namespace unitylink
+"""
+IN_CPP = [
+    (1, "A first one.", 3),
+    (5, "A second one over two lines.", 6),
+    (7, "The third, beside code.", 4),
+    (8, "is it one", 3),
+]
 
-def test_the_pages_are_plain() -> None:
-    every = [sentence for page in plain.files([ROOT]) for sentence in plain.sentences(page)]
+
+@pytest.mark.parametrize("kind", CEILINGS)
+def test_the_texts_are_plain(kind: str) -> None:
+    most = CEILINGS[kind]
+    read = plain.files([ROOT / folder for folder in most.folders], kind)
+    every = [sentence for file in read for sentence in plain.sentences(file)]
     figures = plain.figures(every)
-    assert figures.sentences > 3000
-    told = "`python tools/docs/plain.py` says which page"
-    assert figures.mean <= MEAN_WORDS, f"{figures.mean:.2f} words in a sentence; {told}"
-    assert figures.semicolons <= SEMICOLONS, f"{figures.semicolons:.1%} with a semicolon; {told}"
-    pages = {page: plain.figures(group) for page, group in groupby(every, key=lambda one: one.file)}
-    long = [str(page) for page, one in pages.items() if one.sentences >= FEW and one.mean > PAGE_MEAN_WORDS]
-    assert not long, f"more than {PAGE_MEAN_WORDS} words in a sentence"
+    assert figures.sentences > most.least
+    told = f"`python tools/docs/plain.py --of {kind}` says which file"
+    assert figures.mean <= most.mean, f"{figures.mean:.2f} words in a sentence; {told}"
+    assert figures.semicolons <= most.semicolons, f"{figures.semicolons:.1%} with a semicolon; {told}"
+    files = {file: plain.figures(group) for file, group in groupby(every, key=lambda one: one.file)}
+    long = [str(file) for file, one in files.items() if one.sentences >= FEW and one.mean > most.file_mean]
+    assert not long, f"more than {most.file_mean} words in a sentence"
 
 
 def test_the_sentences_of_a_page(tmp_path: Path) -> None:
@@ -109,12 +165,23 @@ def test_the_sentences_of_python(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(("suffix", "text", "expected"), [(".vhd", VHDL, IN_VHDL), (".hpp", CPP, IN_CPP)])
+def test_the_sentences_of_comments(
+    tmp_path: Path, suffix: str, text: str, expected: list[tuple[int, str, int]]
+) -> None:
+    source = tmp_path / f"source{suffix}"
+    source.write_text(text, "utf-8")
+    assert [one[1:] for one in plain.sentences(source)] == expected
+
+
 def test_made_folders_are_not_read(tmp_path: Path) -> None:
-    for name in ("a.md", "b/c.md", "build/d.md", ".venv/e.md", "b/f.py"):
+    for name in ("a.md", "b/c.md", "build/d.md", ".venv/e.md", "b/f.py", "b/g.vhd", "b/h.hpp"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
     assert [file.name for file in plain.files([tmp_path])] == ["a.md", "c.md"]
-    assert [file.name for file in plain.files([tmp_path], python=True)] == ["f.py"]
+    assert [file.name for file in plain.files([tmp_path], "python")] == ["f.py"]
+    assert [file.name for file in plain.files([tmp_path], "vhdl")] == ["g.vhd"]
+    assert [file.name for file in plain.files([tmp_path], "c++")] == ["h.hpp"]
     assert [file.name for file in plain.files([tmp_path / "build"])] == ["d.md"]
 
 

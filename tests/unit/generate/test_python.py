@@ -335,7 +335,7 @@ def test_what_is_no_file_is_neither_read_nor_written(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "robot.py")
     spec = spec_of("public p() { @a = 0x0: READ(); }")
     for command in (write, stale):
-        with pytest.raises(BindingError, match=r"robot\.py is no ordinary file and was not overwritten"):
+        with pytest.raises(BindingError, match=r"robot\.py is not an ordinary file and was not overwritten"):
             command(spec, tmp_path)
 
 

@@ -64,5 +64,5 @@ def test_names_that_become_one_are_refused() -> None:
     text = "public aB() { @x = 0x0: READ(); } public a_b() { @x = 0x0: READ(); }"
     spec = compile_text(text, "robot.ul").spec
     assert spec is not None
-    with pytest.raises(BindingError, match="two public constructors are the package 'a_b_unitylink'"):
+    with pytest.raises(BindingError, match="two public constructors give the package 'a_b_unitylink'"):
         generate(spec, "ros1")

@@ -137,7 +137,7 @@ def test_a_design_for_each_board_has_all_of_its_inputs() -> None:
 def test_one_configuration_is_of_one_board() -> None:
     spec = load(PAIR)
     left = BoardConfiguration.for_spec(spec.only("left_arm"))
-    with pytest.raises(BindingError, match="has 2 boards, and one configuration"):
+    with pytest.raises(BindingError, match="has 2 boards, but only one configuration"):
         generate_vhdl(spec, left)
     with pytest.raises(
         ValueRangeError, match=r"left_arm, right_arm; choose one: --root left_arm, or \?root="
@@ -272,7 +272,7 @@ def test_one_event_of_a_component_may_publish_several_groups() -> None:
 
 def test_what_is_published_on_change_is_given_by_the_user() -> None:
     text = "public a() { @x = 0x0: READWRITE(PUBLISH(on change)); }"
-    with pytest.raises(BindingError, match="x is published on change, and your logic does not give it"):
+    with pytest.raises(BindingError, match="x is published on change, but your logic does not drive it"):
         generate_vhdl(spec_of(text))
 
 
@@ -313,7 +313,7 @@ def test_a_physical_layer_is_of_vhdl_only(tmp_path: Path) -> None:
     arguments = [str(SPECS[1]), "--out", str(tmp_path), "--physical"]
     found = CliRunner().invoke(command, [*arguments, "ft245_async"])
     assert found.exit_code == 2
-    assert "--physical: of VHDL only; add --only vhdl" in found.output
+    assert "--physical: only for VHDL; add --only vhdl" in found.output
     found = CliRunner().invoke(command, [*arguments, "usb", "--only", "vhdl"])
     assert isinstance(found.exception, ValueRangeError)
 
@@ -334,5 +334,5 @@ def test_a_port_is_called_like_nothing_in_the_design() -> None:
 
 @pytest.mark.parametrize(("entity", "port"), [("process", "x"), ("own", "Signal")])
 def test_no_entity_and_no_port_is_a_word_of_vhdl(entity: str, port: str) -> None:
-    with pytest.raises(BindingError, match=r"vhdl: slaves: (process|Signal) is a word of VHDL or Verilog"):
+    with pytest.raises(BindingError, match=r"vhdl: slaves: (process|Signal) is a keyword of VHDL or Verilog"):
         generate_vhdl(spec_of(component(entity, port), "p.ul"))

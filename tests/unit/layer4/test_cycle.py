@@ -107,5 +107,5 @@ def test_outputs_behind_a_commit_go_first() -> None:
 
 def test_what_reading_changes_cannot_be_in_it(link: Link) -> None:
     robot = load_spec_objects(drive(), link)
-    with pytest.raises(ValueRangeError, match="lost: reading it does something"):
+    with pytest.raises(ValueRangeError, match="lost: a read of it has a side effect"):
         ValueGroup([robot["lost"]]).cycle()  # type: ignore[list-item]

@@ -283,7 +283,7 @@ def test_a_raw_number_of_packed_bits_is_looked_into_first(rig: Rig) -> None:
 
 
 def test_one_number_for_many_says_what_is_wanted(rig: Rig) -> None:
-    with pytest.raises(ValueRangeError, match=r"all: 1 is no sequence or mapping .* \(j\[0\]\.target, "):
+    with pytest.raises(ValueRangeError, match=r"all: 1 is not a sequence or mapping .* \(j\[0\]\.target, "):
         rig.group.write(1)
 
 
@@ -292,19 +292,19 @@ def test_one_number_for_many_says_what_is_wanted(rig: Rig) -> None:
     [
         (
             lambda r: setattr(r.j[0], "target", 3),
-            r"j\[0\]\.target is not replaced by 3; write it: j\[0\]\.target\.write\(3\)",
+            r"j\[0\]\.target cannot be replaced by 3; write it: j\[0\]\.target\.write\(3\)",
         ),
         (lambda r: setattr(r.j[0], "pos", 3), r"it is a READ: j\[0\]\.pos\.read\(\)"),
         (lambda r: setattr(r, "reset", True), r"write it: reset\.pulse\(True\)"),
         (lambda r: setattr(r, "flags", 1), r"write it: flags\.clear\(1\)"),
-        (lambda r: setattr(r, "all", [1]), r"all is not replaced by \[1\]; write its values: all\.write"),
+        (lambda r: setattr(r, "all", [1]), r"all cannot be replaced by \[1\]; write its values: all\.write"),
         (lambda r: setattr(r, "j", 3), r"it is an array: write its parts, such as j\[0\]"),
-        (lambda r: r.j.__setitem__(0, 3), r"j\[0\] is not replaced by 3; write a value of it"),
+        (lambda r: r.j.__setitem__(0, 3), r"j\[0\] cannot be replaced by 3; write a value of it"),
         (lambda r: r.__setitem__("gain", 3), r"write it: gain\.write\(3\)"),
         (lambda r: r.all.__setitem__("j[0].target", 3), r"\.write\(3\)"),
         (lambda r: setattr(r.all, "target", 3), r"all\.target is not set to 3; write values of the group"),
         (lambda r: setattr(r.j[0], "taget", 3), r"j\[0\] has no taget; did you mean j\[0\]\.target\?"),
-        (lambda r: setattr(r, "name", "x"), "name is not replaced by 'x'"),
+        (lambda r: setattr(r, "name", "x"), "name cannot be replaced by 'x'"),
     ],
 )
 def test_no_object_is_replaced(rig: Rig, assign: Callable[[Any], None], says: str) -> None:

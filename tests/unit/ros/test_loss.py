@@ -137,14 +137,14 @@ def test_a_thread_that_died_makes_safe_and_is_told(spec: Spec, protocol: str) ->
         dead = threading.Thread(target=lambda: plane.life.beat("a thread"))
         dead.start()
         dead.join()
-        plane.wait(lambda: "a thread stands still" in node.health().message)
+        plane.wait(lambda: "a thread has not moved on" in node.health().message)
         assert node.health().level == 2
         plane.wait(lambda: board.registers[0x12] == 250)
         refused = node.refused
         plane.takers["j_0/command"](SimpleNamespace(pos_sp=0.5))
         assert node.refused == refused + 1
         done, why = plane.services["arm"](True)
-        assert not done and "stands still" in why
+        assert not done and "has not moved on" in why
         plane.wait(lambda: not node.keeper.up.is_set())  # the program is not alive: the line is given up
         assert any("no sign of life" in text for _, text in plane.said)
 

@@ -139,17 +139,17 @@ def test_standard_messages_alone() -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("public r() {@aB=0x0: WRITE(); @a_b=0x1: WRITE(); }", "`aB` and `a_b` are both the field 'a_b'"),
+        ("public r() {@aB=0x0: WRITE(); @a_b=0x1: WRITE(); }", "`aB` and `a_b` both become the field 'a_b'"),
         ('public s() { @ros(name="command") @t=0x0: WRITE(); }', "both the topic 'command'"),
         ('public s() { @ros(typ="Int32") @t=0x0: WRITE(); }', "no option 'typ'; there are name, type"),
         ('public s() { @ros("Int32") @t=0x0: WRITE(); }', "has no key"),
         ('public s() { @ros(type="Int8") @t=0x0: WRITE(); }', "its values are UInt32"),
-        ('public s() { @ros(queue="9") @t=0x0: WRITE(); }', "queue='9' is no int"),
-        ("public s() { @ros(reliable=2) @t=0x0: WRITE(); }", "reliable=2 is no bool"),
+        ('public s() { @ros(queue="9") @t=0x0: WRITE(); }', "queue='9' is not of type int"),
+        ("public s() { @ros(reliable=2) @t=0x0: WRITE(); }", "reliable=2 is not of type bool"),
         ("public s() { @ros(queue=0) p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}", "queue must be 1"),
         (
             'public s() { @ros(type="Twist") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}',
-            "needs to know where",
+            "needs its targets",
         ),
         ('public s() { @ros(type="Imu") p: q() @ (0x0);} q(): @ (x) {@x: WRITE();}', "'Imu' is none of"),
         (
@@ -164,7 +164,7 @@ def test_standard_messages_alone() -> None:
             """link a (DATA=32); link b (DATA=32); public cell(c,x,y) { p: q(c,x); r: s(c,y); }
             q(c,u) { MEMORY(CTRL=c, COMM=u, LINK=a); @v = 0x0: READ(); }
             s(c,u) { MEMORY(CTRL=c, COMM=u, LINK=b); @v = 0x0: READ(); }""",
-            "`cell` needs 2 links (x, y), and a node holds one; give what is behind each link a public",
+            "`cell` needs 2 links (x, y), but a node has one; write a public constructor",
         ),
     ],
 )

@@ -73,7 +73,7 @@ def test_wrong_commands_are_refused_whole_and_said(spec: Spec, board: Board) -> 
             (["mode"], [0.5], "0.5 is not a whole number"),
             (["nope"], [1.0], "no 'nope'"),
             (["flags"], [1.0], "cannot be written"),
-            (["j[0]"], [1.0], "is no value"),
+            (["j[0]"], [1.0], "is not a value"),
             (["mode"], [], "1 names and 0 values"),
             (["mode"], [3.0], "is no Mode"),
         ):

@@ -129,7 +129,7 @@ def test_missing_tools_are_named_all_at_once(monkeypatch: pytest.MonkeyPatch, tm
     [
         ("rtl:", r"expected sim:SPEC\.ul or rtl:SPEC\.ul"),
         ("rtl:x.ul?clock_hz=fast", "clock_hz=fast is not a whole number"),
-        (f"rtl:{ROOT}/examples/scara/scara.ul?physical=spi", "spi speaks only when a master asks for it"),
+        (f"rtl:{ROOT}/examples/scara/scara.ul?physical=spi", "spi sends only when a master asks"),
     ],
 )
 def test_urls_that_will_not_do(url: str, message: str) -> None:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The device's own registers: what it is, what it has counted, what time it is.
+// The device's own registers: its description, its counters and its time.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class ControlRegisters {
            within(protocol::control::time_low, protocol::control::publish);
   }
 
-  // Description, counters and time; the others are the application's. Reading time_low keeps the upper half.
+  // Description, counters and time. All others are in the application. A read of time_low stores the upper half.
   [[nodiscard]] std::uint32_t read(std::uint32_t address, Clock now) noexcept;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Silence for so many ticks of the base frequency, and the outputs become safe. It stands in front of the bus, as in the
-// gateware: from its trip on no write of an application gets there until it is armed.
+// Makes the outputs safe after so many silent ticks of the base frequency. It stands in front of the bus, as in the gateware.
+// From its trip on, no write of an application reaches the bus until it is armed.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class DeadMan final : public Bus {
   [[nodiscard]] std::uint32_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] bool running() const noexcept { return ticks_ > 0; }
   [[nodiscard]] bool tripped() const noexcept { return tripped_; }
-  // It tripped in the session that is still open, which therefore may not arm.
+  // It tripped in the session that is still open, so this session may not arm it.
   [[nodiscard]] bool tripped_in_session() const noexcept { return tripped_in_session_; }
 
   void begin_session() noexcept {
@@ -33,7 +33,7 @@ class DeadMan final : public Bus {
     feed(now);
   }
   void arm() noexcept { tripped_ = missed_ = false; }
-  // An intact frame of the session has come in.
+  // An intact frame of the session has arrived.
   void feed(Clock now) noexcept { fed_at_ = now; }
 
   void trip(Clock now) {
@@ -42,8 +42,8 @@ class DeadMan final : public Bus {
     make_safe(now);
   }
 
-  // Every output that has a safe value gets it. Where nobody answered one, all are written anew at the next tick; one that
-  // is refused stays as it is.
+  // Writes every output that has a safe value. If one was not answered, all are written again at the next tick. A value that is
+  // refused is not repeated.
   void make_safe(Clock now) {
     missed_ = false;
     for (const SafeValue& safe : configuration_.safe_words) {
@@ -53,7 +53,7 @@ class DeadMan final : public Bus {
     again_at_ = (now / period_ + 1) * period_;
   }
 
-  // The tick at which it trips if nothing comes, or has to make safe what it could not.
+  // The tick at which it trips if nothing comes, or at which it repeats the safe values.
   [[nodiscard]] Clock due() const noexcept {
     return running() ? (fed_at_ / period_ + ticks_) * period_ : missed_ ? again_at_ : never;
   }
@@ -75,7 +75,7 @@ class DeadMan final : public Bus {
   Clock fed_at_ = never;
   bool tripped_ = false;
   bool tripped_in_session_ = false;
-  bool missed_ = false;  // nobody answered a safe value
+  bool missed_ = false;  // a safe value had no answer
   Clock again_at_ = never;
 };
 

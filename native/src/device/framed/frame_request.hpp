@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The payload of a request taken apart. Each kind has exactly one right length for what its counts say.
+// The payload of a request, taken apart. Each kind has exactly one right length for its counts.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace unitylink::device {
 
-// Takes big-endian fields from the front; after one that was too short nothing is right any more.
+// Takes big-endian fields from the front. After a field that was too short, all results are wrong.
 class Fields {
  public:
   explicit Fields(std::span<const std::uint8_t> left) noexcept : left_(left) {}
@@ -64,7 +64,7 @@ struct FrameRequest {
   bool chained = false;
   std::optional<std::uint16_t> barrier;
   std::uint32_t address = 0;   // of a word, of a control register, or the number of a group
-  std::uint32_t value = 0;     // to write; count of read_control, divisor of define_group
+  std::uint32_t value = 0;     // value to write, count of read_control, or divisor of define_group
   std::uint8_t flags = 0;
   std::vector<ListWord> words;
   std::vector<std::uint32_t> addresses;  // of define_group
@@ -77,7 +77,7 @@ struct FrameRequest {
     std::size_t data_bytes;
   };
 
-  // False when the form is wrong. Vectors keep their room from frame to frame.
+  // False if the form is wrong. The vectors keep their memory from frame to frame.
   [[nodiscard]] bool parse(std::uint8_t kind, std::span<const std::uint8_t> payload, Widths widths);
   [[nodiscard]] bool parse_post(std::uint8_t kind, std::span<const std::uint8_t> payload, Widths widths);
 

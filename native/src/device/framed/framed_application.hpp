@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the device does with frames: sessions, requests, posts, publishes. docs/protocol.md is the whole of it.
+// What the device does with frames: sessions, requests, posts, publishes. docs/protocol.md describes all of it.
 #pragma once
 
 #include <cstdint>
@@ -21,32 +21,32 @@
 
 namespace unitylink::device {
 
-// Frames are worked on while others are received, as many as the gateware keeps; then the port waits. A frame is executed as
-// a whole at one time, and the bytes of its answer leave one a clock. While they cannot leave, posts are executed, and
-// publishes are left out. While it has none in hand the classic side may use the port.
+// Frames are executed while others are received. As many wait as in the gateware, and then the port stalls. A frame is executed
+// as a whole at one time, and its answer is sent with one byte per clock. While the answer cannot be sent, posts are executed and
+// publishes are skipped. While no frame is in work, the classic side may use the port.
 class FramedApplication {
  public:
-  // `dead_man` is the bus, and may refuse it.
+  // `dead_man` is the bus, and may refuse accesses.
   FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, DeadMan& dead_man,
                     PhysicalTransmitter& physical);
 
   // The next byte between borders, or a border.
   void take(std::uint8_t byte, Clock now);
-  // No byte can be taken: the frames before wait, or one of them changes how the next is read.
+  // No byte can be taken. The frames before are waiting, or one of them changes how the next one is read.
   [[nodiscard]] bool stalled() const noexcept { return paused_ || waiting_.full(); }
-  // Bytes of a frame are leaving.
+  // Bytes of a frame are being sent.
   [[nodiscard]] bool sending() const noexcept { return sent_ < out_.size(); }
 
-  // `port_free`: no classic message is leaving.
+  // `port_free`: no classic message is being sent.
   [[nodiscard]] Clock next_clock(bool port_free) const noexcept;
-  // Nothing else happens before `limit`: all bytes that leave until then are one step.
+  // Nothing else happens before `limit`, so all bytes that are sent until then are one step.
   void step(Clock now, bool port_free, Clock limit);
 
   [[nodiscard]] std::uint16_t offers() const noexcept { return offer_.made(); }
   [[nodiscard]] bool open() const noexcept { return key_.epoch != protocol::frame::open_epoch; }
   void count(std::uint32_t counter) noexcept { registers_.count(counter); }
 
-  // Of the decoder.
+  // Called by the decoder.
   void on_frame(const Frame& frame);
   void on_discard(Discard why, std::uint8_t kind, std::size_t bytes);
 
@@ -62,7 +62,7 @@ class FramedApplication {
     std::uint16_t sequence = 0;
   };
 
-  // The frame in front has no answer, and needs no room for one.
+  // The next frame has no answer, and needs no room for one.
   [[nodiscard]] bool says_nothing() const noexcept;
   void execute();
   void hello(std::span<const std::uint8_t> payload);
@@ -88,7 +88,7 @@ class FramedApplication {
   [[nodiscard]] Status access(BusStatus status) noexcept;
   [[nodiscard]] Status write_word(const ListWord& word);
 
-  void put(std::uint32_t value, std::size_t bytes);  // to the reply in hand
+  void put(std::uint32_t value, std::size_t bytes);  // into the current reply
   void reply(Status status, std::span<const std::uint8_t> data);
   void send(std::uint8_t kind, std::span<const std::uint8_t> payload);
   [[nodiscard]] FrameRequest::Widths widths() const noexcept {
@@ -108,10 +108,10 @@ class FramedApplication {
   std::vector<Exchange> exchanges_;
   std::vector<Group> groups_;
 
-  Clock at_ = 0;                       // of what is done now; when the last byte left
-  WaitingFrames waiting_;              // frames, or CLOSED, that have not been executed
-  Clock taken_at_ = 0;                 // of the byte that was taken last
-  bool paused_ = false;                // OPEN or CLOSE waits
+  Clock at_ = 0;                       // time of the current step; time of the last byte sent
+  WaitingFrames waiting_;              // frames, or CLOSED, that are not yet executed
+  Clock taken_at_ = 0;                 // time of the last byte taken
+  bool paused_ = false;                // an OPEN or CLOSE waits
 
   SessionOffer offer_;
   std::uint16_t session_nonce_ = 0;
@@ -122,7 +122,7 @@ class FramedApplication {
   std::uint16_t first_failed_ = 0;
   Status first_failure_ = 0;
 
-  std::vector<std::uint8_t> data_;     // of the reply in hand, behind `posts`
+  std::vector<std::uint8_t> data_;     // of the current reply, after `posts`
   std::vector<std::uint8_t> payload_;
   std::vector<std::uint8_t> out_;
   std::size_t sent_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which protocol the next byte belongs to: docs/protocol.md, "One port, two protocols".
+// To which protocol the next byte belongs (docs/protocol.md, "One port, two protocols").
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ class PortSplitter {
  public:
   enum class Side : std::uint8_t { classic, framed };
 
-  // Where `byte` goes. A 00 goes to both when it cuts a classic message short: the classic side calls it an invalid character.
+  // Returns where `byte` goes. A 00 that cuts a classic message short goes to both sides. The classic side treats it as an
+  // invalid character.
   Side route(std::uint8_t byte) noexcept {
     if (byte == protocol::frame::delimiter) {
       const Side side = state_ == State::classic ? Side::classic : Side::framed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One place for each id of the window: what was executed there last, and what was answered.
+// One place for each id of the window: what was last executed there, and its answer.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ class ReplyCache {
   struct Place {
     std::uint16_t id = 0;
     std::uint8_t status = 0;
-    bool empty = true;                 // nothing has been executed here
-    bool kept = false;                 // `reply` is the answer; else it was too long
+    bool empty = true;                 // nothing was executed here
+    bool kept = false;                 // `reply` is the answer; false: the answer was too long
     std::vector<std::uint8_t> reply;
   };
 
@@ -45,7 +45,7 @@ class ReplyCache {
     return distance < 0x8000 ? Verdict::fresh : Verdict::stale;
   }
 
-  // Whether the request with this id has been executed: its place holds it or a later one.
+  // Whether the request with this id was executed: its place holds this id or a later one.
   [[nodiscard]] bool executed(std::uint16_t id) const noexcept {
     return static_cast<std::uint16_t>(place(id).id - id) < 0x8000;
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The nonce that a HELLO answer offers and an OPEN takes up, once. Without a secret it counts, as the gateware's does. With one the same count is
-// shown through a permutation that nobody else knows: none comes again before all 65,536 have been, and who does not hear the answers can
-// only guess. Guesses are rationed: behind a wrong one no OPEN counts for a while, twice as long each time, up to a second.
+// The nonce that a HELLO answer offers, and that one OPEN takes. Without a secret the nonces count, as in the gateware. With a
+// secret, the count goes through a permutation that nobody else knows. So no nonce repeats before all 65,536 were used, and a
+// client that does not receive the answers can only guess. Guesses are limited: after a wrong one no OPEN counts for a while.
+// This time doubles each time, up to a second.
 #pragma once
 
 #include <algorithm>
@@ -13,17 +14,17 @@ namespace unitylink::device {
 
 class SessionOffer {
  public:
-  // `made`: offers before, which outlive a reset. `secret` 0: none. `second`: in clocks.
+  // `made`: earlier offers, which survive a reset. `secret` 0: no secret. `second`: in clocks.
   SessionOffer(std::uint16_t made, std::uint64_t secret, Clock second) noexcept
       : secret_(secret), rest_least_(second / 100), rest_most_(second), rest_(rest_least_), made_(made) {}
 
   [[nodiscard]] std::uint16_t made() const noexcept { return made_; }
-  // The nonce of one more.
+  // The nonce of a new offer.
   std::uint16_t make() noexcept {
     open_ = true;
     return shown(++made_);
   }
-  // An OPEN with that nonce is in time; then none is any more.
+  // An OPEN with this nonce is in time. Then the offer is used up.
   [[nodiscard]] bool take(std::uint16_t nonce, Clock now) noexcept {
     if (now < rests_until_) {
       return false;
@@ -41,7 +42,7 @@ class SessionOffer {
   }
 
  private:
-  static constexpr std::uint16_t kept = 8;  // offers whose OPEN may be late, and is no guess
+  static constexpr std::uint16_t kept = 8;  // offers whose OPEN may be late without counting as a guess
 
   [[nodiscard]] bool recent(std::uint16_t nonce) const noexcept {
     for (std::uint16_t back = 0; back < kept; ++back) {
@@ -51,7 +52,7 @@ class SessionOffer {
     }
     return false;
   }
-  // Four rounds of Feistel's network: a permutation, whatever `mixed` is.
+  // Four rounds of a Feistel network: a permutation for any `mixed`.
   [[nodiscard]] std::uint16_t shown(std::uint16_t count) const noexcept {
     if (secret_ == 0) {
       return count;
@@ -64,7 +65,7 @@ class SessionOffer {
     }
     return static_cast<std::uint16_t>(left << 8 | right);
   }
-  // The finalizer of SplitMix64, eight bits of it.
+  // Eight bits of the finalizer of SplitMix64.
   [[nodiscard]] static std::uint32_t mixed(std::uint64_t value) noexcept {
     value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9u;
     value = (value ^ value >> 27) * 0x94D049BB133111EBu;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames that have come in and are not executed yet: as many as the gateware's receiver keeps.
+// Frames that have arrived and are not yet executed: as many as the gateware's receiver keeps.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class WaitingFrames {
     std::vector<std::uint8_t> payload;
   };
 
-  // Payloads of so many bytes at most; all that is kept is `bytes_most`.
+  // Each payload has at most so many bytes, and all together have at most `bytes_most`.
   WaitingFrames(std::size_t payload_most, std::size_t bytes_most) : ring_(most), bytes_most_(bytes_most - early) {
     for (Waiting& waiting : ring_) {
       waiting.payload.reserve(payload_most);
@@ -27,7 +27,7 @@ class WaitingFrames {
   }
 
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
-  // No byte of another frame can be taken; the one on its way may still end.
+  // No byte of another frame can be taken. The current frame may still end.
   [[nodiscard]] bool full() const noexcept { return count_ >= frames_most || bytes_ >= bytes_most_; }
   [[nodiscard]] const Waiting& front() const noexcept { return ring_[first_]; }
 
@@ -47,7 +47,7 @@ class WaitingFrames {
 
  private:
   static constexpr std::size_t frames_most = 16;
-  static constexpr std::size_t early = 4;  // bytes before the end the gateware pauses
+  static constexpr std::size_t early = 4;  // the gateware pauses so many bytes before the end
   static constexpr std::size_t most = frames_most + 1;
 
   std::vector<Waiting> ring_;

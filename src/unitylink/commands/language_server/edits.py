@@ -46,7 +46,7 @@ def rename(document: Document, offset: int, new_name: str, project: Project) -> 
         edits.setdefault(file, []).append((start, end, word))
     for file in edits:
         if file not in project.texts:
-            raise RenameRefused(f"`{symbol.name}` also stands in {file}, which is not of this workspace")
+            raise RenameRefused(f"`{symbol.name}` also stands in {file}, which is not in this workspace")
     changed = {file: edited(project.texts[file], ours) for file, ours in edits.items()}
     for file, text in project.texts.items():
         if file not in changed and "import" not in text:

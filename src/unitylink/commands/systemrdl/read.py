@@ -41,7 +41,7 @@ def read_systemrdl(path: str, top: str | None = None, include: Sequence[str] = (
         return compiler.elaborate(top_def_name=top).top
     except RDLCompileError as error:
         said = "\n".join(collector.lines).strip() or str(error)
-        raise Failure(f"{path} is no SystemRDL that compiles:\n{said}") from None
+        raise Failure(f"{path} does not compile as SystemRDL:\n{said}") from None
     except Exception as error:  # what its parser, of which half is C++, ends in at text that is damaged
         raise Failure(f"{path} cannot be read: {error}") from None
 

@@ -29,7 +29,7 @@ def write_spec(top: AddrmapNode) -> Imported:
     text = format_text(writer.text(), f"{top.inst_name}.ul")
     errors = [d for d in compile_text(text, f"{top.inst_name}.ul").diagnostics if d.severity == "error"]
     if errors:
-        raise Failure(f"{top.inst_name} cannot be said in UL-spec:\n{render(errors)}")
+        raise Failure(f"{top.inst_name} cannot be expressed in UL-spec:\n{render(errors)}")
     return Imported(text, tuple(writer.types.notes))
 
 

@@ -62,7 +62,9 @@ def plan_packages(plan: SpecPlan) -> list[Package]:
     names = [package.name for package in made]
     for name in names:
         if names.count(name) > 1:
-            raise BindingError(f"{spec.source}: two public constructors are the package {name!r}; rename one")
+            raise BindingError(
+                f"{spec.source}: two public constructors give the package {name!r}; rename one"
+            )
     return made
 
 

@@ -186,7 +186,7 @@ class _Planner:
         for name in (component.entity, *(port for port, _, _ in component.pins), *component.events):
             if name.lower() in KEYWORDS:
                 raise BindingError(
-                    f"vhdl: {part.path}: {name} is a word of VHDL or Verilog; name it otherwise"
+                    f"vhdl: {part.path}: {name} is a keyword of VHDL or Verilog; give it another name"
                 )
         own: dict[str, CodePart] = {"clock_hz": "clock_hz", "data_width": self._data_width()}
         given: dict[str, CodePart] = {name: own.get(name, value) for name, value in component.generics}
@@ -245,7 +245,7 @@ class _Planner:
                     others = [element.path for element in group.elements if not self.words.drives(element)]
                     if others:
                         raise BindingError(
-                            f"vhdl: {others[0]} is published on change, and your logic does not give it; "
+                            f"vhdl: {others[0]} is published on change, but your logic does not drive it; "
                             "publish it at a rate"
                         )
                     changes.append(Change(group.number, tuple(self.words.read[a] for a in group.addresses)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The spec's tree as VHDL records, so that a word has the name it has in Python: `to_pc.j1.cpos`."""
+"""The spec's tree as VHDL records, so that a word has the same name as in Python: `to_pc.j1.cpos`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .value_types import Declaration, FieldType, Part
 
 @dataclass(frozen=True)
 class Leaf:
-    """A part of a value in the top record: `path` from there on ("j(1).cpos"), its word, its bits in it."""
+    """A part of a value in the top record: its path there ("j(1).cpos"), its word, and its bits in it."""
 
     path: Vhdl
     index: int
@@ -25,7 +25,7 @@ class Leaf:
 
 @dataclass(frozen=True)
 class Tree:
-    """The record types of one direction, each behind those it uses; `type` is the top one, "" for none."""
+    """The record types of one direction, each after those that it uses. `type` is the top one, or ""."""
 
     type: Vhdl
     declarations: tuple[Declaration, ...]
@@ -41,14 +41,17 @@ def records(
     *,
     array_of: Callable[[Vhdl], str],
 ) -> Tree:
-    """Plan the records of a direction; `type_of` an element is None where it has no field there, and
-    `array_of` names the type of several values side by side."""
+    """Plan the records of a direction.
+
+    `type_of` gives the type of an element, or None if it has no field there. `array_of` names the type of
+    several values side by side.
+    """
     return _Maker(direction, names, index_of, type_of, array_of=array_of).tree(spec)
 
 
 @dataclass(frozen=True)
 class _Item:
-    """A field to be: its name, the text of its type, and its leaves from there on."""
+    """A planned field: its name, the text of its type, and its leaves."""
 
     name: str
     type: Vhdl
@@ -57,8 +60,10 @@ class _Item:
 
 
 class _Maker:
-    """Walks the tree once and collects record types; members are named whether they have a field or not, so
-    that they have the same names in all directions."""
+    """Walks the tree once and collects record types.
+
+    Each member gets a name, even if it has no field. So it has the same name in all directions.
+    """
 
     def __init__(
         self,
@@ -101,7 +106,7 @@ class _Maker:
         return items
 
     def _array(self, scope: Names, array: str, parts: list[Element | Instance]) -> list[_Item]:
-        """Return one field for all items of an array, or a field for each where they are not alike."""
+        """Return one field for all items of an array, or a field for each if they differ."""
         name = scope.claim(array)
         items = [self._item("", part) for part in parts]
         whole = [item for item in items if item is not None]
@@ -166,7 +171,7 @@ def _moved(leaf: Leaf, front: str, between: str = "") -> Leaf:
 
 
 def _about(element: Element) -> str:
-    """Say what the type does not; words of ours stand first, for tools obey some comments."""
+    """Return the facts that the type does not show. Our own words come first: tools obey some comments."""
     facts = []
     if element.type.kind in ("fixed", "ufixed"):
         facts.append(f"{element.type.fraction} bits behind the point")

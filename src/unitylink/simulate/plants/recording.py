@@ -52,7 +52,8 @@ class RecordingPlant:
         else:
             known = ", ".join(list(paths)[:3])
             raise UnityLinkError(
-                f"{self.path}: holds {known}, and nothing the spec reads; give its own with --spec"
+                f"{self.path}: has {known}, but no item that the spec reads; "
+                "give the spec of the recording with --spec"
             )
 
     def _start(self) -> None:

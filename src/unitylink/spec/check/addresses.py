@@ -107,7 +107,7 @@ def _check_links(placed: Sequence[Placed], links: Mapping[str, Link], reporter: 
             first, earlier = chosen.setdefault((one.root, element.link.comm), (name, one))
             names = ", ".join(f"`{known}`" for known in links if known)
             if not name and earlier is one:
-                message = f"it is not said by which link `{one.root}` is reached"
+                message = f"it is not clear which link leads to `{one.root}`"
                 hint = f"there are {names}: write `MEMORY(LINK=…);` or `TOSNET(…, LINK=…);`"
                 reporter.report("UL096", one.address.start, one.address.end, message, hint)
             elif first != name:
@@ -174,7 +174,7 @@ def _check_tosnet(one: Placed, reporter: Reporter) -> None:
         message = f"`{element.path}` is a {element.access}, but {lies}, which only the node itself may write"
         hint = f"right only if node {node} is the PC's own; {bit}"
     else:
-        message = f"`{element.path}` is a READ, but {lies}, which is written from here and not by the node"
+        message = f"`{element.path}` is a READ, but {lies}, which the PC writes, and not the node"
         hint = f"what a node sends lies in its OUT words; {bit}"
     reporter.report("UL054", number.start, number.end, message, hint)
 

@@ -84,7 +84,7 @@ def _check_whole(group: SubscriptionGroup, data_bits: int, reporter: Reporter) -
     if group.trigger == "rate" or not most < words <= protocol.GROUP_SIZE_MAX:
         return
     message = f"{words} words publish `{group.name}`; a frame carries {most}"
-    hint = "what one event publishes is not divided: publish less of it, or at a rate"
+    hint = "the words of one event are not divided: publish fewer, or at a rate"
     _report(reporter, "UL065", _beyond(group, most), message, hint)
 
 

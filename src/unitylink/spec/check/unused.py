@@ -20,7 +20,7 @@ def check_notes(tokens: Tokens, reporter: Reporter) -> None:
             after = bisect_right(tokens.starts, start)
             if after in tokens.documentation or after - 1 in tokens.trailing:
                 message = "this documents nothing"
-                hint = "`///` stands before a declaration, or behind one in its line; other comments are `//`"
+                hint = "put `///` before a declaration, or after it on the same line; other comments are `//`"
                 reporter.report("UL075", start, end, message, hint)
 
 

@@ -209,7 +209,7 @@ class Resolver:
             return
         at = node.name
         if node.block is None:
-            message = f"`{at.text}` stands for an entity, but does not say how many words it takes"
+            message = f"`{at.text}` is an entity, but has no number of words"
             hint = f"give it a block of addresses: `{at.text}(…): @base[4] {{ … }}`"
             self.reporter.report("UL098", at.start, at.end, message, hint)
         elif block is not None and frame.link.kind != "memory":

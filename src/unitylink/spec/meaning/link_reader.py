@@ -81,7 +81,7 @@ class LinkReader:
         for key, (layers, what) in _BELONGS.items():
             if key in given and (physical or LINES[0]) not in layers:
                 one = given[key]
-                message = f"{key} is of {what}, and link `{node.name.text}` is none"
+                message = f"{key} belongs to {what}, but link `{node.name.text}` is not one"
                 hint = f"remove {key}, or write PHYSICAL={' or '.join(layers)}"
                 self.reporter.report("UL092", one.start, one.end, message, hint)
         if physical == "rs485" and "NODE" not in given:

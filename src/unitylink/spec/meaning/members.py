@@ -239,7 +239,7 @@ class _Checker:
                 message = (
                     f"`{text}` is given twice"
                     if text in given
-                    else "an argument without a name behind one with a name"
+                    else "an argument without a name after one with a name"
                 )
                 self.reporter.report("UL094", place.start, place.end, message, hint)
                 good = False

@@ -92,7 +92,7 @@ _HARDWARE = {
         UL055="address outside the constructor's block",
         UL056="no room for a block of addresses",
         UL057="address inside another block",
-        UL058="against the kind of the link",
+        UL058="not possible on this kind of link",
         UL059="address beyond the link's width",
         UL060="PUBLISH on a WRITE",
         UL061="PUBLISH mode neither 1 nor 2",
@@ -108,7 +108,7 @@ _HARDWARE = {
     ),
     **_warnings(
         UL053="address outside TosNet's shared memory",
-        UL054="against TosNet's access rights",
+        UL054="access that TosNet does not allow",
         UL064="more publishes at one rate than the 2012 gateware can hold in a group",
         UL066="more publish groups than the 2012 gateware can hold",
         UL069="element twice in a group",
@@ -125,7 +125,7 @@ _VALUES = _errors(
     UL085="bit fields overlap",
     UL086="field that does not fit its bits",
     UL087="unknown unit",
-    UL088="units that do not fit",
+    UL088="units that do not match",
     UL089="MAX below MIN",
     UL090="value out of range",
     UL091="SCALE of 0",
@@ -135,7 +135,7 @@ _VALUES = _errors(
     UL095="unknown link",
     UL096="link not named",
     UL097="unknown constant",
-    UL098="component that is not whole",
+    UL098="incomplete component",
 )
 
 _UNUSED = _warnings(

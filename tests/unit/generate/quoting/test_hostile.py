@@ -124,5 +124,5 @@ def test_what_is_no_name_is_refused(place: str) -> None:
         assert error.code == "UL098" and "'a\\nb.ul' is no name of VHDL" in error.message
         return
     assert result.spec is not None
-    with pytest.raises(BindingError, match=r"characters that do not print"):
+    with pytest.raises(BindingError, match=r"characters that cannot be printed"):
         generate(result.spec, "ros2")
