@@ -10,9 +10,9 @@
 --           for a message that has begun. No character is taken while room is low.
 --           message_end (only for "none"): high in the clock of a colon or byte that ends the message.
 -- Latency   None. One character per clock.
--- Errors    lite: a head other than # between messages is reported as f1, and nothing else is reported. A character that
---           should be a letter but is not drops the message. One that should be a digit but is not leaves the message
---           open until the next head, which ends it and begins no other. none: no errors.
+-- Errors    lite: a head other than # between messages is reported as f1, and nothing else is reported. A wrong letter
+--           drops the message. A wrong digit leaves the message open until the next head. That head ends the message, and
+--           begins no other. none: no errors.
 
 library ieee;
   use ieee.std_logic_1164.all;

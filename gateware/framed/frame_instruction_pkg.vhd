@@ -146,7 +146,7 @@ package frame_instruction_pkg is
   constant address_up   : std_ulogic_vector(4 downto 0) := "01110";  -- for an operation at rising addresses
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit
-  constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place number `pointer` gets an id of before the start
+  constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place number `pointer` gets an id from before the start
 
   -- Actions with one bit each.
   constant do_begin        : natural := 58;  -- continue with the work in hand; clears `count` and marks, frees the bus

@@ -8,7 +8,7 @@
 --           order, with `before`: neither the id before it nor a later one of that place was executed.
 --           status, kept: of the cached reply. too_long: the reply was not kept.
 --           remember: the id takes its place, with status_in and the bytes given since `start`. forget: place number
---           forget_index gets an id of before the session. keep: data_in is the next byte of a reply. recall: data_out is
+--           forget_index gets an id from before the session. keep: data_in is the next byte of a reply. recall: data_out is
 --           taken, and the next byte comes two clocks later.
 -- Latency   Two clocks from the id to the outputs about it.
 -- Errors    Bytes beyond the size of a place are counted, not kept.

@@ -66,7 +66,7 @@ int abi_test(const char* url) {
     EXPECT(ul_read_control(link, 0, &value, 0, NULL) == UL_RANGE);
     const uint64_t hash = 1;
     const char* unverified = NULL;
-    EXPECT(ul_check_spec(link, "arm.ul", &hash, 1, &unverified) == UL_OK && strstr(unverified, "without saying from which spec") != NULL);
+    EXPECT(ul_check_spec(link, "arm.ul", &hash, 1, &unverified) == UL_OK && strstr(unverified, "without the hash of its spec") != NULL);
     EXPECT(ul_check_spec(link, NULL, &hash, 1, NULL) == UL_ARGUMENT && ul_check_spec(link, "arm.ul", NULL, 1, NULL) == UL_ARGUMENT);
     EXPECT(ul_write_control(link, 0, 1, NULL) == UL_PROTOCOL_ERROR);
   } else {

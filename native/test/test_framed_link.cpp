@@ -178,11 +178,11 @@ TEST_CASE("whose gateware answers is known, not known, or overridden") {
   CHECK(unverified.empty());
   const Desk nameless("", device::DeviceConfiguration{});
   CHECK(nameless.link->check_spec("arm.ul", others, unverified).ok());
-  CHECK(unverified.find("without saying from which spec") != std::string::npos);
+  CHECK(unverified.find("without the hash of its spec") != std::string::npos);
   CHECK(Desk("spec_hash=1234").outcome.status == Status::mismatch);
   const Desk classic("protocol=classic", configuration);
   CHECK(classic.link->check_spec("arm.ul", others, unverified).ok());
-  CHECK(unverified.find("classic gateware cannot say") != std::string::npos);
+  CHECK(unverified.find("classic gateware cannot report") != std::string::npos);
   CHECK(Desk("protocol=classic&spec_hash=1234", configuration).outcome.status == Status::mismatch);
 }
 

@@ -250,7 +250,7 @@ TEST_CASE("a read that timed out with no word known to answer names the hazard, 
   Exchange write = writing(0x05, 7);
   wire.run(write);
   CHECK(write.status == Status::unknown);
-  CHECK(told(write).find("behind a bus timeout") != std::string::npos);
+  CHECK(told(write).find("after a bus timeout") != std::string::npos);
   Exchange silent_too = reading(0xF5);
   wire.run(silent_too);
   Exchange repeated = writing(0x05, 7, true);
@@ -279,7 +279,7 @@ TEST_CASE("a write that timed out names what may come of it, and what was on its
   wire.submit(once);
   wire.run();
   CHECK(once.status == Status::protocol_error);
-  CHECK(told(once).find("behind a bus timeout") != std::string::npos);
+  CHECK(told(once).find("after a bus timeout") != std::string::npos);
 }
 
 TEST_CASE("a cycle that is left over is remembered when the line is lost and comes back") {
@@ -324,7 +324,7 @@ TEST_CASE("a cycle that is left over is remembered when the line is lost and com
     wire.run(write);
     CHECK(write.status == Status::unknown);
     CHECK(wire.memory(0x05) != 7);
-    CHECK(told(write).find("behind a bus timeout") != std::string::npos);
+    CHECK(told(write).find("after a bus timeout") != std::string::npos);
   }
 }
 

@@ -51,7 +51,7 @@ def create_output(path: str | Path, *, force: bool = False) -> int:
     >>> os.close(create_output(path))
     >>> create_output(path)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    unitylink.errors.UnityLinkError: ...arm.csv: there is such a file already; name another, ...
+    unitylink.errors.UnityLinkError: ...arm.csv: this file exists already; name another ...
     """
     check_output(path, force=force)
     try:

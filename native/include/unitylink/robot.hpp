@@ -82,7 +82,7 @@ class Robot {
     std::vector<std::uint64_t> raws(count);
     for (std::size_t i = 0; i < count; ++i) {
       if (!encode(table_.values[values[i]], numbers[i], raws[i])) {
-        why = std::string(table_.values[values[i]].path) + ": " + shown(numbers[i]) + " is none of its values, or out of its limits; nothing was written";
+        why = std::string(table_.values[values[i]].path) + ": " + shown(numbers[i]) + " is not one of its values, or is out of its limits; nothing was written";
         ++refused;
         return false;
       }

@@ -163,7 +163,7 @@ void Application::begin_publish(std::uint32_t group) {
   emit();
 }
 
-// The head enters the FIFO at once, the rest from the decision on, one word per clock while there are places.
+// The head enters the FIFO at once. The other words enter after the decision, one per clock, while there is room.
 void Application::emit() {
   while (sent_ < pending_.size()) {
     if (held()) {
@@ -209,7 +209,7 @@ void Application::schedule_access(std::uint32_t address, State state) {
 
 void Application::next_block_word() {
   if (configuration_.published_2012 && !request_ && next_address_ == addresses_.size() && block_words_ == configuration_.group_size) {
-    next_address_ = 0;  // its counter of addresses is a bit too short to see the end of a full group
+    next_address_ = 0;  // its counter of addresses is one bit too short for the end of a full group
   }
   if (next_address_ < addresses_.size()) {
     if (request_) {
@@ -254,7 +254,7 @@ void Application::access_block() {
   if (refuse_access(answer.status, error::bus_error_read)) {
     bus_.block(false, at_);
     if (configuration_.published_2012 && !request_ && answer.status == BusStatus::silent) {
-      subscriptions_.ask_again(group_, at_);  // it forgets to take the group's request back
+      subscriptions_.ask_again(group_, at_);  // it does not withdraw the request of the group
     }
     after_emit_ = State::idle;
   } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each request means. Its effect belongs to the clock at which its last argument has been looked at.
+// The effect of each request. It happens at the clock at which the last argument has been read.
 #include <array>
 
 #include "device/application.hpp"
@@ -13,7 +13,7 @@ namespace error = protocol::application_error;
 
 bool Application::Cursor::take(std::uint32_t count, std::uint32_t& value) noexcept {
   if (data.size() < count) {
-    clocks += data.size() + 1;  // the end of the message is looked at too
+    clocks += data.size() + 1;  // the end of the message is read, too
     data = {};
     return false;
   }
@@ -47,7 +47,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
       block_words_ = first;
       addresses_.clear();
       next_address_ = 0;
-      Cursor rest{cursor.data};  // addresses are looked at one by one, between the bus accesses
+      Cursor rest{cursor.data};  // addresses are read one by one, between the bus accesses
       const std::uint32_t width = configuration_.address_bytes();
       for (std::uint32_t address = 0; addresses_.size() < block_words_ && rest.take(width, address);) {
         addresses_.push_back(address & configuration_.address_mask());
@@ -79,7 +79,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
   } else if (letters == command::disable_publishing) {
     subscriptions_.disable(decision_ + cursor.clocks);
     success(reply::disable_publishing);
-  } else if (!cursor.take(1, first)) {  // what is left is about one group
+  } else if (!cursor.take(1, first)) {  // all other requests are about one group
     refuse_missing(error::missing_data);
   } else if (first >= configuration_.groups) {
     refuse(error::invalid_group);
@@ -97,7 +97,7 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
 
 void Application::read_configuration() {
   const bool old = configuration_.published_2012;
-  const std::uint32_t highest = configuration_.base_hz - (old ? 1 : 0);  // 2012: a byte too few for powers of 256
+  const std::uint32_t highest = configuration_.base_hz - (old ? 1 : 0);  // 2012: one byte too few for powers of 256
   std::uint32_t frequency_bytes = 1;
   while (frequency_bytes < 4 && highest >> (8 * frequency_bytes) != 0) {
     ++frequency_bytes;
@@ -108,7 +108,7 @@ void Application::read_configuration() {
                                                             {configuration_.read_many, 1},
                                                             {configuration_.publish_mode, 1},
                                                             {configuration_.base_hz, frequency_bytes},
-                                                            {configuration_.groups, 1},  // one byte: 256 groups say 00
+                                                            {configuration_.groups, 1},  // one byte: 256 groups are sent as 00
                                                             {configuration_.group_size, 1},
                                                             {configuration_.rate_bytes, 1}}};
   char separator = bytes::data_mark;
@@ -136,10 +136,10 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   addresses_.clear();
   for (std::uint32_t address = 0; addresses_.size() < count;) {
     if (!cursor.take(configuration_.address_bytes(), address)) {
-      refuse_missing(error::missing_address);  // and the group stays as it was
-      if (configuration_.published_2012) {     // or it has the new count, and of the addresses those that came
+      refuse_missing(error::missing_address);  // the group is not changed
+      if (configuration_.published_2012) {     // or it gets the new count, and only the addresses that came
         subscriptions_.set_part(group, count, addresses_, decision_ + cursor.clocks);
-      } else if (configuration_.datalink != Datalink::full) {  // but without a buffer it has none any more
+      } else if (configuration_.datalink != Datalink::full) {  // without a buffer it has no addresses any more
         addresses_.clear();
         subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
       }
@@ -162,7 +162,7 @@ void Application::write_event_mask(Cursor& cursor) {
   while (left > 0 && cursor.take(1, bits)) {
     mask[--left] = static_cast<std::uint8_t>(bits);
   }
-  if (left == 0 || configuration_.datalink != Datalink::full) {  // without a buffer the bytes that came count
+  if (left == 0 || configuration_.datalink != Datalink::full) {  // without a buffer, the bytes that came are used
     subscriptions_.enable_events(mask, decision_ + cursor.clocks);
   }
   if (left == 0) {

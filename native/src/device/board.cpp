@@ -16,12 +16,12 @@ namespace unitylink::device {
 namespace {
 
 constexpr std::uint64_t second_ns = 1'000'000'000;
-// Without a line the device may run this far ahead of real time, so that a reply is out at once and not after a timer.
+// Without a line, the device may run so far ahead of real time. So a reply is sent at once, and not after a timer.
 constexpr std::uint64_t lead_ns = 200'000;
-constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can bring it work
-constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a sign
-constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;  // beyond this the others have waited in vain: the device clock slips
-constexpr std::uint64_t linger_ns = 500'000'000;   // for the answers to a client that sends no more but still reads
+constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can give it work
+constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a readable descriptor
+constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;  // beyond this the others do not wait any longer, and the device clock is delayed
+constexpr std::uint64_t linger_ns = 500'000'000;   // for the answers to a client that sends nothing more but still reads
 constexpr std::size_t chunk = 16384;
 
 // In two parts: clock_hz times nanoseconds overflows within a day.
@@ -80,7 +80,7 @@ std::uint64_t Board::due_ns(Clock clock) const noexcept {
   return clock == never ? RobotTime::idle : start_ns_ + nanoseconds(clock + slip_, configuration().clock_hz);
 }
 
-// All that is due before is done: whoever shares the time may go on.
+// All earlier work is done. The others that share the time may continue.
 void Board::tell_due() { follower_.due(due_ns(std::min(device_->next_event(), plant_next_))); }
 
 std::unique_lock<std::mutex> Board::enter() {
@@ -118,7 +118,7 @@ void Board::serve() {
     const bool more = feed();
     const Clock now = clock_now();
     Clock target = now + lead_;
-    if (fed_) {  // what came in is worked on at once, however far ahead the device already was, within reason
+    if (fed_) {  // new input is processed at once, even if the device is already ahead, within limits
       target = std::max(target, std::min(device_->clock() + lead_, now + 4 * lead_));
     }
     const Clock wanted = in_time(target);
@@ -137,7 +137,7 @@ void Board::serve() {
   follower_.due(RobotTime::idle);
 }
 
-// `target`, or what is left of it when the others have waited for this board in vain: what is due must not pile up.
+// `target`, or an earlier time if the others have waited too long for this board: work must not pile up.
 Clock Board::in_time(Clock target) {
   const Clock due = std::min(plant_next_, device_->next_event());
   const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
@@ -150,7 +150,7 @@ Clock Board::in_time(Clock target) {
   return target - lost;
 }
 
-// `target`, or the part of it that leaves the client not waiting for long.
+// `target`, or an earlier time, so that the client does not wait for long.
 Clock Board::within_reach(Clock target) const noexcept {
   const Clock clock = device_->clock();
   return target > clock && target - clock > device_->most_at_once() ? clock + device_->most_at_once() : target;
@@ -195,7 +195,7 @@ bool Board::feed() {
   if (taken.result != Endpoint::Result::done) {
     return false;
   }
-  device_->run_until(std::min(within_reach(clock_now()), plant_next_));  // not past what the plant has still to do
+  device_->run_until(std::min(within_reach(clock_now()), plant_next_));  // not past the next step of the plant
   for (const std::uint8_t byte : std::span(bytes).first(taken.bytes)) {
     device_->receive(byte);
   }
@@ -203,7 +203,7 @@ bool Board::feed() {
   return taken.bytes == room;
 }
 
-// What was meant for a client that has left is not for the next.
+// Output for a client that has left is not for the next one.
 void Board::forget_output() {
   output_.clear();
   output_sent_ = 0;
@@ -235,7 +235,7 @@ void Board::flush() {
     if (output_blocked_) {
       return;
     }
-    output_sent_ += sent.bytes;  // of a client that is gone: nothing, and the next round drops it
+    output_sent_ += sent.bytes;  // nothing for a client that has left: the next round drops it
   }
 }
 
@@ -312,7 +312,7 @@ void Board::set_event(std::uint32_t group, bool high) {
 
 void Board::pulse_event(std::uint32_t group) {
   const auto lock = enter();
-  device_->set_event(group, true);  // no clock passes between the two: a level is caught once, as an edge is
+  device_->set_event(group, true);  // no clock is between the two: a level counts once, like an edge
   device_->set_event(group, false);
   wake();
 }

@@ -54,13 +54,13 @@ DatalinkReceiver::Taken DatalinkReceiver::begin(bool checked, Clock now) noexcep
 DatalinkReceiver::Taken DatalinkReceiver::finish(Clock now) noexcept {
   Message& message = messages_[first_ ^ complete_];
   Clock delay = timing::message_ready;
-  if (message.checked && configuration_.published_2012) {  // it looks at the remainder and nothing else
+  if (message.checked && configuration_.published_2012) {  // it checks only the remainder
     if (sum_ != 0 || configuration_.checksum == Checksum::none) {
       return fail(datalink_error::checksum, now, timing::receive_first_digit);
     }
     delay += timing::checksum_verdict;
   } else if (message.checked) {
-    // Exactly one checksum byte behind a star. The one exception is the empty message with an empty checksum, `$*`.
+    // Exactly one checksum byte after a star. The only exception is the empty message with an empty checksum, `$*`.
     const bool empty = checksum_bytes_ == 0 && message.letters.empty() && message.data.empty();
     if (!star_ || sum_ != 0 || (checksum_bytes_ != 1 && !empty)) {
       return fail(datalink_error::checksum, now, timing::receive_first_digit);
@@ -143,7 +143,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock 
   if (!stored()) {
     return fail(datalink_error::message_too_long, now, timing::receive_first_digit);
   }
-  sum_ = checksum_.update(sum_, byte);  // the letter as sent: case counts
+  sum_ = checksum_.update(sum_, byte);  // the letter as sent: upper and lower case differ
   message.letters.push_back(static_cast<char>(c & ~0x20));
   return {now + timing::receive_character};
 }

@@ -86,7 +86,7 @@ void DatalinkTransmitter::send_word() noexcept {
       hex(word.value);
       break;
     case Word::Kind::error_mark:
-      checked_ = false;  // what ends in an error never carries a checksum
+      checked_ = false;  // a message that ends with an error never has a checksum
       character(bytes::error_mark);
       break;
     case Word::Kind::tail:

@@ -15,7 +15,7 @@ constexpr std::size_t letters_most = 4;  // no command has more than three
 
 }  // namespace
 
-// The message in hand goes to the application; it may be one that is not at its end.
+// Gives the current message to the application. It may still be incomplete.
 void DatalinkReceiver::hand_on(Clock now) noexcept {
   messages_[first_ ^ complete_].ready_at = now + timing::message_ready;
   receiving_ = false;
@@ -24,7 +24,7 @@ void DatalinkReceiver::hand_on(Clock now) noexcept {
 
 void DatalinkReceiver::take_data(std::uint8_t byte, Clock now) {
   Message& message = messages_[first_ ^ complete_];
-  if (entries_++ < entries_most_) {  // more than that, no request has a use for
+  if (entries_++ < entries_most_) {  // no request uses more
     message.data.push_back(byte);
   }
   const std::string_view letters(message.letters.data(), message.letters.size());
@@ -40,7 +40,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take_unchecked(std::uint8_t byte, Cloc
   const Taken taken{now + timing::receive_character};
   Message& message = messages_[first_ ^ complete_];
   if (broken_) {
-    if (is_head(c)) {  // it ends the open message and is used up
+    if (is_head(c)) {  // it ends the open message, and begins no other
       broken_ = false;
       for (Message& handed_on : messages_) {
         handed_on.ready_at = handed_on.open ? now : handed_on.ready_at;

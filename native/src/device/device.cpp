@@ -30,7 +30,7 @@ Device::Device(const DeviceConfiguration& configuration)
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
 void Device::receive_error(std::uint8_t bits) {
-  if (configuration_.published_2012 && receiver_.has_message()) {  // it answers what it has received before it tells
+  if (configuration_.published_2012 && receiver_.has_message()) {  // it answers received requests before it reports the error
     unheard_errors_ |= bits;
     return;
   }
@@ -70,7 +70,7 @@ Clock Device::receiver_clock() const noexcept {
   return readable == never ? never : std::max({readable, receiver_ready_, receiver_.room_at()});
 }
 
-// One side at a time has the way out, until it has ended what it says.
+// One side at a time may send, until its message ends.
 Clock Device::application_clock() const noexcept {
   return application_.idle() && framed_.sending() ? never : application_.next_clock();
 }
@@ -81,11 +81,11 @@ Clock Device::framed_clock() const noexcept {
   return configuration_.has_framed() ? framed_.next_clock(classic_idle()) : never;
 }
 
-// One byte; or, within frames, as many as come before `limit`: until a frame is whole they change nothing else.
+// Takes one byte, or within frames all bytes before `limit`: until a frame is complete they change nothing else.
 void Device::take_bytes(Clock limit) {
   Clock now = receiver_clock();
   while (configuration_.has_framed() && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
-    const bool border = input_.front() == protocol::frame::delimiter;  // a frame may be whole
+    const bool border = input_.front() == protocol::frame::delimiter;  // a frame may be complete
     framed_.take(input_.front(), now);
     input_.pop();
     ++statistics_.bytes_received;
@@ -112,7 +112,7 @@ void Device::take_bytes(Clock limit) {
   }
 }
 
-// After an error of form or checksum the decoder of 2012 has already taken the byte behind it, if there was one.
+// After an error of form or checksum, the decoder of 2012 has already taken the next byte, if there was one.
 void Device::swallow(const DatalinkReceiver::Taken& failed) {
   namespace error = protocol::datalink_error;
   const bool takes_one_more = failed.error == error::format || failed.error == error::odd_digits || failed.error == error::checksum;
@@ -150,7 +150,7 @@ void Device::run_until(Clock clock) {
     } else if (transmitter_clock() <= next) {
       last_activity_ = std::max(last_activity_, next);
       if (transmitter_.errors_full()) {
-        receiver_ready_ = std::max(receiver_ready_, next);  // the receiver has waited for a place for its next error
+        receiver_ready_ = std::max(receiver_ready_, next);  // the receiver has waited for room for its next error
       }
       transmitter_.step();
     } else if (subscriptions_.next_clock() <= next) {
@@ -158,7 +158,7 @@ void Device::run_until(Clock clock) {
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
     } else if (framed <= next) {
-      const bool alone = configuration_.byte_clocks() == 0;  // else each byte is a departure to come
+      const bool alone = configuration_.byte_clocks() == 0;  // otherwise each byte leaves at a later time
       framed_.step(clock_, classic_idle(), alone ? std::min({beside, receiver, clock}) : next);
       application_.yield(framed_.open());
     } else if (application_clock() <= next) {

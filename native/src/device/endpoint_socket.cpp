@@ -48,7 +48,7 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   } else {
     ::setsockopt(socket.get(), found->ai_family == AF_INET6 ? static_cast<int>(IPPROTO_IPV6) : static_cast<int>(IPPROTO_IP),
-                 found->ai_family == AF_INET6 ? IPV6_RECVERR : IP_RECVERR, &on, sizeof on);  // tells when the peer is gone
+                 found->ai_family == AF_INET6 ? IPV6_RECVERR : IP_RECVERR, &on, sizeof on);  // reports when the client has left
   }
   if (!socket.open() || ::bind(socket.get(), found->ai_addr, found->ai_addrlen) != 0 ||
       (type == SOCK_STREAM && ::listen(socket.get(), 8) != 0)) {
@@ -65,8 +65,8 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
   return {std::move(socket), host + ":" + std::to_string(chosen)};
 }
 
-// For links in this process. A link takes the host's end over; closing it is how the board learns that the link has left,
-// and then there is a new one for the next link.
+// For links in this process. A link takes over the host's end. When it closes this end, the board knows that the link has left, and makes a new
+// one for the next link.
 class DescriptorEndpoint final : public StreamEndpoint {
  public:
   std::string url() override {
@@ -85,7 +85,7 @@ class DescriptorEndpoint final : public StreamEndpoint {
   bool admit(bool) override { return std::exchange(fresh_, false); }
 
  private:
-  int host_ = -1;  // the link's, who closes it
+  int host_ = -1;  // the link's end, which the link closes
   bool fresh_ = false;
 };
 
@@ -98,7 +98,7 @@ class TcpEndpoint final : public StreamEndpoint {
 
   [[nodiscard]] bool ended() const noexcept override { return client_.open() && ended_; }
 
-  // `printf '$RLC*9B\n' | nc -N` closes its sending side at once: its answers are still on their way.
+  // `printf '$RLC*9B\n' | nc -N` closes its sending side at once, while its answers are still to come.
   Transfer receive(std::span<std::uint8_t> room) override {
     const Transfer taken = outcome(::recv(client_.get(), room.data(), room.size(), 0), false);
     if (taken.result == Result::gone) {
@@ -180,7 +180,7 @@ class UdpEndpoint final : public Endpoint {
     }
     const bool known = size == peer_size_ && std::memcmp(&from, &peer_, size) == 0;
     if (count == 0) {
-      return known ? leave() : Transfer{Result::nothing, 0};  // an empty datagram is the goodbye
+      return known ? leave() : Transfer{Result::nothing, 0};  // an empty datagram is the end of the client
     }
     if (!known && has_client() && at_rest_) {
       probe();
@@ -210,11 +210,11 @@ class UdpEndpoint final : public Endpoint {
     return {Result::gone, 0};
   }
 
-  // A client that left without a goodbye is only missed when another wants in: it is sent an empty line, and if its port
-  // is closed the system says so.
+  // A client that left without such an end is noticed only when another one wants to connect. Then it is sent an empty line. If its port is
+  // closed, the system reports it.
   void probe() {
     const char line = '\n';
-    for (int attempt = 0; attempt < 2; ++attempt) {  // the first refusal is told by the second call
+    for (int attempt = 0; attempt < 2; ++attempt) {  // the second call reports the first refusal
       if (::sendto(socket_.get(), &line, 1, MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&peer_), peer_size_) < 0 &&
           errno == ECONNREFUSED) {
         leave();

@@ -15,7 +15,7 @@ namespace unitylink::device {
 
 namespace {
 
-// Keeping a second program out is the lock of the serial driver; a terminal has no way to answer it.
+// The lock of the serial driver keeps a second program out. A terminal cannot answer it.
 class TerminalEndpoint final : public Endpoint {
  public:
   explicit TerminalEndpoint(const std::string& path) : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
@@ -73,8 +73,8 @@ class TerminalEndpoint final : public Endpoint {
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
       return {Result::nothing, 0};
     }
-    open_ = false;  // EIO: nobody has the other side open
-    ::tcflush(master_.get(), TCIOFLUSH);  // what the last client did not read is not for the next
+    open_ = false;  // EIO: no program has the other side open
+    ::tcflush(master_.get(), TCIOFLUSH);  // bytes that the last client did not read are not for the next
     return {Result::gone, 0};
   }
 
@@ -91,13 +91,13 @@ class TerminalEndpoint final : public Endpoint {
   bool open_ = false;
 };
 
-// Whether the terminal behind a link was made after it: then the board's has gone, and another got its number.
+// Whether the terminal behind a link is newer than the link. Then the board's terminal is gone, and another one got its number.
 bool younger(const struct stat& terminal, const struct stat& link) {
   return S_ISCHR(terminal.st_mode) &&
          std::pair(terminal.st_ctim.tv_sec, terminal.st_ctim.tv_nsec) > std::pair(link.st_ctim.tv_sec, link.st_ctim.tv_nsec);
 }
 
-// A link left behind by a board that was killed points to a terminal that is gone: until the next is opened, which gets its number.
+// A board that was killed leaves a link to a terminal that is gone. The next terminal may get the same number.
 void make_way(const std::string& path) {
   struct stat link {}, target {};
   if (::lstat(path.c_str(), &link) == 0) {

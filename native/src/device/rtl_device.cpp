@@ -11,10 +11,10 @@ namespace {
 
 constexpr Clock reset_clocks = 4;
 constexpr Clock chunk_clocks = 4096;      // about a millisecond of work
-constexpr Clock looks_per_second = 2000;  // for output that comes by itself
+constexpr Clock looks_per_second = 2000;  // for output without a request
 constexpr std::uint8_t overrun = 4;
 
-// The library stays mapped: a model that has gone may have left thread-local destructors behind.
+// The library stays mapped, because a model may leave thread-local destructors behind.
 const unitylink_rtl* load(const std::string& library, const RtlWords& words, std::uint32_t groups) {
   void* handle = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
@@ -25,7 +25,7 @@ const unitylink_rtl* load(const std::string& library, const RtlWords& words, std
     throw RtlError(library + ": not compiled gateware for this version of Unity-Link");
   }
   const unitylink_rtl* model = entry();
-  const bool has_events = model->groups > 0;  // a design of one's own may have none
+  const bool has_events = model->groups > 0;  // a user's design may have none
   if (model->read_words != words.read.size() || model->write_words != words.write.size() ||
       (has_events && model->groups != groups)) {
     throw RtlError(library + ": compiled from another design (" + std::to_string(model->read_words) + " words to read, " +
@@ -126,7 +126,7 @@ void RtlDevice::step() {
     ++statistics_.bytes_received;
   }
   if (pins_.tx_valid != 0 && pins_.tx_ready != 0) {
-    statistics_.datalink_errors += pins_.tx_data == '?' ? 1 : 0;  // nothing but the report of one has this character
+    statistics_.datalink_errors += pins_.tx_data == '?' ? 1 : 0;  // only the report of an error has this character
     output_.put(static_cast<char>(pins_.tx_data), clock_);
   }
   if (input_.next_arrival() <= clock_ && !input_.arrive()) {
@@ -187,7 +187,7 @@ bool RtlDevice::take(TimedByte& byte) noexcept {
 
 BusReply RtlDevice::get(std::uint32_t address) {
   if (const auto place = read_index_.find(address); place != read_index_.end()) {
-    return {BusStatus::ok, given_[place->second]};  // of a word with both sides what the PC reads, as on the twin
+    return {BusStatus::ok, given_[place->second]};  // of a word with both sides: the value that the PC reads, as on the twin
   }
   if (const auto place = write_index_.find(address); place != write_index_.end()) {
     return {BusStatus::ok, model_->get_word(state_.get(), place->second)};

@@ -37,7 +37,7 @@ void SubscriptionManager::set_rate(std::uint32_t group, std::uint32_t rate, Cloc
   count_strobes(now);
   Group& chosen = groups_[group];
   chosen.rate = rate;
-  if (rate == 0 && !published_2012_) {  // there what was asked for before is published once more
+  if (rate == 0 && !published_2012_) {  // that gateware publishes an earlier request once more
     chosen.due = false;
   }
   if (chosen.strobes >= rate) {
@@ -85,7 +85,7 @@ void SubscriptionManager::enable_events(std::span<const std::uint8_t> mask, Cloc
 
 void SubscriptionManager::set_input(std::uint32_t group, bool high, Clock now) {
   Group& chosen = groups_[group];
-  // A level counts in every clock it is high, thus also in the last one; an edge only where it rises.
+  // A level counts in every clock in which it is high, also in the last one. An edge counts only where it rises.
   if (chosen.event_enabled && (chosen.edge ? high && !chosen.input : high || chosen.input)) {
     chosen.event = true;
   }
@@ -149,7 +149,7 @@ void SubscriptionManager::advance(Clock now) {
 std::optional<std::uint32_t> SubscriptionManager::serve(Clock now) {
   advance(now);
   const auto count = static_cast<std::uint32_t>(groups_.size());
-  // Descending and cyclic from the one last served: the requester furthest from it wins.
+  // Descending and cyclic, from the one served last: the request farthest from it is served.
   for (std::uint32_t step = 1; step <= count; ++step) {
     const std::uint32_t candidate = (last_served_ + count - step) % count;
     Group& group = groups_[candidate];

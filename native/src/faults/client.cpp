@@ -142,7 +142,7 @@ void Client::begin(std::uint64_t now_ns) {
       if (random_() % 2 == 0) {
         add(Operation::synchronise);
       } else {
-        add_write(false);  // must not overtake them
+        add_write(false);  // it must not overtake them
       }
       break;
   }
@@ -159,14 +159,14 @@ void Client::judge() {
     const Status status = exchanges_[index].status;
     (status == Status::ok ? tally_.good : status == Status::unknown ? tally_.unknown : tally_.failed) += 1;
     const bool late = status == Status::timeout || status == Status::unknown || status == Status::cancelled;
-    if (framed_ != nullptr && status != Status::ok && !late && !tally_.lied_to) {  // it could have been asked again
+    if (framed_ != nullptr && status != Status::ok && !late && !tally_.lied_to) {  // it could have been repeated
       journal_.accuse(std::string("an operation ended with: ") + status_text(status));
     }
     if (tally_.lied_to && status != Status::ok && begun_ns_ >= tally_.trusted_ns) {
-      journal_.accuse(std::string("an operation begun when the device had told no more lies ended with: ") + status_text(status));
+      journal_.accuse(std::string("an operation that began after the device's last false answer ended with: ") + status_text(status));
     }
   }
-  // The request behind posts is answered only when they have been executed; otherwise, and in another session, nobody knows.
+  // The request after posts is answered only when they were executed. Otherwise, and in another session, the result is unknown.
   const bool confirmed = last == Status::ok && posts_ > 0 && framed_->sessions() == session_;
   for (std::size_t index = 0; index < posts_; ++index) {
     journal_.settle(confirmed ? Journal::Told::executed : Journal::Told::unknown);
@@ -197,7 +197,7 @@ void Client::judge() {
   }
 }
 
-// Nobody else writes these words: what was read is what they are.
+// No other client writes these words, so the values read must be right.
 void Client::judge_reads(const Exchange& exchange, const std::uint32_t* addresses, std::size_t count) {
   for (std::size_t index = 0; index < count && !journal_.disturbed(); ++index) {
     const std::uint32_t truth = journal_.truth(addresses[index]);

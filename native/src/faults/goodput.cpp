@@ -70,7 +70,7 @@ class Line {
   }
 
  private:
-  // Everything that happens at the next time at which something may.
+  // Does everything that happens at the next time with an event.
   void step() {
     now_ = next_;
     back_.take(now_, [this](std::span<const std::uint8_t> bytes) { engine_->receive(bytes, now_); });
@@ -82,7 +82,7 @@ class Line {
       if (bytes.empty()) {
         break;
       }
-      const std::size_t count = std::min<std::size_t>(bytes.size(), 64);  // as much as a driver takes at a time
+      const std::size_t count = std::min<std::size_t>(bytes.size(), 64);  // as much as a driver takes at once
       there_.send(bytes.first(count), now_);
       engine_->sent(count);
     }

@@ -26,7 +26,7 @@ void Journal::on_write(std::uint32_t address, std::uint32_t value) {
       accuse_write("executed twice", address, value);
     }
     if (std::any_of(wished + 1, wishes_.end(), [](const Wish& later) { return later.times > 0; }) && wished->times == 1) {
-      accuse_write("executed after one behind it", address, value);
+      accuse_write("executed after a later one", address, value);
     }
     return;
   }
@@ -35,9 +35,9 @@ void Journal::on_write(std::uint32_t address, std::uint32_t value) {
   if (past == past_.rend()) {
     accuse_write("executed, but nobody asked for it", address, value, true);
   } else if (++past->times > 1) {
-    accuse_write("executed twice, the second time after its outcome was told", address, value);
+    accuse_write("executed twice, the second time after its outcome was reported", address, value);
   } else if (!past->unknown) {
-    accuse_write("executed after it was told as not executed", address, value);
+    accuse_write("executed after it was reported as not executed", address, value);
   } else if (told_[address - first_] > past->number) {
     accuse_write("executed late, undoing a later write", address, value);
   }
@@ -47,9 +47,9 @@ void Journal::settle(Told told, const char* status) {
   Wish wish = wishes_.front();
   wishes_.pop_front();
   if (told == Told::executed && wish.times == 0) {
-    accuse_write("told as executed, but it was not", wish.address, wish.value, true);
+    accuse_write("reported as executed, but it was not", wish.address, wish.value, true);
   } else if (told == Told::not_executed && wish.times > 0) {
-    accuse_write((std::string("told as not executed, but it was (") + status + ")").c_str(), wish.address, wish.value);
+    accuse_write((std::string("reported as not executed, but it was (") + status + ")").c_str(), wish.address, wish.value);
   }
   if (told == Told::executed) {
     told_[wish.address - first_] = wish.number;

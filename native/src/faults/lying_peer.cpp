@@ -114,7 +114,7 @@ LyingPeer::Bytes LyingPeer::instead_of_line(const Bytes& message) {
   }
 }
 
-// Its answer to the same request, of an error that says that nothing was executed.
+// Its answer to the same request: an error which says that nothing was executed.
 LyingPeer::Bytes LyingPeer::refusal(const Bytes& message) {
   const std::vector<std::uint8_t> payload = payload_of(message, key_);
   if (payload.size() < frame_head::reply) {
@@ -124,7 +124,7 @@ LyingPeer::Bytes LyingPeer::refusal(const Bytes& message) {
   return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(frame_head::reply), key_);
 }
 
-// Another nonce each time, and no session that is open.
+// Another nonce each time, and no open session.
 LyingPeer::Bytes LyingPeer::greeting() {
   if (greeting_.size() < 5) {
     return {};

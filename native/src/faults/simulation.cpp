@@ -21,11 +21,11 @@ using device::DeviceConfiguration;
 
 constexpr std::uint64_t ms = 1'000'000;
 constexpr std::uint64_t recovery_ns = 50 * ms;    // after the last fault all must be as before
-constexpr std::uint64_t recovery_timeouts = 4;    // behind a device that lies: HELLO and OPEN wait for so many more
-constexpr std::uint64_t line_ns = 10 * ms;        // what the bytes of a request and its answer may take on top of its attempts
+constexpr std::uint64_t recovery_timeouts = 4;    // after a device that lies: HELLO and OPEN wait for so many more
+constexpr std::uint64_t line_ns = 10 * ms;        // extra time for the bytes of a request and its answer
 constexpr std::size_t violations_most = 20;
 constexpr std::uint32_t device_fifo = 2048;
-constexpr std::uint32_t turns_most = 1000;       // one behind the other that are asked for at once: what uses none of them asks for ever
+constexpr std::uint32_t turns_most = 1000;       // turns in a row that are asked for at once: an engine that uses none of them would ask for ever
 
 class Simulation {
  public:
@@ -40,7 +40,7 @@ class Simulation {
     if (faults_.drawn) {
       draw();
     }
-    if (!plan.framed) {  // it cannot know a message from its double, nor bear another order
+    if (!plan.framed) {  // it cannot distinguish a message from its copy, and needs the order
       faults_.wire.repeat = faults_.wire.overtake = 0;
     }
     EngineSettings settings;
@@ -97,7 +97,7 @@ class Simulation {
       report_.recovered_rate_hz = rate();
     }
     set_faults(false);
-    draining_ = true;  // every operation must come to its end
+    draining_ = true;  // every operation must end
     while (report_.violations.empty() && busy() && step()) {
     }
     collect();
@@ -162,7 +162,7 @@ class Simulation {
         return;
       }
     }
-    report_.violations.push_back("a write to an address that is nobody's");
+    report_.violations.push_back("a write to an address that no client uses");
   }
 
   void greet() {
@@ -209,7 +209,7 @@ class Simulation {
     if (chance(faults_.reset * sent)) {
       report_.faults += 1;
       report_.resets += 1;
-      // Somewhere in the middle of what it does.
+      // Somewhere within its work.
       device_->run_until(device_->clock() + random_() % 2000);
       carry_back();
       back_.break_off(now_);
@@ -220,7 +220,7 @@ class Simulation {
     }
   }
 
-  // Into the digest (FNV-1a, a word at a time).
+  // Adds a word to the digest (FNV-1a).
   void note(std::uint64_t word) noexcept { report_.digest = (report_.digest ^ word) * 0x100'0000'01B3u; }
   void note(std::span<const std::uint8_t> bytes) noexcept {
     note(now_);
@@ -229,7 +229,7 @@ class Simulation {
     }
   }
 
-  // Everything that happens now, then to the next time at which something does. False: nothing ever will.
+  // Does everything that happens now, then goes to the next time with an event. False: there will be none.
   bool step() {
     const bool host = now_ >= paused_until_;
     if (host) {
@@ -253,7 +253,7 @@ class Simulation {
       for (const std::uint8_t byte : bytes) {
         say(peer_.heard(byte));
         if (!device_->receive(byte)) {
-          device_->run_until(device_->clock() + 100);  // the wire waits for room, as one with flow control does
+          device_->run_until(device_->clock() + 100);  // the wire waits for room, as with flow control
           static_cast<void>(device_->receive(byte));
         }
       }
@@ -284,7 +284,7 @@ class Simulation {
     return true;
   }
 
-  // An operation that should be over is not, and nobody is answered any more.
+  // An operation should have ended and has not, and no client is answered any more.
   bool late() {
     const std::uint64_t answers = plan_.framed ? framed_->posts().confirmed() : engine_->statistics().replies;
     if (std::exchange(answers_, answers) != answers) {
@@ -297,7 +297,7 @@ class Simulation {
 
   std::uint64_t next_ns(bool host) {
     if (host && std::exchange(stepped_, false)) {
-      return now_ + 1000;  // the program thinks for a microsecond
+      return now_ + 1000;  // the program computes for a microsecond
     }
     std::uint64_t next = there_.next_ns();
     const device::Clock due = std::min(device_->next_event(), device_->next_output());

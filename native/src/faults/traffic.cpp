@@ -9,10 +9,10 @@ namespace unitylink::faults {
 namespace {
 
 constexpr std::uint32_t addresses = 256;
-constexpr std::uint32_t attempts_max = 100;    // a run ends for want of patience, not of attempts
-constexpr std::uint32_t first_value = 0x10000;  // of what is read
+constexpr std::uint32_t attempts_max = 100;    // a run ends by its time, not by its attempts
+constexpr std::uint32_t first_value = 0x10000;  // of the words to be read
 
-// Word n is written to n mod 256, and holds n: order and number show at once.
+// Word n is written to n mod 256, and its value is n. So its order and its number are seen at once.
 class Posts final : public Traffic {
  public:
   Posts(std::uint32_t message_words, FramedEngine& engine) : words_(message_words), engine_(engine) {}
@@ -44,7 +44,7 @@ class Posts final : public Traffic {
   std::uint64_t disorder_ = 0;
 };
 
-// More requests than the window takes, each made anew as soon as it is answered. What is written are numbers that are used once.
+// More requests than the window takes. Each is made again as soon as it is answered. Written values are used only once.
 class Requests final : public Traffic {
  public:
   Requests(bool writes, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine, device::Device& device)

@@ -83,7 +83,7 @@ Outcome Capture::create(const std::string& path, std::string_view comment, std::
   const bool stream = ::stat(path.c_str(), &there) == 0 && (S_ISFIFO(there.st_mode) || S_ISCHR(there.st_mode));
   const int descriptor = ::open(path.c_str(), stream ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0 && errno == EEXIST) {
-    return {Status::permission, "trace=" + path + ": there is such a file already; name another, or remove it"};
+    return {Status::permission, "trace=" + path + ": this file exists already; name another one, or remove it"};
   }
   if (descriptor < 0) {
     const Status status = errno == EACCES || errno == EPERM || errno == EROFS ? Status::permission : Status::not_found;

@@ -37,7 +37,7 @@ Outcome settings_of(const Url& url, Settings& settings) {
   std::uint64_t number = 0;
   if (const std::string* text = url.option("channel"); text != nullptr) {
     if (text->size() != 1 || (*text)[0] < 'A' || (*text)[0] > 'D') {
-      return wrong(url, "channel=" + *text + " is none of A, B, C, D");
+      return wrong(url, "channel=" + *text + " is not one of A, B, C, D");
     }
     settings.channel = static_cast<unsigned>((*text)[0] - 'A');
   }
@@ -47,7 +47,7 @@ Outcome settings_of(const Url& url, Settings& settings) {
     } else if (*text == "sync-fifo") {
       settings.mode = Mode::sync_fifo;
     } else if (*text != "serial") {
-      return wrong(url, "mode=" + *text + " is none of serial, fifo, sync-fifo");
+      return wrong(url, "mode=" + *text + " is not one of serial, fifo, sync-fifo");
     }
   }
   if (const std::string* text = url.option("baud"); text != nullptr) {

@@ -45,7 +45,7 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
     return {Status::not_found, "GPIO line " + place + ": " + path + " is not a GPIO chip of the kernel"};
   }
   if (error == EINVAL) {
-    return {Status::mismatch, "GPIO line " + place + ": the chip has no such line, or it tells no edges"};
+    return {Status::mismatch, "GPIO line " + place + ": the chip has no such line, or the line reports no edges"};
   }
   if (error != 0) {
     return refused(error);

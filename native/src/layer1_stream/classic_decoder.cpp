@@ -18,7 +18,7 @@ constexpr std::string_view error_codes[] = {
 };
 constexpr std::uint8_t datalink_code_max = datalink_error::physical + 7;
 constexpr std::string_view busy_line = "?busy";
-constexpr std::string_view reply_prefix = "S_";  // of all replies but CNF
+constexpr std::string_view reply_prefix = "S_";  // of all replies except CNF
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) noexcept {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -28,7 +28,7 @@ bool is_letter(char character) noexcept {
   return (character >= 'A' && character <= 'Z') || (character >= 'a' && character <= 'z') || character == '_';
 }
 
-// One byte from two digits; 0x100 or more when one of them is none.
+// One byte from two digits. 0x100 or more if one of them is not a digit.
 unsigned pair(const std::uint8_t* digits) noexcept {
   const unsigned high = digit_values[digits[0]];
   const unsigned low = digit_values[digits[1]];
@@ -43,8 +43,8 @@ ClassicDecoder::ClassicDecoder(const Crc8& sum) noexcept : sum_(sum), publish_se
   }
 }
 
-// The fast path for a publish that stands whole at the front of the chunk: 0 when it does not, or when anything about it is odd; the slow
-// path then says what.
+// The fast path for a complete publish at the front of the chunk. It returns 0 if there is none, or if anything is unusual. Then the slow path
+// decides.
 std::size_t ClassicDecoder::take_publish(std::span<const std::uint8_t> chunk) noexcept {
   if (chunk.size() < 10 || (chunk[0] != bytes::checked_publish && chunk[0] != bytes::plain_publish) ||
       std::memcmp(chunk.data() + 1, "PUB:", 4) != 0) {
@@ -142,7 +142,7 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
   std::size_t count = 0;
   if (at < text.size() && text[at] == bytes::data_mark) {
     ++at;
-    if (configuration) {  // its commas make it another matter: parse_configuration
+    if (configuration) {  // its commas need their own parser: parse_configuration
       const std::size_t begin = at;
       while (at < text.size() && (text[at] == bytes::field_separator || digit_value(text[at]) != not_a_digit)) {
         ++at;
@@ -171,7 +171,7 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
     return Found::message;
   }
   if (message_.letters.empty()) {
-    return Found::message;  // malformed: only an error comes without
+    return Found::message;  // malformed: only an error has none
   }
   if (checked) {
     if (at + 3 != text.size() || text[at] != bytes::checksum_mark) {
@@ -197,7 +197,7 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
     return read_publish();
   }
   if (!configuration && !message_.letters.starts_with(reply_prefix)) {
-    return Found::message;  // a digit that has become a head may have a letter behind it, and that is no reply
+    return Found::message;  // a damaged digit can look like a head with a letter after it; that is not a reply
   }
   message_.kind = MessageKind::reply;
   return Found::message;

@@ -48,7 +48,7 @@ class Cursor {
 
 struct Bytes {
   std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency> value{};
-  std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};  // how it was sent
+  std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};  // whether it was sent as ','
 
   [[nodiscard]] bool any_as_comma() const noexcept { return std::find(as_comma.begin(), as_comma.end(), true) != as_comma.end(); }
 };
@@ -70,7 +70,7 @@ bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noe
   return cursor.done();
 }
 
-// The gateware of 2012 leaves a byte that it sends as ',' out of its checksum. Both ways of counting it are taken.
+// The gateware of 2012 leaves a byte that it sends as ',' out of its checksum. Both ways of counting are accepted.
 bool checksum_right(const Bytes& bytes, std::size_t count, const Crc8& sum, std::uint8_t checksum) noexcept {
   std::uint8_t with = protocol::crc8::initial;
   for (const char letter : protocol::reply::read_configuration) {

@@ -4,7 +4,7 @@
 namespace unitylink {
 namespace {
 
-constexpr std::size_t body_bytes_min = 2;  // kind and the COBS of nothing
+constexpr std::size_t body_bytes_min = 2;  // the kind, and COBS of an empty payload
 constexpr std::uint8_t full_block = 0xFF;
 
 }  // namespace
@@ -19,7 +19,7 @@ std::optional<Discard> FrameDecoder::read(std::size_t used) noexcept {
   if (used < body_bytes_min + check_bytes) {
     return Discard::check;
   }
-  // A body that is too short for its check to be a long one is given a short one here, and so never passes.
+  // If a body is too short for a long check, it is tried with a short one here. So it never passes.
   const std::span<const std::uint8_t> body(bytes_.data(), used - check_bytes);
   const FrameCheck check = FrameCheck::of(body, key_);
   if (check.size != check_bytes || std::memcmp(check.bytes.data(), body.data() + body.size(), check_bytes) != 0) {
@@ -34,7 +34,7 @@ std::optional<Discard> FrameDecoder::read(std::size_t used) noexcept {
   return std::nullopt;
 }
 
-// In place: the code byte of a block becomes the zero before the next one. Only behind a full block are bytes moved.
+// In place: the code byte of a block becomes the zero before the next block. Bytes move only after a full block.
 bool FrameDecoder::decode(std::uint8_t* at, std::uint8_t* end) noexcept {
   std::uint8_t* const begin = at + 1;
   std::uint8_t* write = begin;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// After a bus timeout (E_BAT) 2012 gateware stays in its bus cycle, at address 0. Where nothing answers there either, the next access
-// gives the cycle its address, and the cycle keeps its own direction: a read that timed out swallows the next write; a write that timed
-// out writes 0 where the next request reads or writes. Neither shows in an answer.
+// After a bus timeout (E_BAT), 2012 gateware stays in its bus cycle, at address 0. If no slave answers there either, the next access gives the
+// cycle its address, but the cycle keeps its own direction. So a read that timed out swallows the next write. A write that timed out writes 0
+// where the next request reads or writes. No answer shows this.
 //
-// So after a read has timed out a word that is known to answer is read, before anything else goes out and before the caller hears of
-// the timeout: that ends the cycle and harms nothing. After a write nothing can be done from here; its error names the hazard. What was
-// on its way behind a timeout is not believed, but asked or written again where that does no harm.
+// So after a read has timed out, a word that is known to answer is read. This happens before anything else is sent, and before the caller gets
+// the timeout. It ends the cycle and does no harm. After a write nothing can be done from here, and its error names the hazard. Requests that
+// were sent after a timeout are not accepted: they are repeated if that does no harm.
 #include "layer2_message/classic_engine.hpp"
 
 namespace unitylink {
@@ -17,7 +17,7 @@ bool uses_bus(Operation operation) noexcept {
 
 }  // namespace
 
-// The bus has acknowledged something, be it with an error: whatever cycle was left over is at its end.
+// The bus has acknowledged an access, perhaps with an error. So a cycle that was left over has ended.
 void ClassicEngine::on_bus_answer(Exchange& exchange, bool done) noexcept {
   if (!uses_bus(exchange.operation)) {
     return;
@@ -25,7 +25,7 @@ void ClassicEngine::on_bus_answer(Exchange& exchange, bool done) noexcept {
   const StrayCycle before = stray_cycle_;
   stray_cycle_ = StrayCycle::none;
   exchange.stray_cycle = done && (before == StrayCycle::write || (before == StrayCycle::read && exchange.writes()));
-  if (before == StrayCycle::read && !exchange.writes()) {  // it did no harm: those before it need not tell of it
+  if (before == StrayCycle::read && !exchange.writes()) {  // it did no harm, so the requests before it need not report it
     for (Exchange* other = in_flight_.front(); other != nullptr && other != &exchange; other = ExchangeList::after(*other)) {
       other->stray_cycle = other->stray_cycle && (other->writes() || other->status == Status::ok);
     }
@@ -40,9 +40,9 @@ void ClassicEngine::on_bus_timeout(Exchange& exchange) noexcept {
     return;
   }
   if (&exchange == &freeing_) {
-    harmless_address_.reset();  // it does not answer any more
+    harmless_address_.reset();  // it no longer answers
   }
-  if (stray_cycle_ == StrayCycle::none || exchange.words > 0) {  // else the one before goes on
+  if (stray_cycle_ == StrayCycle::none || exchange.words > 0) {  // otherwise the cycle before goes on
     stray_cycle_ = exchange.writes() ? StrayCycle::write : StrayCycle::read;
   }
   exchange.stray_cycle = true;
@@ -54,7 +54,7 @@ bool ClassicEngine::wants_bus_freed() const noexcept {
          !(in_flight_.empty() && waiting_.empty());
 }
 
-// Its answer belongs to the requests before it: they are told when the bus is free.
+// Its answer belongs to the requests before it. They get their results when the bus is free.
 void ClassicEngine::free_bus() noexcept {
   const Exchange& cause = in_flight_.empty() ? *waiting_.front() : *in_flight_.front();
   const bool checked = cause.checked;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What comes in: each message to whom it belongs.
+// Assigns each received message to its receiver.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -79,7 +79,7 @@ void ClassicEngine::on_message(const Message& message) noexcept {
   }
 }
 
-// A reply that cannot be believed: whose it was is not known either.
+// A reply that cannot be accepted. Its request is not known either.
 void ClassicEngine::on_bad_reply() noexcept {
   if (state_ == State::fencing) {
     hasten_fence();
@@ -180,7 +180,7 @@ void ClassicEngine::replied(Exchange& exchange, Status status) noexcept {
   }
 }
 
-// As many answers as requests: each belongs to its own.
+// There are as many answers as requests, so each answer belongs to its request.
 void ClassicEngine::settle_batch() noexcept {
   batch_ = 0;
   ExchangeList again;
@@ -206,7 +206,7 @@ void ClassicEngine::on_datalink_error(std::uint8_t code) noexcept {
     fence_code_ = code;
     blame(code);
     if (code == datalink_error::format && !plain_fence_ && !reported_) {
-      plain_fence_ = true;  // a datalink without checksums says this to '$'
+      plain_fence_ = true;  // the answer to '$' of a datalink without checksums
       state_ = State::fence_due;
     } else {
       hasten_fence();

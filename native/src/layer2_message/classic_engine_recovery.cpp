@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When an answer is missing or cannot be believed: void, fence, and what comes after it.
+// Recovery after a missing or wrong answer: void, fence, and what follows.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -14,12 +14,12 @@ constexpr std::uint64_t hastened_part = 8;  // of the timeout
 
 }  // namespace
 
-// Bytes lost at the device's end of the wire are the cause of errors of form and checksum, and have the higher codes.
+// Bytes lost at the device's end cause errors of form and checksum. Their codes are higher.
 void ClassicEngine::keep_cause(Exchange& exchange, std::uint8_t datalink_code) noexcept {
   exchange.datalink_code = std::max(exchange.datalink_code, datalink_code);
 }
 
-// The device does not say whose bytes it lost: whoever waits for an answer may have been meant, and is told when it fails.
+// The device does not say whose bytes it lost. So every waiting request may be meant, and reports it if it fails.
 void ClassicEngine::blame(std::uint8_t datalink_code) noexcept {
   if (datalink_code < datalink_error::physical) {
     return;
@@ -33,13 +33,13 @@ void ClassicEngine::blame(std::uint8_t datalink_code) noexcept {
   }
 }
 
-// Bytes that the device says were damaged or lost explain the silence that follows.
+// Bytes that the device reported as damaged or lost explain a silence after them.
 Status ClassicEngine::silence_of(const Exchange& exchange) noexcept {
   return exchange.datalink_code >= datalink_error::physical ? Status::protocol_error : Status::timeout;
 }
 
 void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexcept {
-  pending_begin_ = pending_end_ = 0;  // a message half sent is made an error by the fence
+  pending_begin_ = pending_end_ = 0;  // the fence turns a half-sent message into an error
   Exchange* const culprit = oldest_;
   if (culprit == &freeing_) {
     harmless_address_.reset();
@@ -67,7 +67,7 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
     const bool once_more = (!left || (exchange.repeat && exchange.failures_ < exchange.attempts_max)) && now_ns_ < limit_of(exchange);
     exchange.state_ = Exchange::State::waiting;
     if (once_more && exchange.batch != nullptr) {
-      exchange.batch->failed = false;  // what it had been told is void as well
+      exchange.batch->failed = false;  // the answers it had are void as well
     }
     (once_more ? again : over).push_back(exchange);
   }
@@ -79,7 +79,7 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
   }
 }
 
-// To be sent again, before all others.
+// To be sent again, before all other requests.
 void ClassicEngine::put_back(ExchangeList& again) noexcept {
   look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
   for (const Exchange* exchange = again.front(); exchange != nullptr; exchange = ExchangeList::after(*exchange)) {
@@ -88,7 +88,7 @@ void ClassicEngine::put_back(ExchangeList& again) noexcept {
   waiting_.prepend(again);
 }
 
-// Ends what has waited for too long.
+// Ends the requests that have waited too long.
 void ClassicEngine::end_late() noexcept {
   ExchangeList remaining;
   ExchangeList over;
@@ -101,7 +101,7 @@ void ClassicEngine::end_late() noexcept {
   }
   waiting_ = remaining;
   if (waiting_.empty() && state_ == State::fencing) {
-    state_ = State::fence_due;  // nobody is left to wait for the answer
+    state_ = State::fence_due;  // no request waits for the answer
   }
   while (!over.empty()) {
     Exchange& exchange = over.pop_front();
@@ -137,7 +137,7 @@ void ClassicEngine::withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns
   }
   waiting_ = remaining;
   if (waiting_.empty() && state_ == State::fencing) {
-    state_ = State::fence_due;  // nobody is left to wait for the answer
+    state_ = State::fence_due;  // no request waits for the answer
   }
   while (!over.empty()) {
     Exchange& exchange = over.pop_front();
@@ -163,7 +163,7 @@ void ClassicEngine::on_fence_answer(const Message& message) noexcept {
     const bool maybe_2012 = !corrected_ && (!reported_ || has_comma_byte(*reported_));
     const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum, maybe_2012);
     const bool other = configuration && reported_ && *configuration != *reported_;
-    if (!configuration || (other && plain_fence_)) {  // without a checksum a strange answer is more likely noise than another device
+    if (!configuration || (other && plain_fence_)) {  // without a checksum, a strange answer is more likely noise than another device
       statistics_.malformed_messages += 1;
       hasten_fence();
     } else if (other) {
@@ -200,7 +200,7 @@ void ClassicEngine::fence_failed() noexcept {
   state_ = State::fence_due;
   fence_unanswered_ = true;
   if (!reported_) {
-    plain_fence_ = !settings_.checksums;  // "?f1" may have been noise; if not it is found out again
+    plain_fence_ = !settings_.checksums;  // "?f1" may have been noise; otherwise it is detected again
   }
   ExchangeList remaining;
   ExchangeList over;

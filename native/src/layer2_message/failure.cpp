@@ -52,7 +52,7 @@ std::string code_text(std::uint8_t code) {
   return std::string(text) + " (" + std::string(meaning_of(code)) + ")";
 }
 
-// The address a failed exchange is about; a block read names the word at which it ended.
+// The address of a failed exchange. For a read of a block, the word at which it ended.
 bool address_of(const Exchange& exchange, std::uint32_t& address) noexcept {
   switch (exchange.operation) {
     case Operation::read:
@@ -90,7 +90,7 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
     case Operation::exchange: return "exchange of group " + std::to_string(exchange.address);
     case Operation::read_control: return "read of control register " + hex_address(exchange.address, 2);
     case Operation::write_control: return "write of control register " + hex_address(exchange.address, 2);
-    case Operation::synchronise: return "the question what became of the posts";
+    case Operation::synchronise: return "the question about the posts";
     case Operation::close_session: return "the end of the session";
     case Operation::resynchronise: return "resynchronisation with the device";
     case Operation::empty_message: return "the question whether the gateware is corrected";
@@ -132,7 +132,7 @@ std::string refused_text(const Exchange& exchange, const std::string& name) {
 }
 
 constexpr const char* spoiled_text =
-    " was answered, but behind a bus timeout, and 2012 gateware may then do something else at its address";
+    " was answered, but after a bus timeout, and 2012 gateware may then do something else at its address";
 
 std::string sentence(const Exchange& exchange, const FailureContext& context) {
   const std::string name = name_of(exchange, context.address_bytes);
@@ -158,7 +158,7 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
     case Status::protocol_error:
       return !exchange.error.empty() ? refused_text(exchange, name)
                      : exchange.stray_cycle  ? name + spoiled_text + "; read it again"
-                         : name + " not answered rightly after " + attempts_text(exchange) +
+                         : name + " not answered correctly after " + attempts_text(exchange) +
                                (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
     default: return name + ": " + status_text(exchange.status);
   }

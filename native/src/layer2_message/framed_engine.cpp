@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What goes out, and when. framed_engine_receive.cpp: what comes in. framed_engine_session.cpp: sessions, and what an answer's absence means.
+// What is sent, and when. framed_engine_receive.cpp: what is received. framed_engine_session.cpp: sessions, and missing answers.
 #include "layer2_message/framed_engine.hpp"
 
 #include <algorithm>
@@ -11,14 +11,14 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t posts_in_flight_bytes = 16384;          // on a line that loses none
+constexpr std::uint64_t posts_in_flight_bytes = 16384;          // on a line without losses
 constexpr std::uint64_t posts_in_flight_least = 4;
-constexpr std::uint64_t posts_in_flight_blind = 32;             // behind a loss, where nobody knows how fast the line is
-constexpr std::uint64_t confirm_part = 4;                       // of these are open when the device is asked how far it has come
-constexpr std::uint64_t wait_part = 20;                         // of the timeout, before the first repeat, however quick the line is: hosts stumble
-constexpr std::uint64_t repeat_wait_ns = 1'000'000;             // beyond a round trip, where an answer has shown that one was lost (RFC 9002, 6.2)
+constexpr std::uint64_t posts_in_flight_blind = 32;             // after a loss, when the speed of the line is not known
+constexpr std::uint64_t confirm_part = 4;                       // a quarter of these are open when the device is asked for its count
+constexpr std::uint64_t wait_part = 20;                         // of the timeout, before the first repeat, even on a quick line, because hosts may pause
+constexpr std::uint64_t repeat_wait_ns = 1'000'000;             // beyond a round trip, after an answer has shown a loss (RFC 9002, 6.2)
 constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
-constexpr std::string_view classic_question = "#RLC\n";  // not the fence, whose answer may still be on its way
+constexpr std::string_view classic_question = "#RLC\n";  // not the fence, because its answer may still be on its way
 
 }  // namespace
 
@@ -111,7 +111,7 @@ void FramedEngine::encode_greeting() noexcept {
   if (space.size() < 64) {
     return;
   }
-  space[0] = frame::delimiter;  // ends whatever stood half sent
+  space[0] = frame::delimiter;  // ends a message that was sent in part
   std::size_t size = 1;
   if (state_ == State::opening) {
     size += FrameEncoder(space.subspan(size), request_kind::open, FrameKey{})
@@ -121,7 +121,7 @@ void FramedEngine::encode_greeting() noexcept {
                 .finish();
   } else {
     size += FrameEncoder(space.subspan(size), request_kind::hello, FrameKey{}).word(frame::version, 1).word(frame::version, 1).finish();
-    if (probe_ && sessions_ == 0) {  // gateware that knows no frames has skipped HELLO, and answers this
+    if (probe_ && sessions_ == 0) {  // gateware without frames has skipped HELLO, and answers this
       std::copy(classic_question.begin(), classic_question.end(), space.begin() + static_cast<std::ptrdiff_t>(size));
       size += classic_question.size();
       space[size++] = frame::delimiter;
@@ -137,7 +137,7 @@ void FramedEngine::encode_greeting() noexcept {
   greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(greeting_bytes);
 }
 
-// A place that is due, the oldest first.
+// Sends the oldest place that is due.
 bool FramedEngine::send_due() noexcept {
   for (std::uint16_t id = base_id_; due_ > 0 && id != next_id_; ++id) {
     Place& place = place_of(id);
@@ -157,13 +157,13 @@ bool FramedEngine::send_due() noexcept {
   return false;
 }
 
-// The next of what has not been sent: posts and requests in the order in which they were made.
+// Sends the next new message: posts and requests in the order in which they were made.
 bool FramedEngine::send_next() noexcept {
-  if (given_up_ > 0) {  // what comes late must not undo what is made after its caller was told
+  if (given_up_ > 0) {  // a late one must not undo what is made after its caller got the result
     return false;
   }
   if (!waiting_.empty() && waiting_.front()->follows_ <= posts_.sent()) {
-    const bool question = is_confirmation(*waiting_.front());  // no post waits for it: what fills the window may be waiting for posts
+    const bool question = is_confirmation(*waiting_.front());  // no post waits for it, because requests that fill the window may be waiting for posts
     const bool sent = send_request();
     if (sent || !question) {
       return sent;
@@ -172,10 +172,10 @@ bool FramedEngine::send_next() noexcept {
   return posts_.sent() < posts_.made() && send_post();
 }
 
-// The first that waits.
+// Sends the first waiting request.
 bool FramedEngine::send_request() noexcept {
   Exchange& exchange = *waiting_.front();
-  if (exchange.operation == Operation::resynchronise) {  // a session is open: done when it is as the last one was
+  if (exchange.operation == Operation::resynchronise) {  // a session is open: done when it is set up like the last one
     if (restoring()) {
       return false;
     }
@@ -192,7 +192,7 @@ bool FramedEngine::send_request() noexcept {
     return false;  // its group may not be defined yet
   }
   Place& place = place_of(next_id_);
-  // The other half of a large window is for what goes on behind a request that was lost.
+  // The other half of a large window is for requests after a lost one.
   const std::uint32_t most = window_ >= 64 ? window_ / 2 : window_;
   if (place.used || in_flight_ >= most) {
     return false;
@@ -234,7 +234,7 @@ bool FramedEngine::send_request() noexcept {
   return true;
 }
 
-// Behind a loss all posts on their way are sent again: then no more than what two round trips carry, one on its way and one being confirmed.
+// After a loss all posts on their way are sent again. Then at most two round trips are in flight: one on its way, and one being confirmed.
 std::uint64_t FramedEngine::posts_most() const noexcept {
   if (now_ns_ >= careful_until_ns_) {
     return std::max(posts_in_flight_least, posts_in_flight_bytes / std::max<std::uint64_t>(1, post_bytes_));
@@ -246,7 +246,7 @@ std::uint64_t FramedEngine::posts_most() const noexcept {
 bool FramedEngine::send_post() noexcept {
   const bool confirming = std::any_of(confirmations_.begin(), confirmations_.end(),
                                       [](const Exchange& own) { return own.state_ == Exchange::State::in_flight; });
-  if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {  // only while an answer is sure to come, or its absence to be noticed
+  if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {  // only while an answer will surely come, or its absence will be noticed
     return false;
   }
   const std::uint64_t number = posts_.sent();
@@ -277,7 +277,7 @@ bool FramedEngine::send_post() noexcept {
   return true;
 }
 
-// The bytes of its frame, 0 where there is no room for them.
+// The number of bytes of its frame. 0 if there is no room for them.
 std::size_t FramedEngine::encode(Place& place) noexcept {
   const Exchange* const exchange = place.exchange;
   const bool taken_over = place.taken_over();
@@ -303,7 +303,7 @@ std::size_t FramedEngine::encode(Place& place) noexcept {
   return size;
 }
 
-// Its frame is on its way.
+// Its frame was sent.
 void FramedEngine::commit(Place& place, std::size_t size) noexcept {
   if (place.wait_ns == 0) {
     const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
@@ -326,7 +326,7 @@ void FramedEngine::commit(Place& place, std::size_t size) noexcept {
   statistics_.requests += 1;
 }
 
-// The engine's own requests, where they are wanted: how far the posts have come, what time it is there, a sign of life.
+// Sends the engine's own requests when they are needed: the count of posts, the time of the device, a sign of life.
 void FramedEngine::maintain() noexcept {
   confirm();
   const bool life_due = deadman_ticks_ > 0 && now_ns_ - last_sent_ns_ >= keep_alive_ns();
@@ -341,7 +341,7 @@ void FramedEngine::maintain() noexcept {
   }
 }
 
-// Asks how far the posts have come, each part of those that may be in flight and some time behind the last.
+// Asks for the count of posts: after each part of those that may be in flight, and some time after the last one.
 void FramedEngine::confirm() noexcept {
   if (posts_.made() == posts_.confirmed()) {
     confirm_ns_ = no_deadline;
@@ -350,7 +350,7 @@ void FramedEngine::confirm() noexcept {
     *own = Exchange{};
     own->operation = Operation::synchronise;
     own->attempts_max = 3;
-    queue(*own, true);  // not behind the posts that are still to be sent: they may have to wait for its answer
+    queue(*own, true);  // not after the posts still to be sent, because they may have to wait for its answer
     confirming_ = posts_.sent();
     confirm_ns_ = now_ns_ + std::max(confirm_patience_ns, 2 * smoothed_ns_);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What comes in: each frame to whom it belongs.
+// Assigns each received frame to its receiver.
 #include <algorithm>
 
 #include "layer1_stream/frame_heads.hpp"
@@ -12,9 +12,9 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
-constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts, without a loss, before many are sent ahead again
+constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts without a loss, before many are sent ahead again
 constexpr std::uint64_t careful_posts = 200;
-constexpr std::uint32_t turns_at_once = 16;    // transmissions of a request whose turn has not come
+constexpr std::uint32_t turns_at_once = 16;    // transmissions of a request that is answered with `order` or `behind`
 
 Status status_of(std::uint8_t status) noexcept {
   switch (status) {
@@ -65,8 +65,8 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
   }
 }
 
-// A line of the classic protocol. The answer to the classic question shows who is there; that of a device with frames comes before it, unless it was lost.
-// A publish, which an old subscription may bring at any time, is no answer.
+// A line of the classic protocol. The answer to the classic question shows which device is there. A framed device answers HELLO before that,
+// unless this answer was lost. A publish is no answer, because an old subscription may send it at any time.
 void FramedEngine::on_text() noexcept {
   const std::string_view name(text_head_.data() + 1, text_head_.size() - 1);
   const bool answers = text_bytes_ == text_head_.size() && text_head_[0] == bytes::plain_head &&
@@ -138,7 +138,7 @@ void FramedEngine::on_publish(std::span<const std::uint8_t> payload) noexcept {
     Group& group = groups_[number];
     const auto sequence = static_cast<std::uint16_t>(number_at(payload.data() + 1, 2));
     const auto missing = static_cast<std::uint16_t>(sequence - group.sequence);
-    if (missing >= 0x8000) {  // an old one, out of order
+    if (missing >= 0x8000) {  // an old publish, out of order
       statistics_.mismatched_publishes += 1;
       return;
     }
@@ -156,7 +156,7 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   const auto id = static_cast<std::uint16_t>(number_at(payload.data(), 2));
   Place& place = place_of(id);
   const std::uint64_t confirmed = posts_.confirmed();
-  if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {  // an old answer tells an old count, which is refused
+  if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {  // an old answer has an old count, which is refused
     progress_ns_ = now_ns_;
   }
   if (!place.used || place.id != id || place.transmissions == 0) {
@@ -168,10 +168,10 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   if (place.transmissions == 1) {
     measure(now_ns_ - place.sent_ns);
   }
-  for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {  // on a line that keeps the order their answers are lost
+  for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {  // on a line that keeps the order, their answers are lost
     Place& other = place_of(earlier);
     if (other.used && other.last_order < place.first_order) {
-      other.wait_ns = 0;  // its repeat's is measured anew
+      other.wait_ns = 0;  // its repeat gets a new time
       ask_again(other);
     }
   }
@@ -183,13 +183,13 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if (place.taken_over() && !executed(status)) {
     if (status == reply_status::order && place.chained) {
       ask_in_turn(place);
-    } else if (status == reply_status::invalid && believed(place)) {  // it was executed, and its long answer has not been kept
+    } else if (status == reply_status::invalid && believed(place)) {  // it was executed, but its long answer was not kept
       release(place);
       if (exchange != nullptr) {
         finish(*exchange, exchange->cut_off());
       }
     }
-    return;  // anything else is to a copy; the SYNC will be answered, too
+    return;  // any other answer is to a copy; the SYNC will be answered, too
   }
   if (exchange == nullptr) {
     release(place);
@@ -209,7 +209,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     return;
   }
   if (status == reply_status::behind && !place.barrier) {
-    return;  // to a copy sent before its barrier was set anew; the last one will be answered, too
+    return;  // to a copy sent before its barrier was set again; the last copy will be answered, too
   }
   if (status == reply_status::behind) {
     if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 && place.last_order > gone_back_order_) {
@@ -226,7 +226,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if ((status != reply_status::ok || !fits) && !believed(place)) {
     return;
   }
-  if (!fits) {  // the device is not what it says
+  if (!fits) {  // the device is not what it reports
     statistics_.malformed_messages += 1;
     release(place);
     finish(*exchange, exchange->writes() ? Status::unknown : Status::protocol_error);
@@ -246,7 +246,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   release(place);
   progress_ns_ = is_own(*exchange) ? progress_ns_ : now_ns_;
   finish(*exchange, status_of(status));
-  if (over) {  // what comes next opens another session
+  if (over) {  // the next one opens another session
     lose_session();
     session_epoch_ = no_session;
     state_ = State::silent;
@@ -263,7 +263,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   }
 }
 
-// What the engine itself wants to know of an answer.
+// What the engine itself learns from an answer.
 void FramedEngine::on_executed(const Place& place) noexcept {
   const Exchange& exchange = *place.exchange;
   if (&exchange == &reading_) {
@@ -278,7 +278,7 @@ void FramedEngine::on_executed(const Place& place) noexcept {
   }
 }
 
-// As TCP does it (RFC 6298), so that a repeat comes soon on a quick line and not too soon on an uneven one.
+// As in TCP (RFC 6298), so that a repeat comes soon on a quick line, and not too soon on an uneven one.
 void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
   quickest_ns_ = std::min(quickest_ns_, round_trip_ns);
   if (smoothed_ns_ == 0) {
@@ -296,14 +296,14 @@ void FramedEngine::ask_again(Place& place) noexcept {
   place.due = true;
 }
 
-// Its turn has not come: one before it is lost, and repeated. Who has been told so many times waits until it is late.
+// Its turn has not come, because an earlier request was lost and is repeated. After so many such answers it waits until it is late.
 void FramedEngine::ask_in_turn(Place& place) noexcept {
   if (place.transmissions < turns_at_once) {
     ask_again(place);
   }
 }
 
-// An answer that tells of an error has come twice, the second time to a repeat.
+// An answer with an error has come twice, the second time to a repeat.
 bool FramedEngine::believed(Place& place) noexcept {
   if (place.doubted && !place.due) {
     return true;
@@ -313,9 +313,9 @@ bool FramedEngine::believed(Place& place) noexcept {
   return false;
 }
 
-// Nothing has been executed, and nothing will be once a SYNC has taken its id.
+// Nothing was executed, and nothing will be once a SYNC has taken its id.
 void FramedEngine::refuse(Place& place, Status status) noexcept {
-  if (reply_bytes(*place.exchange, configuration_) == sync_reply_bytes) {  // its own answer could not be told from the SYNC's
+  if (reply_bytes(*place.exchange, configuration_) == sync_reply_bytes) {  // its own answer would look like the SYNC's
     give_up(place);
     return;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sessions and time: how one begins, how its loss is noticed and told, and when an answer is late.
+// Sessions and time: how a session begins, how its loss is noticed and reported, and when an answer is late.
 #include <algorithm>
 
 #include "layer2_message/framed_engine.hpp"
@@ -10,18 +10,18 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint32_t openings_max = 3;
-constexpr std::uint32_t vain_at_once = 4;       // HELLOs and OPENs one behind the other, before there are pauses between them
+constexpr std::uint32_t vain_at_once = 4;       // HELLOs and OPENs in a row, before there are pauses between them
 constexpr std::uint32_t vain_doublings = 16;
-constexpr std::uint64_t vain_pause_ns = 1'000'000;  // the first of these
-constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the session is asked for
-constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // behind the dead-man and the groups
+constexpr std::uint64_t vain_pause_ns = 1'000'000;  // the first pause
+constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the engine asks for the session
+constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // after the dead-man and the groups
 constexpr std::uint32_t restoration_steps = first_exchange + limits::exchanges_max + 1;  // publishing
 constexpr std::uint32_t restoration_attempts = 1000;  // as long as the session lasts
 constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
 constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
 constexpr std::uint32_t keep_alive_part = 3;    // of the dead-man's time
-// The first epoch is drawn; this step goes through all others before one comes again. Were each drawn, a message that is late by some
-// sessions would find its own again once in 65,280.
+// The first epoch is random. This step goes through all other epochs before one comes again. If each were random, a message that is late by some
+// sessions would meet its own epoch once in 65,280.
 constexpr std::uint32_t epoch_step = 40'343;    // prime to `epochs`
 
 }  // namespace
@@ -32,7 +32,7 @@ void FramedEngine::ask() noexcept {
   greeting_wait_ns_ = smoothed_ns_ == 0 ? settings_.timeout_ns : std::min(settings_.timeout_ns, 4 * (smoothed_ns_ + 4 * variation_ns_) + 2'000'000);
 }
 
-// HELLO or OPEN, by the state: at once; but where nothing has come of the last ones, a pause behind them.
+// Sends HELLO or OPEN, depending on the state. It is sent at once, or after a pause if the last ones had no effect.
 void FramedEngine::greet() noexcept {
   if (greeting_due_) {
     return;
@@ -89,7 +89,7 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
   greet();
 }
 
-// An OPEN whose answer was lost has made the session that it offered.
+// An OPEN whose answer was lost may have made the session that it offered.
 void FramedEngine::notice_restart(std::uint32_t told_epoch) noexcept {
   if (sessions_ > 0 && told_epoch != session_epoch_ && told_epoch != offered_epoch_) {
     statistics_.restarts += 1;
@@ -120,7 +120,7 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   restore();
 }
 
-// All that was in flight ends: reads are asked again, the rest is unknown.
+// Ends everything in flight: reads are sent again, and all others are unknown.
 void FramedEngine::lose_session() noexcept {
   ExchangeList again;
   look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
@@ -149,7 +149,7 @@ void FramedEngine::lose_session() noexcept {
   forget_session();
 }
 
-// What was open in it is nobody's any more.
+// Drops what belonged to the session.
 void FramedEngine::forget_session() noexcept {
   base_id_ = next_id_ = 0;
   credit_ = due_ = in_flight_ = given_up_ = 0;
@@ -160,7 +160,7 @@ void FramedEngine::forget_session() noexcept {
   clock_.clear();
 }
 
-// Sets a new session up as the last one was, one request after the other.
+// Sets up a new session like the last one, one request after the other.
 void FramedEngine::restore() noexcept {
   for (; restored_ < restoration_steps; ++restored_) {
     Exchange step;
@@ -217,12 +217,12 @@ std::uint64_t FramedEngine::keep_alive_ns() const noexcept {
   return std::uint64_t{deadman_ticks_} * 1'000'000'000 / hz / keep_alive_part;
 }
 
-// What the line itself takes for a request that finds it full, and for its answer.
+// The time that the line itself needs for a request that finds it full, and for its answer.
 std::uint64_t FramedEngine::message_allowance_ns() const noexcept {
   return greeting_ ? allowance_ns(greeting_->credit + greeting_->reply_max) : allowance_ns(greeting_bytes);
 }
 
-// When a request ends, sent or not. Its session may be lost and found again meanwhile: that gives it no more time.
+// When a request ends, sent or not. If its session is lost and found again meanwhile, it gets no more time.
 std::uint64_t FramedEngine::limit_of(const Exchange& exchange) const noexcept {
   if (exchange.limit_ns_ != 0) {
     return exchange.limit_ns_;
@@ -284,7 +284,7 @@ void FramedEngine::advance(std::uint64_t now_ns) noexcept {
     greeting_from_ns_ = 0;
     greeting_wait_ns_ = std::min(settings_.timeout_ns, 2 * greeting_wait_ns_);
     if (state_ != State::checking && waiting_.empty() && !publishing_ && deadman_ticks_ == 0) {
-      state_ = State::silent;  // nobody is left to ask for
+      state_ = State::silent;  // no request is left
       greeting_due_ = false;
     }
   }
@@ -304,7 +304,7 @@ void FramedEngine::expire(Place& place) noexcept {
   }
 }
 
-// Its caller is told; its id is taken over by a SYNC.
+// Its caller gets the result, and a SYNC takes its id over.
 void FramedEngine::give_up(Place& place) noexcept {
   Exchange& exchange = *place.exchange;
   place.exchange = nullptr;
@@ -316,7 +316,7 @@ void FramedEngine::give_up(Place& place) noexcept {
   finish(exchange, exchange.operation == Operation::write_control ? Status::unknown : exchange.cut_off());
 }
 
-// Ends what has waited for too long.
+// Ends the requests that have waited too long.
 void FramedEngine::end_late() noexcept {
   take_back([this](const Exchange& exchange) { return now_ns_ >= limit_of(exchange); });
   look_ns_ = no_deadline;
@@ -389,7 +389,7 @@ void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   }
   forget_session();
   decoder_.reset();
-  decoder_.set_key(FrameKey{});  // what the old session publishes is not for the new one
+  decoder_.set_key(FrameKey{});  // publishes of the old session are not for the new one
   text_ = greeting_due_ = false;
   in_vain_ = 0;
   greeting_from_ns_ = 0;
@@ -397,7 +397,7 @@ void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   state_ = State::silent;
 }
 
-// `strict`: what a control register was to hold is unknown, too.
+// `strict`: the value of a control register is unknown, too.
 void FramedEngine::finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept {
   now_ns_ = now_ns;
   for (std::uint16_t id = base_id_; id != next_id_; ++id) {

@@ -12,16 +12,16 @@ namespace {
 using namespace protocol;
 
 constexpr std::size_t count_max = 255;  // words in one operation of a list
-constexpr std::size_t run_min = 8;      // addresses in a row from which on naming only the first is shorter at every width
+constexpr std::size_t run_min = 8;      // addresses in a row from which naming only the first is shorter at every width
 
-// The words at the front that one operation names: each by its address, or all by the first.
+// The first words that one operation names: each by its address, or all by the first address.
 struct Part {
   std::size_t count = 1;
   bool together = false;
-  std::uint32_t step = 0;  // from one address to the next of those together
+  std::uint32_t step = 0;  // from one address of a run to the next
 };
 
-// Up to where a run begins, or the run that begins here. `same`: addresses that are all the same are a run, too.
+// The words before a run, or the run that begins here. `same`: equal addresses are a run, too.
 Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
   std::size_t rising = 1;    // addresses in a row that end here
   std::size_t standing = 1;
@@ -48,11 +48,11 @@ Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
 // The addresses, and the words to write there if there are any, as operations of a list.
 void put_words(FrameEncoder& result, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
                const Configuration& configuration) noexcept {
-  FrameEncoder encoder = result;  // the bytes it writes cannot change a copy, which so stays in registers
+  FrameEncoder encoder = result;  // the bytes that it writes cannot change a copy, so the copy stays in registers
   const bool writes = !words.empty();
   const unsigned width = configuration.address_bytes;
   for (std::size_t at = 0; at < addresses.size();) {
-    // Reads of one address again and again may be told "too_long" as a list operation.
+    // A list operation may answer "too_long" to repeated reads of one address.
     const Part part = first_part(addresses.subspan(at), writes);
     const std::uint32_t operation = !part.together   ? (writes ? list_operation::write : list_operation::read)
                                     : part.step == 0 ? list_operation::write_fifo
@@ -72,7 +72,7 @@ void put_words(FrameEncoder& result, std::span<const std::uint32_t> addresses, s
   result = encoder;
 }
 
-// Calls put(operation, words of it, together) for each operation; `together`: their addresses are told by the first.
+// Calls put(operation, its words, together) for each operation. `together`: the first address stands for all.
 template <class Put>
 void for_each_operation(std::span<const ListWord> steps, const Put& put) {
   const auto run_from = [steps](std::size_t at, std::uint32_t step) {
@@ -130,7 +130,7 @@ std::size_t reply_words(const Exchange& exchange) noexcept {
                                                  : exchange.addresses.size();
 }
 
-// Of how many words were done, which the reply to a list begins with.
+// Bytes of the number of words done, with which the reply to a list begins.
 std::size_t done_bytes(const Exchange& exchange) noexcept {
   const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
                     exchange.operation == Operation::list;

@@ -57,8 +57,8 @@ Outcome Link::begin() {
   if (!known_classic) {
     Outcome outcome = begin_framed(until_ns);
     if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {  // no proof that it knows no frames
-      outcome.text += "; it has answered in the classic protocol, but too seldom to be taken for a device that knows no other: is the line disturbed? "
-                      "protocol=classic or protocol=framed in the URL says which it is";
+      outcome.text += "; it sometimes answered in the classic protocol, but too seldom to be sure that it knows no other: is the line disturbed? "
+                      "Add protocol=classic or protocol=framed to the URL";
     }
     const bool knows_none = options_.protocol == Protocol::automatic && outcome.status == Status::mismatch && !framed_;
     if (!knows_none) {
@@ -74,7 +74,7 @@ Outcome Link::begin() {
     return {Status::mismatch, "deadman= needs gateware with the framed protocol, and this device has only the classic one"};
   }
   if (options_.spec_hash) {
-    return {Status::mismatch, "spec_hash= asks for gateware of a certain spec, and classic gateware cannot say from which it was built; leave it out"};
+    return {Status::mismatch, "spec_hash= needs gateware of a certain spec, but classic gateware cannot report its spec; leave it out"};
   }
   Outcome outcome = settle_configuration(options_, reported, configuration_);
   if (outcome.ok()) {
@@ -194,8 +194,8 @@ Outcome Link::check_spec(std::string_view spec, std::span<const std::uint64_t> h
     return {};
   }
   if (told == 0) {
-    unverified = framed() ? "this gateware was built without saying from which spec"
-                          : "classic gateware cannot say which spec it was built from; check that the two belong together";
+    unverified = framed() ? "this gateware was built without the hash of its spec"
+                          : "classic gateware cannot report its spec; check that the two belong together";
     return {};
   }
   const std::string other = "the gateware was built from another spec than " + std::string(spec) + ": its wire hash is " + hash_text(told) +

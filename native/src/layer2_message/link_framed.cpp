@@ -231,7 +231,7 @@ Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
     return classic_only("a dead-man");
   }
   if ((description_.features & protocol::control_value::feature_deadman) == 0) {
-    return {Status::mismatch, "a dead-man is asked for, but this gateware was built without one"};
+    return {Status::mismatch, "a dead-man is requested, but this gateware was built without one"};
   }
   const double ticks = std::ceil(silence_s * static_cast<double>(configuration_.base_hz));
   if (!(ticks >= 0 && ticks <= ticks_max)) {

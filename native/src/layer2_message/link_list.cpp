@@ -28,7 +28,7 @@ Outcome Link::check_list(std::span<const ListWord> steps, std::size_t room) cons
   for (std::size_t index = 0; index < steps.size(); ++index) {
     const ListWord& word = steps[index];
     if (!known_operation(word.operation)) {
-      return {Status::range, "operation " + std::to_string(index) + " of a list is of no kind there is: " + std::to_string(word.operation)};
+      return {Status::range, "operation " + std::to_string(index) + " of a list is of an unknown kind: " + std::to_string(word.operation)};
     }
     if (Outcome outcome = check_address(word.address, index); !outcome.ok()) {
       return outcome;

@@ -212,7 +212,7 @@ Outcome settle_configuration(const LinkOptions& options, const std::optional<Con
   }
   if (!options.address_bytes || !options.data_bytes) {
     return {Status::mismatch,
-            "the device does not tell its configuration (it has no RLC command); add ?address_bytes=…&data_bytes=… to the URL, and "
+            "the device does not report its configuration (it has no RLC command); add ?address_bytes=…&data_bytes=… to the URL, and "
             "read_many= publish_mode= base_hz= groups= group_size= rate_bytes= for what the gateware has beyond single reads and writes"};
   }
   const bool publishing = options.groups.has_value() || options.publish_mode.value_or(0) > 0;

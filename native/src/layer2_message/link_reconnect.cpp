@@ -185,7 +185,7 @@ void Link::look_after(Lock& lock) {
 
 Outcome Link::watch_program(double patience_s) {
   if (!(patience_s >= 0 && patience_s <= program_patience_most_s)) {
-    return {Status::range, "a program is waited for from 0 to 3600 s, not " + std::to_string(patience_s)};
+    return {Status::range, "the time to wait for a program is 0 to 3600 s, not " + std::to_string(patience_s)};
   }
   program_patience_ns_ = static_cast<std::uint64_t>(patience_s * 1e9);
   program_until_ns_ = program_patience_ns_ > 0 ? now_ns() + program_patience_ns_ : Engine::no_deadline;

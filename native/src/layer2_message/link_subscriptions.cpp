@@ -122,7 +122,7 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
                   std::to_string(usable_group_size()) +
                   (usable_group_size() == configuration_.group_size ? ""
                    : framed_ ? " (of " + std::to_string(configuration_.group_size) + ": its frames hold no more; make it several groups)"
-                             : " (one less than it advertises: filled to the brim it never stops publishing; "
+                             : " (one less than it reports: a full group never stops publishing; "
                                "gateware=corrected in the URL if it is corrected)"));
   }
   if (request.divisor == 0 && !request.on_event) {

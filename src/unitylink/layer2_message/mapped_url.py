@@ -88,7 +88,7 @@ def _size_of(url: str, path: str, offset: int) -> int:
         except (OSError, ValueError) as error:
             raise UrlError(f"{url!r}: {path} does not tell the size of map {number}: say size=") from error
     if size is None:
-        raise UrlError(f"{url!r}: {path} does not tell its size: say size= in bytes")
+        raise UrlError(f"{url!r}: {path} does not report its size: add size= in bytes")
     if size <= offset:
         raise UrlError(f"{url!r}: {path} has {size} bytes, and offset is {offset}")
     return size - offset

@@ -87,8 +87,8 @@ def test_gateware_that_cannot_tell_is_not_refused(build: Build, caplog: pytest.L
     spec = spec_of(TEXT)
     classic = BoardConfiguration(protocol="classic")
     for board, more, why in (
-        (Board(), "", "built without saying from which spec"),
-        (Board(spec, configuration=classic), "&protocol=classic", "classic gateware cannot say"),
+        (Board(), "", "built without the hash of its spec"),
+        (Board(spec, configuration=classic), "&protocol=classic", "classic gateware cannot report"),
     ):
         with board, Link(url(board, more)) as link:
             build(spec_of(SWAPPED), link)

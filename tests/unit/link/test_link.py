@@ -151,7 +151,7 @@ def test_a_bad_reply_is_never_a_value(link: Link, device: Any, bad: bytes) -> No
 
 def test_replies_that_stay_wrong_end_in_an_error(link: Link, device: Any) -> None:
     device.intercept = lambda command, data: b"#S_R:zz\n" if command == "R" else None
-    with pytest.raises(ProtocolError, match="not answered rightly after 3 attempts"):
+    with pytest.raises(ProtocolError, match="not answered correctly after 3 attempts"):
         link.read(1)
     device.intercept = lambda command, data: b"#?E_ICC\n" if command == "RM" else None
     with pytest.raises(ProtocolError, match="E_ICC: this gateware has no such command"):

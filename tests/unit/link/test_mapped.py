@@ -250,7 +250,7 @@ def test_layer_4_works_unchanged(device: Path) -> None:
         ("mmap:{}?offset=4096", UrlError, "has 4096 bytes, and offset is 4096"),
         ("mmap:{}?address_bytes=5", UrlError, "address_bytes is 5; choose 1 to 4"),
         ("mmap:{}?base_hz=0", UrlError, "base_hz is 0"),
-        ("mmap:/dev/null", UrlError, "/dev/null does not tell its size: say size="),
+        ("mmap:/dev/null", UrlError, "/dev/null does not report its size: add size="),
         ("mmap:/dev/null?size=4", DeviceMismatch, "/dev/null: cannot be mapped"),
         ("mmap:{}.none", LinkNotFound, "there is no such device or file"),
         ("mmap:/dev/uio99", LinkNotFound, "there is no such device or file"),

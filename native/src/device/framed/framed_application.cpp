@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames in, sessions, posts, publishes, bytes out. framed_execution.cpp: what requests do.
+// Frames in, sessions, posts, publishes, bytes out. The execution of requests is in framed_execution.cpp.
 #include "device/framed/framed_application.hpp"
 
 #include <algorithm>
@@ -18,12 +18,12 @@ constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::f
 
 bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
 
-// How the next frame is read depends on it.
+// Whether it changes how the next frame is read.
 bool changes_session(std::uint32_t kind) noexcept {
   return kind == request_kind::open || (kind & ~request_bits & 0xFFu) == request_kind::close;
 }
 
-// No kind of a host: a device's, or a post with bits that only requests have.
+// Not a kind that a host sends: a device's kind, or a post with bits that only requests have.
 bool is_foreign(std::uint32_t kind) noexcept {
   return (kind & protocol::frame::device_bit) != 0 || ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu));
 }
@@ -105,7 +105,7 @@ void FramedApplication::step(Clock now, bool port_free, Clock limit) {
     trip(now);
   } else if (sending() && physical_.room() == 0) {
     at_ = std::max(at_, now);
-    execute();  // it says nothing
+    execute();  // it has no answer
   } else if (sending()) {
     do {
       physical_.put(static_cast<char>(out_[sent_++]), at_++);
@@ -218,7 +218,7 @@ void FramedApplication::begin_session(const FrameKey& key) {
   bus_.begin_session();
 }
 
-// Every output that has a safe value gets it; from then on nothing is written.
+// Writes every output that has a safe value. From then on nothing is written.
 void FramedApplication::trip(Clock now) {
   bus_.trip(now);
   count(control::deadman_trips);

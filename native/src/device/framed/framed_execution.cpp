@@ -22,7 +22,7 @@ std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
   return std::accumulate(words.begin(), words.end(), std::size_t{0}, [](std::size_t sum, const ExchangeWord& w) { return sum + w.bytes; });
 }
 
-// Replies that the cache need not have kept are of these.
+// Only these requests can have replies that the cache does not keep.
 bool may_be_long(std::uint8_t operation) {
   return operation == request_kind::list || operation == request_kind::exchange || operation == request_kind::read_control;
 }
@@ -51,7 +51,7 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
       reply(place.status, place.reply);
     } else {
       data_.clear();
-      const Status why = may_be_long(request_.operation) ? refusal(true) : status::invalid;  // the id was another request's
+      const Status why = may_be_long(request_.operation) ? refusal(true) : status::invalid;  // the id belongs to another request
       const Status outcome = why != status::ok ? why : perform(true);
       reply(outcome, data_);
     }
@@ -74,7 +74,7 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
   }
 }
 
-// What the gateware was built without is no request.
+// A request for which the gateware was not built is an unknown request.
 bool FramedApplication::built(std::uint32_t operation) const noexcept {
   switch (operation) {
     case request_kind::list: return configuration_.lists;
@@ -96,7 +96,7 @@ FramedApplication::Status FramedApplication::untimely() const noexcept {
   return status::ok;
 }
 
-// Why it never is, in the order of docs/protocol.md, section 3.
+// Why it will never be executed, in the order of docs/protocol.md, section 3.
 FramedApplication::Status FramedApplication::refusal(bool repeated) const noexcept {
   const std::size_t word_bytes = configuration_.data_bytes();
   bool writes = request_.operation == request_kind::write;
