@@ -97,8 +97,8 @@ def test_a_group_and_a_pattern_are_written_as_one(serve: Serve, run: Run, memory
         (["a.set=5", "a.get=1"], 1, "a.get is a READ item"),
         (["a.set=5", "a.sett=1"], 1, "did you mean 'a.set'?"),
         (["a.set=5", "a.set=6"], 2, "a.set is given two values"),
-        (["a.set=5", "b.set=fast"], 2, "b.set: 'fast' is no integer"),
-        (["a.set=5", "b.set"], 2, "'b.set' is no NAME=VALUE"),
+        (["a.set=5", "b.set=fast"], 2, "b.set: 'fast' is not an integer"),
+        (["a.set=5", "b.set"], 2, "'b.set' is not NAME=VALUE"),
     ],
 )
 def test_a_wrong_write_sends_nothing(

@@ -97,7 +97,7 @@ def test_numbers(text: str, number: int) -> None:
 
 @pytest.mark.parametrize("text", ["", "ten", "1.5", "0x", "--1", "1e3"])
 def test_what_is_no_number(text: str) -> None:
-    with pytest.raises(click.UsageError, match=r"j1: '.*' is no integer"):
+    with pytest.raises(click.UsageError, match=r"j1: '.*' is not an integer"):
         parse_value(text, Item("j1", 1))
 
 

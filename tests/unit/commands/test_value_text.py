@@ -55,11 +55,11 @@ def test_what_people_type(name: str, text: str, value: Any) -> None:
         ("j[0].target", "3 kg", "'3 kg' cannot be converted; it is in rad"),
         ("j[0].target", "fast", "'fast' is not a number"),
         ("gain", "2 rad", "it has no unit"),
-        ("uptime", "1.5", "is no integer"),
+        ("uptime", "1.5", "is not an integer"),
         ("uptime", "1.5 us", "counts whole steps"),
         ("reset", "maybe", "is not a truth value"),
         ("flags", "{ready=1, cold=2}", "'cold=2' is not one of its fields, or is given twice"),
-        ("flags", "ready", "is no integer"),
+        ("flags", "ready", "is not an integer"),
     ],
 )
 def test_what_cannot_be_meant(name: str, text: str, words: str) -> None:

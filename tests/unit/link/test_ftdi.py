@@ -222,7 +222,7 @@ def test_without_the_library(plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Non
     with pytest.raises(LinkNotFound, match=r"libusb-none.so.0 is missing; .*apt-get install libusb-1.0-0"):
         connect("ftdi:FT1")
     monkeypatch.setenv("UNITYLINK_LIBUSB", "libc.so.6")
-    with pytest.raises(LinkNotFound, match=r"it is no libusb-1.0"):
+    with pytest.raises(LinkNotFound, match=r"it is not libusb-1.0"):
         connect("ftdi:FT1")
 
 

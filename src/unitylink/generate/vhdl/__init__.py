@@ -60,7 +60,7 @@ def plan_designs(plan: SpecPlan) -> list[Plan]:
     boards, chosen = plan.spec.boards, plan.configuration
     if len(boards) > 1 and isinstance(chosen, BoardConfiguration):
         several = f"{plan.spec.source} has {len(boards)} boards"
-        raise BindingError(f"vhdl: {several}, and one configuration is given")
+        raise BindingError(f"vhdl: {several}, but only one configuration is given")
     if isinstance(chosen, BoardConfiguration):
         return [plan_design(boards[0], chosen)]
     return [plan_design(board, BoardConfiguration.for_spec(board, **(chosen or {}))) for board in boards]
