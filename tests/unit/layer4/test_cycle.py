@@ -43,7 +43,7 @@ def test_each_call_writes_and_reads_all(link: Link) -> None:
     registers = link.board.registers
     registers[0x10], registers[0x11] = 0xFFFF_FFFF, 0xFFFF_FF00  # above its bits nothing counts
     with robot.cycle() as cycle:
-        with pytest.raises(ValueRangeError, match="on, turns: never given"):
+        with pytest.raises(ValueRangeError, match="on, turns: no value yet"):
             cycle()
         with pytest.raises(ValueRangeError, match=r"target: 99 rad"):
             cycle(target=99, on=True, turns=1)

@@ -218,7 +218,7 @@ def test_subscribing_never_does_what_2012_gateware_cannot_bear(link: Link, devic
     with pytest.raises(BusError, match="every address is read once before it is published"):
         link.subscribe([1, 9], divisor=1)
     assert "WSA" not in device.log
-    with pytest.raises(DeviceMismatch, match=r"can hold 15 .one less than it advertises"):
+    with pytest.raises(DeviceMismatch, match=r"can hold 15 .one less than it reports"):
         link.subscribe(range(16), divisor=1)
     device.log.clear()
     subscription = link.subscribe([1], divisor=1)
