@@ -4,14 +4,20 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdarg>
 #include <cstddef>
 #include <cstdlib>
 #include <ctime>
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <new>
 #include <poll.h>
 #include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace unitylink::failing {
@@ -38,19 +44,45 @@ Function* system_own(const char* name) noexcept {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
+int number_of(How how) noexcept {
+  switch (how) {
+    case How::interrupted: return EINTR;
+    case How::again: return EAGAIN;
+    case How::none_left: return EMFILE;
+    default: return EIO;
+  }
+}
+
 // What a call that moves `bytes` gives in place of the real one, if it is its turn.
 bool instead(std::size_t& bytes, ssize_t& result) noexcept {
   if (due(What::transfer) != 0) {
     return false;
   }
-  switch (manner) {
-    case How::one_byte: bytes = std::min<std::size_t>(bytes, 1); return false;
-    case How::nothing: result = 0; return true;
-    case How::interrupted: errno = EINTR; break;
-    case How::again: errno = EAGAIN; break;
-    default: errno = EIO; break;
+  if (manner == How::one_byte) {
+    bytes = std::min<std::size_t>(bytes, 1);
+    return false;
   }
-  result = -1;
+  result = manner == How::nothing ? 0 : -1;
+  errno = number_of(manner);
+  return true;
+}
+
+// Whether a call that opens something, or sets it up, fails in place of the real one. errno says why.
+bool refused() noexcept {
+  if (due(What::opening) != 0) {
+    return false;
+  }
+  errno = number_of(manner);
+  return true;
+}
+
+// Whether there is no memory. errno says so.
+bool exhausted() noexcept {
+  const std::int64_t ago = due(What::allocation);
+  if (ago < 0 || (ago > 0 && (manner != How::from_then_on || ago >= several))) {
+    return false;
+  }
+  errno = ENOMEM;
   return true;
 }
 
@@ -72,22 +104,112 @@ bool disarm() noexcept {
 
 using namespace unitylink::failing;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
 void* operator new(std::size_t bytes) {
-  const std::int64_t ago = due(What::allocation);
-  if (ago >= 0 && (ago == 0 || (manner == How::from_then_on && ago < several))) {
-    throw std::bad_alloc();
-  }
-  void* place = std::malloc(bytes > 0 ? bytes : 1);
+  void* const place = exhausted() ? nullptr : std::malloc(bytes > 0 ? bytes : 1);
   if (place == nullptr) {
     throw std::bad_alloc();
   }
   return place;
 }
-
 void operator delete(void* place) noexcept { std::free(place); }
 void operator delete(void* place, std::size_t) noexcept { std::free(place); }
 
 extern "C" {
+
+#else
+
+extern "C" {
+
+// The C library's own, by the names that it has for those who stand in front of them.
+void* __libc_malloc(std::size_t bytes);
+void* __libc_calloc(std::size_t count, std::size_t bytes);
+void* __libc_realloc(void* place, std::size_t bytes);
+
+void* malloc(std::size_t bytes) noexcept {
+  return exhausted() ? nullptr : __libc_malloc(bytes);
+}
+void* calloc(std::size_t count, std::size_t bytes) noexcept {
+  return exhausted() ? nullptr : __libc_calloc(count, bytes);
+}
+void* realloc(void* place, std::size_t bytes) noexcept {
+  return exhausted() ? nullptr : __libc_realloc(place, bytes);
+}
+
+#endif
+
+int open(const char* path, int flags, ...) {
+  static auto* const own = system_own<int(const char*, int, ...)>("open");
+  std::va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  return refused() ? -1 : own(path, flags, mode);
+}
+
+int socket(int family, int type, int protocol) noexcept {
+  static auto* const own = system_own<int(int, int, int)>("socket");
+  return refused() ? -1 : own(family, type, protocol);
+}
+
+int connect(int file, const sockaddr* address, socklen_t size) {
+  static auto* const own = system_own<int(int, const sockaddr*, socklen_t)>("connect");
+  return refused() ? -1 : own(file, address, size);
+}
+
+int getsockopt(int file, int level, int name, void* value, socklen_t* size) noexcept {
+  static auto* const own = system_own<int(int, int, int, void*, socklen_t*)>("getsockopt");
+  return refused() ? -1 : own(file, level, name, value, size);
+}
+
+int setsockopt(int file, int level, int name, const void* value, socklen_t size) noexcept {
+  static auto* const own = system_own<int(int, int, int, const void*, socklen_t)>("setsockopt");
+  return refused() ? -1 : own(file, level, name, value, size);
+}
+
+int eventfd(unsigned count, int flags) noexcept {
+  static auto* const own = system_own<int(unsigned, int)>("eventfd");
+  return refused() ? -1 : own(count, flags);
+}
+
+int fcntl(int file, int what, ...) {
+  static auto* const own = system_own<int(int, int, ...)>("fcntl");
+  std::va_list rest;
+  va_start(rest, what);
+  void* const argument = va_arg(rest, void*);
+  va_end(rest);
+  return refused() ? -1 : own(file, what, argument);
+}
+
+int ioctl(int file, unsigned long what, ...) noexcept {
+  static auto* const own = system_own<int(int, unsigned long, ...)>("ioctl");
+  std::va_list rest;
+  va_start(rest, what);
+  void* const argument = va_arg(rest, void*);
+  va_end(rest);
+  return refused() ? -1 : own(file, what, argument);
+}
+
+int flock(int file, int what) noexcept {
+  static auto* const own = system_own<int(int, int)>("flock");
+  return refused() ? -1 : own(file, what);
+}
+
+int isatty(int file) noexcept {
+  static auto* const own = system_own<int(int)>("isatty");
+  return refused() ? 0 : own(file);
+}
+
+int fstat(int file, struct stat* told) noexcept {
+  static auto* const own = system_own<int(int, struct stat*)>("fstat");
+  return refused() ? -1 : own(file, told);
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*begin)(void*), void* argument) {
+  static auto* const own = system_own<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
+  return refused() ? EAGAIN : own(thread, attributes, begin, argument);
+}
 
 ssize_t read(int file, void* room, std::size_t bytes) {
   static auto* const own = system_own<ssize_t(int, void*, std::size_t)>("read");

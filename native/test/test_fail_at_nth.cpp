@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For n = 1, 2, 3 …: the n-th allocation, transfer or look at the clock of a session fails, and the promises hold all the same: nothing ends the program, each call has
-// a status, nothing is executed twice or told wrongly, and the link is usable afterwards, or closed with a reason.
+// For n = 1, 2, 3 …: the n-th allocation, transfer, opening or look at the clock of a session fails, and the promises hold all the same: nothing ends the program, each
+// call has a status, nothing is executed twice or told wrongly, and the link is usable afterwards, or closed with a reason.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -43,13 +43,13 @@ struct Wish {
 // The board, which nothing happens to, and its own count of what was executed.
 class Rig {
  public:
-  Rig() {
+  explicit Rig(const char* endpoint) {
     auto made = std::make_unique<device::Device>(configuration());
     made->bus().observe([this](std::uint32_t, std::uint32_t value) {
       const std::scoped_lock lock(mutex_);
       executed_[value] += 1;
     });
-    board_ = std::make_unique<device::Board>(std::move(made), device::make_endpoint("tcp", "127.0.0.1"));
+    board_ = std::make_unique<device::Board>(std::move(made), device::make_endpoint(endpoint, "127.0.0.1"));
     board_->set_plant({0.001, [this](double) {
                          thread_local const Exempt exempt;  // the board's thread
                          ready_ = true;
@@ -230,22 +230,35 @@ std::size_t open_files() {
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
-// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n.
-std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride, bool cut = false) {
+struct Place {
+  const char* endpoint = "tcp";
+  bool cut = false;  // the line breaks in the middle
+};
+
+// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n. Each has a thread of its own, as a program's may be: what a thread
+// does only once is in all of them.
+std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride, Place place = {}) {
   const Exempt exempt;
-  Rig rig;
+  Rig rig(place.endpoint);
+  const bool cut = place.cut;
   const bool framed = std::string_view(options).find("framed") != std::string_view::npos;
-  const bool harmless = how == How::interrupted || how == How::again || how == How::one_byte;  // asked again, nobody notices
+  const bool harmless = what == What::transfer && (how == How::interrupted || how == How::again || how == How::one_byte);  // asked again, nobody notices
   // spin=0: how often a caller looks for its reply would depend on the machine
   const std::string url = rig.url() + (harmless ? "?spin=0&timeout=2&attempts=3&" : "?spin=0&timeout=0.05&attempts=3&") + options;
   const std::size_t files = open_files();
   std::uint32_t nth = 1;
   for (int again = 0;;) {
     failing::arm(what, how, nth);
-    Session session(rig, std::string(options) + ": " + name + " " + std::to_string(nth), framed);
-    const std::uint32_t refused = session.run(url, cut);
+    Session session(rig, std::string(place.endpoint) + ", " + options + ": " + name + " " + std::to_string(nth), framed);
+    std::uint32_t refused = 0;
+    std::string failure;
+    std::thread([&] {
+      const Exempt this_thread;
+      refused = session.run(url, cut);
+      failure = ul_last_error_text();
+    }).join();
     if (failing::disarm()) {
-      INFO(options << ": " << name << " " << nth << ": " << ul_last_error_text());
+      INFO(place.endpoint << ", " << options << ": " << name << " " << nth << ": " << failure);
       CHECK((!harmless || !session.opened() || refused == 0));
       nth += stride;
       again = 0;
@@ -272,7 +285,63 @@ TEST_CASE("the n-th allocation fails") {
   for (const char* options : links) {
     CHECK(sessions(options, What::allocation, How::once, "allocation", stride_of(1)) > least);
     CHECK(sessions(options, What::allocation, How::from_then_on, "a hundred allocations from", stride_of(9)) > least);
-    CHECK(sessions(options, What::allocation, How::once, "a broken line and allocation", stride_of(1), true) > least);
+    CHECK(sessions(options, What::allocation, How::once, "a broken line and allocation", stride_of(1), {.cut = true}) > least);
+  }
+}
+
+TEST_CASE("the n-th opening or setting up fails") {
+  constexpr std::pair<How, const char*> manners[] = {{How::broken, "EIO at opening"}, {How::none_left, "EMFILE at opening"}, {How::interrupted, "EINTR at opening"}};
+  constexpr std::uint32_t openings_least = 5;
+  for (const char* options : links) {
+    for (const auto& [how, name] : manners) {
+      for (const char* endpoint : {"tcp", "udp", "pty"}) {
+        CHECK(sessions(options, What::opening, how, name, 1, {.endpoint = endpoint}) > openings_least);
+      }
+      CHECK(sessions(options, What::opening, how, name, 1, {.cut = true}) > openings_least);
+    }
+  }
+}
+
+TEST_CASE("a port that the system refuses says why, and leaves nothing open") {
+  constexpr struct {
+    const char* endpoint;
+    const char* scheme;       // in place of the board's
+    std::uint32_t borne;      // openings that a link can do without
+  } places[] = {{"tcp", "", 1},      // TCP_NODELAY
+                {"udp", "", 0},
+                {"pty", "serial", 3},   // TIOCEXCL, the latency of an adapter, the kind of terminal
+                {"pty", "rs485", 5}};   // and the direction of the transceiver; as this link closes within the call, TIOCNXCL
+  const Exempt exempt;
+  for (const auto& place : places) {
+    INFO(place.endpoint << ", " << place.scheme);
+    Rig rig(place.endpoint);
+    std::string url = rig.url() + "?timeout=0.5&protocol=framed";
+    const bool other = std::string_view(place.scheme) == "rs485";  // whose node does not answer here
+    if (other) {
+      url = "rs485" + url.substr(url.find(':')) + "&node=3&attempts=1";
+    }
+    const std::size_t files = open_files();
+    std::uint32_t borne = 0;
+    for (std::uint32_t nth = 1;; ++nth) {
+      failing::arm(What::opening, How::none_left, nth);
+      ul_link* link = nullptr;
+      --Exempt::depth;
+      const ul_status status = ul_open(url.c_str(), &link);
+      ++Exempt::depth;
+      const bool happened = failing::disarm();
+      const std::string why = ul_last_error_text();
+      ul_free(link);
+      if (!happened) {
+        break;
+      }
+      CAPTURE(nth);
+      CAPTURE(why);
+      const bool said = why.find("Too many open files") != std::string::npos || why.find("no more threads") != std::string::npos;
+      borne += status == UL_OK || (other && status == UL_TIMEOUT) ? 1 : 0;
+      CHECK((said || status == UL_OK || (other && status == UL_TIMEOUT)));
+    }
+    CHECK(borne == place.borne);
+    CHECK(open_files() <= files + 1);
   }
 }
 

@@ -7,7 +7,9 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <system_error>
 
+#include "abi/last_failure.hpp"
 #include "layer2_message/link.hpp"
 
 using namespace unitylink;
@@ -25,42 +27,32 @@ static_assert(UL_READ == protocol::list_operation::read && UL_READ_FIFO == proto
               UL_WRITE_MASKED == protocol::list_operation::write_masked && UL_ADD == protocol::list_operation::add);
 static_assert(UL_BUS_ERROR == static_cast<ul_status>(Status::bus_error));
 
-thread_local Outcome last_failure;
-thread_local ul_status last_status = UL_OK;
+constinit thread_local LastFailure last_failure;
 
-ul_status told(Outcome&& outcome) {
-  const auto status = static_cast<ul_status>(outcome.status);
-  if (status != UL_OK) {
-    last_failure = std::move(outcome);
-    last_status = status;
+ul_status told(const Outcome& outcome) noexcept {
+  if (!outcome.ok()) {
+    last_failure.keep(outcome);
   }
+  return static_cast<ul_status>(outcome.status);
+}
+
+ul_status told(ul_status status, const char* text) noexcept {
+  last_failure.keep(status, text);
   return status;
 }
 
-ul_status bad_argument(const char* what) {
-  last_failure = Outcome{};
-  last_failure.text = what;
-  last_status = UL_ARGUMENT;
-  return UL_ARGUMENT;
-}
+ul_status bad_argument(const char* what) noexcept { return told(UL_ARGUMENT, what); }
 
 template <class Call>
 ul_status guarded(const Call& call) noexcept {
   try {
     return call();
   } catch (const std::bad_alloc&) {
-    last_failure = Outcome{};
-    last_status = UL_NO_MEMORY;
-    return UL_NO_MEMORY;
-  } catch (const std::exception& error) {  // a thread that could not be started
-    last_failure = Outcome{};
-    last_status = UL_NO_MEMORY;
-    try {
-      last_failure.text = error.what();
-    } catch (...) {
-      last_failure.text.clear();
-    }
-    return UL_NO_MEMORY;
+    return told(UL_NO_MEMORY, "");
+  } catch (const std::system_error&) {
+    return told(UL_NO_MEMORY, "the system gives this program no more threads or descriptors");
+  } catch (const std::exception& error) {
+    return told(UL_NO_MEMORY, error.what());
   }
 }
 
@@ -102,15 +94,16 @@ const char* ul_status_text(ul_status status) {
 }
 
 const char* ul_last_error_text(void) {
-  return last_failure.text.empty() && last_status != UL_OK ? ul_status_text(last_status) : last_failure.text.c_str();
+  const ul_status status = last_failure.error().status;
+  return *last_failure.text() == 0 && status != UL_OK ? ul_status_text(status) : last_failure.text();
 }
 
 ul_status ul_last_error(ul_error* error) {
   if (!known(error)) {
     return bad_argument(unknown_size);
   }
-  *error = {sizeof(ul_error),   last_status,           last_failure.has_address ? 1 : 0, last_failure.address,
-            last_failure.index, last_failure.attempts, last_failure.elapsed_ns};
+  *error = last_failure.error();
+  error->size = sizeof(ul_error);
   return UL_OK;
 }
 
@@ -125,7 +118,7 @@ ul_status ul_open(const char* url, ul_link** link) {
     if (outcome.ok()) {
       *link = opened.release();
     }
-    return told(std::move(outcome));
+    return told(outcome);
   });
 }
 

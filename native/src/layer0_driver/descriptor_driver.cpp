@@ -3,7 +3,7 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -31,22 +31,30 @@ Outcome refused_port(const std::string& name, int error, const char* missing, co
 }
 
 DescriptorDriver::DescriptorDriver(int descriptor) noexcept : descriptor_(descriptor) {
-  ::fcntl(descriptor_, F_SETFL, ::fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
-  int type = 0;
+  int on = 1, type = 0;
   socklen_t size = sizeof type;
-  socket_ = ::getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+  usable_ = ::ioctl(descriptor_, FIONBIO, &on) == 0;
+  socket_ = usable_ && ::getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+  usable_ = usable_ && (socket_ || errno == ENOTSOCK);
+  error_ = usable_ ? 0 : errno;
   datagram_ = socket_ && type != SOCK_STREAM;
 }
 
 DescriptorDriver::~DescriptorDriver() { DescriptorDriver::close(); }
 
 Transfer DescriptorDriver::send(std::span<const std::uint8_t> bytes) noexcept {
+  if (!usable_) {
+    return {0, Status::closed};
+  }
   const ssize_t count = socket_ ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
                                 : ::write(descriptor_, bytes.data(), bytes.size());
   return count >= 0 ? Transfer{static_cast<std::size_t>(count), Status::ok} : failed(errno);
 }
 
 Transfer DescriptorDriver::receive(std::span<std::uint8_t> room) noexcept {
+  if (!usable_) {
+    return {0, Status::closed};
+  }
   const ssize_t count = ::read(descriptor_, room.data(), room.size());
   if (count == 0 && !datagram_) {
     return failed(end_of_stream);

@@ -13,7 +13,8 @@ namespace unitylink {
 
 class DescriptorDriver : public Driver {
  public:
-  // Takes the descriptor over and makes it non-blocking.
+  // Takes the descriptor over and makes it non-blocking. Where that fails the port is gone from the beginning: neither may a call block, nor a
+  // socket that is not known as one end the program with SIGPIPE.
   explicit DescriptorDriver(int descriptor) noexcept;
   ~DescriptorDriver() override;
 
@@ -30,6 +31,7 @@ class DescriptorDriver : public Driver {
  private:
   int descriptor_;
   std::atomic<int> error_ = 0;  // sender and receiver may both meet it
+  bool usable_;
   bool socket_;    // a socket needs MSG_NOSIGNAL
   bool datagram_;  // an empty datagram is not the end of a stream
 };

@@ -10,6 +10,7 @@
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <system_error>
 #include <unistd.h>
 
 #include "layer0_driver/pair_token.hpp"
@@ -117,16 +118,18 @@ void Master::disown(std::shared_ptr<Master> shared) {
 }
 
 Master::Master(std::unique_ptr<Driver> port, std::string baud)
-    : port_(std::move(port)), baud_(std::move(baud)), wake_descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    : port_(std::move(port)), baud_(std::move(baud)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!wake_.open()) {
+    throw std::system_error(errno, std::generic_category());
+  }
   thread_ = std::thread([this] { serve(); });
 }
 
 Master::~Master() {
   stop_ = true;
   const std::uint64_t one = 1;
-  static_cast<void>(!::write(wake_descriptor_, &one, sizeof one));
+  static_cast<void>(!::write(wake_.get(), &one, sizeof one));
   thread_.join();
-  ::close(wake_descriptor_);
 }
 
 Outcome Master::join(const Settings& settings, int descriptor) {
@@ -139,7 +142,7 @@ Outcome Master::join(const Settings& settings, int descriptor) {
     return {Status::busy, "node " + std::to_string(settings.node) + " on this pair has a link in this program already"};
   }
   const std::uint64_t one = 1;
-  static_cast<void>(!::write(wake_descriptor_, &one, sizeof one));
+  static_cast<void>(!::write(wake_.get(), &one, sizeof one));
   return {};
 }
 
@@ -190,7 +193,7 @@ void Master::serve() noexcept {
 
 // Until then, or until there is something to say or a node has come.
 void Master::pause(Clock::time_point until) {
-  std::vector<pollfd> waiting{{wake_descriptor_, POLLIN, 0}};
+  std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}};
   {
     const std::scoped_lock lock(mutex_);
     for (const auto& [number, node] : nodes_) {
@@ -199,7 +202,7 @@ void Master::pause(Clock::time_point until) {
   }
   if (poll_until(waiting, until) && waiting[0].revents != 0) {
     std::uint64_t count = 0;
-    static_cast<void>(!::read(wake_descriptor_, &count, sizeof count));
+    static_cast<void>(!::read(wake_.get(), &count, sizeof count));
   }
 }
 

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/driver.hpp"
 
 namespace unitylink::pair_bus {
@@ -51,7 +52,7 @@ class Master {
 
   std::unique_ptr<Driver> port_;
   const std::string baud_;
-  int wake_descriptor_;
+  Descriptor wake_;
   std::atomic<bool> stop_ = false;
   mutable std::mutex mutex_;  // all below
   std::map<unsigned, std::shared_ptr<Node>> nodes_;

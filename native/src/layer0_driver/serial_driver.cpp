@@ -71,11 +71,12 @@ Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& dr
   }
   const int descriptor = port.get();
   if (::isatty(descriptor) == 0) {
-    return {Status::not_found, "serial port " + url.path + ": this is not a serial port"};
+    return errno == ENOTTY || errno == EINVAL ? Outcome{Status::not_found, "serial port " + url.path + ": this is not a serial port"}
+                                              : cannot_open_serial(url.path, errno);
   }
   // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return cannot_open_serial(url.path, EBUSY);
+    return cannot_open_serial(url.path, errno);
   }
   static_cast<void>(::ioctl(descriptor, TIOCEXCL));
   if (const int error = detail::make_raw(descriptor, static_cast<std::uint32_t>(baud_hz)); error != 0) {

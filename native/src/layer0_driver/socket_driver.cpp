@@ -73,8 +73,7 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
   }
   int error = 0;
   socklen_t size = sizeof error;
-  ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
-  return error;
+  return ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
 }
 
 Outcome cannot_connect(const Url& url, int error) {
