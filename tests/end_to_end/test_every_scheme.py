@@ -62,7 +62,7 @@ def test_a_descriptor(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
         assert board.url.startswith("fd:")
         return f"{board.url}?timeout=2"
 
-    check(converse(url, spec, tmp_path, refused={"doctor": "can be opened once"}), one_board=False)
+    check(converse(url, spec, tmp_path, refused={"doctor": "can be opened only once"}), one_board=False)
 
 
 def test_a_virtual_board(spec: Path, tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_a_node_on_a_pair(stack: ExitStack, spec: Path, tmp_path: Path) -> None:
     pair = Pair({3: ModelNode(3, (host, int(port)))}, tmp_path / "tty", echo=False)
     stack.callback(pair.close)
     url = f"rs485:{pair.path}?node=3&timeout=2&silence=0.2"
-    check(converse(lambda: url, spec, tmp_path, refused={"term": "frames only"}))
+    check(converse(lambda: url, spec, tmp_path, refused={"term": "carries only frames"}))
 
 
 def test_an_ftdi_chip(

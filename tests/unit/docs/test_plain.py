@@ -34,7 +34,7 @@ CEILINGS = {
     "pages": Ceilings((".",), 12, 15.5, 0.03, 3000),
     "python": Ceilings(("src", "tools"), 11, 16, 0.04, 4000),
     "vhdl": Ceilings(("gateware", "examples", "src"), 10.5, 15.5, 0.06, 2500),
-    "c++": Ceilings(("native/include", "native/src"), 12, 18, 0.14, 1000),
+    "c++": Ceilings(("native/include", "native/src"), 10.5, 16.5, 0.1, 1000),
 }
 
 PAGE = """---
