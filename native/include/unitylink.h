@@ -145,7 +145,7 @@ UL_API ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t c
 UL_API ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
                                const ul_options* options);
 
-/* Which protocol the device speaks: "framed" or "classic". Never NULL. docs/protocol.md */
+/* Which protocol the device speaks: "framed" or "classic"; "memory" behind mmap:, where there is none. Never NULL. docs/protocol.md */
 UL_API const char* ul_protocol(ul_link* link);
 /* A warning about the start of the link: it was taken for a classic one, without the promises of frames, because the device answers
  * only classic requests. "": no warning, for example if the URL says protocol=classic. Never NULL. Valid as long as the link.

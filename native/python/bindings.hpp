@@ -23,7 +23,6 @@ void bind_stream(nanobind::module_& module);
 void bind_link(nanobind::module_& module);
 void bind_board(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
-void bind_mapped(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);
 
 // Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back for it by unwinding

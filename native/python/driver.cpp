@@ -99,11 +99,11 @@ nb::bytes receive(Driver& driver, double timeout_s) {
   return nb::bytes(room.data(), transfer.count);
 }
 
-// Each as (name, form, what, once).
+// Each as (name, form, what, stream, once).
 nb::list schemes_there() {
   nb::list rows;
   for (const Scheme* scheme : schemes()) {
-    rows.append(nb::make_tuple(std::string(scheme->name), std::string(scheme->form), std::string(scheme->what), scheme->once));
+    rows.append(nb::make_tuple(std::string(scheme->name), std::string(scheme->form), std::string(scheme->what), scheme->stream, scheme->once));
   }
   return rows;
 }

@@ -52,6 +52,9 @@ std::uint32_t read(Link& link, nb::handle address, nb::handle checked, bool repe
   const std::uint32_t word = word_of(address, "address");
   const RequestOptions options = options_of(checked, repeat, timeout_s);
   std::uint32_t value = 0;
+  if (link.read_at_once(word, value)) {
+    return value;
+  }
   Outcome outcome;
   {
     GilRelease release;
@@ -65,6 +68,9 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
   const std::uint32_t word = word_of(address, "address");
   const std::uint32_t what = word_of(value, "value");
   const RequestOptions options = options_of(checked, repeat, timeout_s);
+  if (link.write_at_once(word, what)) {
+    return;
+  }
   Outcome outcome;
   {
     GilRelease release;
@@ -75,7 +81,8 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
 
 nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
   const RequestOptions options = options_of(checked, repeat, timeout_s);
-  return read_words(addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); });
+  const auto at_once = [&](auto words, auto values) { return !atomic && link.read_at_once(words, values); };
+  return read_words(addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); }, at_once);
 }
 
 nb::object read_each(Link& link, nb::handle addresses, nb::handle checked, bool repeat, nb::handle timeout_s) {

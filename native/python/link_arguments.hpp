@@ -52,17 +52,25 @@ inline void check_signals() {
   }
 }
 
-template <class Reader>
-nb::object read_words(nb::handle addresses, const Reader& reader) {
+// `at_once`: tries without waiting, with Python's lock held; false: it cannot.
+template <class Reader, class AtOnce>
+nb::object read_words(nb::handle addresses, const Reader& reader, const AtOnce& at_once) {
   const std::vector<std::uint32_t> words = words_of(addresses, "address");
   auto values = std::make_unique<std::uint32_t[]>(words.size());
+  const std::span<const std::uint32_t> where(words);
+  const std::span<std::uint32_t> room(values.get(), words.size());
   Outcome outcome;
-  {
+  if (!at_once(where, room)) {
     GilRelease release;
-    outcome = reader(std::span<const std::uint32_t>(words), std::span(values.get(), words.size()));
+    outcome = reader(where, room);
   }
   raise_unless_ok(outcome);
   return array_of(std::move(values), {words.size()});
+}
+
+template <class Reader>
+nb::object read_words(nb::handle addresses, const Reader& reader) {
+  return read_words(addresses, reader, [](auto, auto) { return false; });
 }
 
 }  // namespace unitylink::python

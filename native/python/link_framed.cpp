@@ -177,7 +177,7 @@ void bind_framed(nb::class_<Link>& link) {
       .def("missing", &Link::missing, "id"_a, nb::call_guard<GilRelease>())
       .def("clock", &clock_state)
       .def("check_spec", &check_spec, "spec"_a, "hashes"_a)
-      .def_prop_ro("protocol", [](const Link& link) { return link.framed() ? "framed" : "classic"; })
+      .def_prop_ro("protocol", &Link::protocol)
       .def_prop_ro("notice", [](const Link& link) { return link.notice(); })
       .def_prop_ro("description", &description);
 }

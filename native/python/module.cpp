@@ -9,6 +9,5 @@ NB_MODULE(_native, module) {
   unitylink::python::bind_link(module);
   unitylink::python::bind_board(module);
   unitylink::python::bind_bus(module);
-  unitylink::python::bind_mapped(module);
   unitylink::python::bind_faults(module);
 }

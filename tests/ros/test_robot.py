@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from unitylink import connect
@@ -226,6 +227,18 @@ def test_safe_values_are_refused_on_a_link_that_has_fallen_back_to_the_classic_p
             assert board.registers[0x10] == 0
         with running(program, f"{board.url}?timeout=5&protocol=classic") as robot:
             until(lambda: is_up(robot), robot)
+
+
+def test_registers_that_are_memory(program: Path, tmp_path: Path) -> None:
+    """No device, no protocol: the same node on a file that another process could serve."""
+    path = tmp_path / "registers"
+    path.write_bytes(bytes(4096))
+    words = np.memmap(path, dtype="<u4", mode="r+")
+    with running(program, f"mmap:{path}") as robot:
+        until(lambda: is_up(robot), robot)
+        assert robot.ask("set position 1.25") == "set"
+        until(lambda: words[0x10] == 125)
+    assert words[0x10] == 25, "the end is safe"
 
 
 def test_other_gateware_is_refused_by_its_hash(program: Path) -> None:

@@ -241,7 +241,7 @@ class Robot {
 
   // Adds reconnect=1 unless the URL says otherwise. A device that cannot be opened again is opened as a new link here.
   static std::string lasting(const std::string& url) {
-    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0) return url;
+    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0) return url;
     return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
   }
 
@@ -318,7 +318,7 @@ class Robot {
       say_(0, device_.lacking() + ": outputs keep their values when the link is lost, and are made safe when it is back");
     }
     if (!publishes_.start(link_)) return failure();
-    if (life_.serve(link_) != UL_OK) return failure();
+    if (const ul_status watched = life_.serve(link_); watched != UL_OK && watched != UL_MISMATCH) return failure();  // memory has no line
     rise();
     return "";
   }

@@ -232,7 +232,7 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
   return guarded([&] { return told(link->link->write_many({addresses, count}, {values, count}, how)); });
 }
 
-const char* ul_protocol(ul_link* link) { return link != nullptr && link->link->framed() ? "framed" : "classic"; }
+const char* ul_protocol(ul_link* link) { return link != nullptr ? link->link->protocol() : "classic"; }
 const char* ul_notice(ul_link* link) { return link != nullptr ? link->link->notice().c_str() : ""; }
 
 ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified) {

@@ -20,6 +20,8 @@ struct Transfer {
   Status status = Status::ok;
 };
 
+class MappedMemory;
+
 // Not thread-safe by itself, but one thread may send while another receives.
 class Driver {
  public:
@@ -45,11 +47,13 @@ class Driver {
   virtual void messages_end_with(std::uint8_t) noexcept {}
   // Why the last transfer said closed, in the operating system's words.
   [[nodiscard]] virtual std::string reason() const = 0;
+  // The registers themselves, where they are memory of this machine and no bytes are sent; nullptr: a byte pipe.
+  [[nodiscard]] virtual MappedMemory* memory() noexcept { return nullptr; }
   // What did not go as wished although the transfers did; empty: nothing.
   [[nodiscard]] virtual std::string warning() const { return {}; }
 };
 
-// Opens what the URL names, by the row of its scheme. `timeout_ns` bounds a connection.
+// Opens the bytes of what the URL names, by the row of its scheme; bad_url where there are none. `timeout_ns` bounds a connection.
 [[nodiscard]] Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver);
 
 class Capture;

@@ -6,7 +6,7 @@
 
 namespace unitylink {
 
-Opener open_serial, open_ftdi, open_rs485, open_spi, open_socket, open_descriptor;
+Opener open_serial, open_ftdi, open_rs485, open_spi, open_socket, open_mmap, open_descriptor;
 
 namespace {
 
@@ -31,6 +31,12 @@ constexpr Scheme table[] = {
      .open = &open_spi},
     {.name = "tcp", .form = "tcp://HOST:PORT", .what = "a board on the network, or `unitylink simulate`", .place = Place::host, .open = &open_socket},
     {.name = "udp", .form = "udp://HOST:PORT", .what = "the same over UDP", .place = Place::host, .open = &open_socket, .loses_order = true},
+    {.name = "mmap",
+     .form = "mmap:/dev/uio0",
+     .what = "registers that are memory: UIO, a PCIe BAR",
+     .options = "offset size address_bytes base_hz",
+     .open = &open_mmap,
+     .stream = false},
     {.name = "fd",
      .form = "fd:NUMBER",
      .what = "an open descriptor, which the link takes over",

@@ -39,6 +39,7 @@ struct Scheme {
   Place place = Place::file;
   std::string_view options = {};  // its own, with a space between two; those of every link are in layer2_message/link_options.cpp
   Opener* open = nullptr;
+  bool stream = true;        // bytes go there; else it is memory of this machine, and an option of a protocol means nothing
   bool once = false;         // cannot be opened a second time
   bool framed_only = false;  // carries no classic text
   bool loses_order = false;  // bytes may come in another order, or twice: every frame gets the longer checksum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What Link needs of an engine, whichever protocol it speaks: requests in, bytes out; bytes in, verdicts out. Sans I/O: it is given bytes and
-// times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine and FramedEngine are the two.
+// times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine and FramedEngine
+// speak a protocol; MappedEngine needs none.
 #pragma once
 
 #include <array>

@@ -115,6 +115,12 @@ void Link::run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t unt
   std::uint64_t now = now_ns();
   std::uint64_t look_ns = std::min(until_ns, now + interruption_patience_ns);
   submit_all(exchanges);
+  if (std::ranges::all_of(exchanges, &Exchange::done)) {  // refused, or of mapped memory: nobody waits
+    if (leading_ && engine_->next_deadline_ns() < leading_until_ns_) {
+      wake();
+    }
+    return;
+  }
   ++callers_;
   if (reader_leading_) {
     wake();  // a caller is quicker at reading its own answer than at being woken for it

@@ -24,6 +24,7 @@
 #include "layer2_message/classic_engine.hpp"
 #include "layer2_message/framed_engine.hpp"
 #include "layer2_message/link_options.hpp"
+#include "layer2_message/mapped_engine.hpp"
 #include "layer2_message/reply_pace.hpp"
 
 namespace unitylink {
@@ -101,6 +102,8 @@ class Link {
   [[nodiscard]] const LinkOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::uint32_t usable_group_size() const noexcept;
   [[nodiscard]] bool framed() const noexcept { return framed_ != nullptr; }
+  // "framed", "classic", or "memory", where there is no protocol.
+  [[nodiscard]] const char* protocol() const noexcept { return framed_ ? "framed" : mapped_ ? "memory" : "classic"; }
   // Why the classic protocol is spoken although it was not asked for; empty: it was, or is not spoken.
   [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   // All zero on a classic link.
@@ -117,6 +120,11 @@ class Link {
   // One R each, as many in flight as window and credit allow.
   [[nodiscard]] Outcome read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] Outcome write(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
+  // Words of mapped memory, while nobody else holds the link: an access takes less time than to give away what the caller holds, such as Python's lock.
+  // False: nothing was done, and the call of the full form tells why, or waits.
+  [[nodiscard]] bool read_at_once(std::uint32_t address, std::uint32_t& value) noexcept;
+  [[nodiscard]] bool read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept;
+  [[nodiscard]] bool write_at_once(std::uint32_t address, std::uint32_t value) noexcept;
   // In order; after one has failed no further one is sent. Outcome::index says which.
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                    const RequestOptions& how);
@@ -221,6 +229,7 @@ class Link {
                                     std::unique_ptr<Link>& link);
   [[nodiscard]] Outcome begin();
   [[nodiscard]] Outcome begin_framed(std::uint64_t until_ns);
+  void begin_mapped(MappedMemory& memory);
   [[nodiscard]] Outcome describe_device(const RequestOptions& how);
 
   // the wire (link.cpp)
@@ -277,6 +286,8 @@ class Link {
   [[nodiscard]] std::size_t words_written() const noexcept;
   [[nodiscard]] std::size_t words_posted() const noexcept;
   [[nodiscard]] Outcome run_one(Exchange& exchange);
+  [[nodiscard]] std::size_t words_at_once(bool repeat) const noexcept;
+  [[nodiscard]] Outcome framed_only(const char* what) const;
   [[nodiscard]] Outcome check_list(std::span<const ListWord> steps, std::size_t room) const;
   [[nodiscard]] Outcome list_apart(std::span<const ListWord> steps, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] std::size_t list_fits(std::span<const ListWord> steps) const noexcept;
@@ -312,7 +323,8 @@ class Link {
   std::condition_variable idle_;         // the reader, while others read for themselves
   ClassicEngine classic_;
   std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
-  Engine* engine_ = &classic_;           // the one of the two that is used
+  std::unique_ptr<MappedEngine> mapped_; // where the registers are memory
+  Engine* engine_ = &classic_;           // the one of the three that is used
   std::array<std::shared_ptr<const ExchangeLayout>, protocol::limits::exchanges_max> exchanges_;
   std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // that the engine may still read
   std::uint32_t exchanges_made_ = 0;

@@ -25,6 +25,10 @@ std::string hash_text(std::uint64_t hash) {
 
 // Ends, whatever the device says: an unanswered fence and an unanswered HELLO have their attempts, and so has all that describes the device, twice.
 Outcome Link::begin() {
+  if (MappedMemory* const memory = driver_->memory(); memory != nullptr) {
+    begin_mapped(*memory);
+    return {};
+  }
   const std::uint64_t line_ns = 2 * options_.engine.byte_time_ns * beginning_bytes;
   const std::uint64_t until_ns = now_ns() + 4 * options_.attempts * options_.engine.timeout_ns + line_ns;
   std::optional<Configuration> reported;
@@ -81,6 +85,27 @@ Outcome Link::begin() {
     engine_->configure(configuration_);
   }
   return outcome;
+}
+
+// There is nobody to ask: the URL has told, and what has no limit here has the protocol's.
+void Link::begin_mapped(MappedMemory& memory) {
+  const std::scoped_lock lock(mutex_);
+  mapped_ = std::make_unique<MappedEngine>(memory);
+  engine_ = mapped_.get();
+  configuration_ = {
+      .address_bytes = memory.window().address_bytes,
+      .data_bytes = 4,
+      .read_many = limits::read_many_max,
+      .publish_mode = 1,
+      .base_hz = memory.window().base_hz,
+      .groups = limits::groups_max,
+      .group_size = limits::group_size_max,
+      .rate_bytes = limits::rate_bytes_max,
+      .discovered = false,
+  };
+  engine_->configure(configuration_);
+  gateware_ = Gateware::corrected;
+  quieted_ = true;
 }
 
 // framed_ stays only if the device speaks the framed protocol, whatever else is wrong.
@@ -194,8 +219,9 @@ Outcome Link::check_spec(std::string_view spec, std::span<const std::uint64_t> h
     return {};
   }
   if (told == 0) {
-    unverified = framed() ? "this gateware was built without the hash of its spec"
-                          : "classic gateware cannot report its spec; check that the two belong together";
+    unverified = framed()  ? "this gateware was built without the hash of its spec"
+                 : mapped_ ? "mapped memory cannot report its spec; check that the two belong together"
+                           : "classic gateware cannot report its spec; check that the two belong together";
     return {};
   }
   const std::string other = "the gateware was built from another spec than " + std::string(spec) + ": its wire hash is " + hash_text(told) +

@@ -16,11 +16,12 @@ constexpr std::size_t words_max = 255;           // in one operation
 constexpr std::size_t posts_per_flush = 256;
 constexpr double ticks_max = 4294967295.0;       // of the base frequency
 
-Outcome classic_only(const char* what) {
-  return {Status::mismatch, std::string(what) + " needs gateware with the framed protocol; this link speaks the classic one"};
-}
-
 }  // namespace
+
+Outcome Link::framed_only(const char* what) const {
+  return {Status::mismatch, std::string(what) + " needs gateware with the framed protocol; " +
+                                (mapped_ ? "mapped memory has no protocol" : "this link speaks the classic one")};
+}
 
 // Words that one message reads; so few that the device keeps the reply, where reading twice would do harm. 0: it knows no lists.
 std::size_t Link::words_read(bool repeat) const noexcept {
@@ -71,7 +72,7 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
     outcome.index = exchange.status == Status::ok ? outcome.index : exchange.words;
     return outcome;
   }
-  if (atomic && !write_addresses.empty()) {
+  if (atomic && !write_addresses.empty() && !mapped_) {
     return {Status::mismatch, "the device cannot do " + std::to_string(write_addresses.size()) + " writes and " +
                                   std::to_string(addresses.size()) + " reads in one message; do less at once, or without atomic"};
   }
@@ -83,7 +84,9 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
   if (addresses.empty()) {
     return {};
   }
-  Outcome outcome = read_many(addresses, values, atomic, how);
+  RequestOptions reading = how;
+  reading.repeat = how.repeat || mapped_;  // words of one moment are read twice there
+  Outcome outcome = read_many(addresses, values, atomic, reading);
   if (!write_addresses.empty()) {
     outcome = behind_writes(std::move(outcome));
   }
@@ -194,7 +197,7 @@ Outcome Link::sync(const RequestOptions& how) {
 
 Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how) {
   if (!framed_) {
-    return classic_only("reading the device's own registers");
+    return framed_only("reading the device's own registers");
   }
   if (values.empty() || values.size() > words_max || address > 0xFFFF) {
     return {Status::range, "control registers: 1 to 255 of them from an address of 16 bits, not " + std::to_string(values.size()) +
@@ -212,7 +215,7 @@ Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> value
 
 Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how) {
   if (!framed_) {
-    return classic_only("writing the device's own registers");
+    return framed_only("writing the device's own registers");
   }
   if (address > 0xFFFF) {
     return {Status::range, "control registers have addresses of 16 bits, not " + hex_address(address, 2)};
@@ -228,7 +231,7 @@ Outcome Link::write_control(std::uint32_t address, std::uint32_t value, const Re
 
 Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
   if (!framed_) {
-    return classic_only("a dead-man");
+    return framed_only("a dead-man");
   }
   if ((description_.features & protocol::control_value::feature_deadman) == 0) {
     return {Status::mismatch, "a dead-man is requested, but this gateware was built without one"};

@@ -36,15 +36,21 @@ constexpr const char* of_every_link =
     "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, spin, trace, "
     "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, rtl)";
 
+// The options of a scheme in a sentence; `last` stands before the last of them.
+std::string listed(const Scheme& scheme, const char* last) {
+  std::string words;
+  for (std::string_view rest = scheme.options; !rest.empty();) {
+    const std::string_view option = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(std::min(option.size() + 1, rest.size()));
+    words += (words.empty() ? "" : rest.empty() ? last : ", ") + std::string(option);
+  }
+  return words;
+}
+
 std::string known_options() {
   std::string known = std::string("known are ") + of_every_link;
   for (const Scheme* scheme : schemes()) {
-    for (std::string_view rest = scheme->options; !rest.empty();) {
-      const std::string_view option = rest.substr(0, rest.find(' '));
-      rest.remove_prefix(std::min(option.size() + 1, rest.size()));
-      known += (option.data() == scheme->options.data() ? ", " : rest.empty() ? " and " : ", ") + std::string(option);
-    }
-    known += scheme->options.empty() ? "" : " (" + std::string(scheme->name) + ")";
+    known += scheme->options.empty() ? "" : ", " + listed(*scheme, " and ") + " (" + std::string(scheme->name) + ")";
   }
   return known;
 }
@@ -165,12 +171,26 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
   return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known_options()};
 }
 
+// The first that is no option of a scheme without a protocol.
+Outcome refused_option(const Url& url) {
+  for (const auto& [name, value] : url.options) {
+    if (!url.row->takes(name)) {
+      return {Status::bad_url, "link URL '" + url.text + "': " + name + " means nothing to mapped memory, which has no protocol; there are: " +
+                                   listed(*url.row, ", ")};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Outcome parse_options(const Url& url, LinkOptions& options) {
   options.engine.checked_long = url.row->loses_order;
   if (url.row->framed_only) {
     options.protocol = Protocol::framed;
+  }
+  if (!url.row->stream) {  // its own options are read where it is opened
+    return refused_option(url);
   }
   for (const auto& [name, value] : url.options) {
     if (Outcome outcome = parse_option(url, name, value, options); !outcome.ok()) {

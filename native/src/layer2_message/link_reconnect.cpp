@@ -184,6 +184,9 @@ void Link::look_after(Lock& lock) {
 // ---- the program
 
 Outcome Link::watch_program(double patience_s) {
+  if (mapped_ && patience_s != 0) {
+    return {Status::mismatch, "mapped memory has no dead-man, and no line that could be given up"};
+  }
   if (!(patience_s >= 0 && patience_s <= program_patience_most_s)) {
     return {Status::range, "the time to wait for a program is 0 to 3600 s, not " + std::to_string(patience_s)};
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reads and writes: checked before anything is sent, run, and told.
 #include <algorithm>
+#include <limits>
 
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link.hpp"
@@ -31,7 +32,7 @@ void Link::prepare(Exchange& exchange, const RequestOptions& how) const noexcept
 }
 
 Outcome Link::check_address(std::uint32_t address, std::size_t index) const {
-  if (address <= highest(configuration_.address_bytes)) {
+  if (address <= highest(configuration_.address_bytes) || mapped_) {  // what is beyond the memory is told when it is accessed
     return {};
   }
   Outcome outcome(Status::range, "address " + hex(address) + " does not fit the device's " +
@@ -82,7 +83,7 @@ Outcome Link::check(const Exchange& exchange, std::size_t index) {
     return outcome.ok() ? check_addresses(exchange.addresses, exchange.write_addresses.size()) : outcome;
   }
   if (exchange.operation == Operation::read_many) {
-    if (exchange.addresses.empty() || exchange.addresses.size() > configuration_.read_many) {
+    if (exchange.addresses.empty() || exchange.addresses.size() > words_at_once(exchange.repeat)) {
       return {Status::mismatch, "the device reads at most " + std::to_string(configuration_.read_many) +
                                     " words in one message, not " + std::to_string(exchange.addresses.size())};
     }
@@ -140,6 +141,9 @@ Outcome Link::outcome_of(const Exchange& exchange) {
     return {};
   }
   const std::scoped_lock lock(mutex_);
+  if (mapped_ && (exchange.status == Status::bus_error || exchange.status == Status::mismatch)) {
+    return mapped_->describe(exchange);
+  }
   return describe(exchange, {.address_bytes = configuration_.address_bytes,
                              .last_answer_ns = engine_->last_answer_ns(),
                              .reason = !reason_.empty()                                                       ? reason_
@@ -156,6 +160,9 @@ Outcome Link::run_one(Exchange& exchange) {
 }
 
 Outcome Link::read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how) {
+  if (read_at_once(address, value)) {
+    return {};
+  }
   Exchange exchange;
   prepare(exchange, how);
   exchange.address = address;
@@ -165,6 +172,9 @@ Outcome Link::read(std::uint32_t address, std::uint32_t& value, const RequestOpt
 }
 
 Outcome Link::write(std::uint32_t address, std::uint32_t value, const RequestOptions& how) {
+  if (write_at_once(address, value)) {
+    return {};
+  }
   Exchange exchange;
   prepare(exchange, how);
   exchange.operation = Operation::write;
@@ -173,11 +183,40 @@ Outcome Link::write(std::uint32_t address, std::uint32_t value, const RequestOpt
   return run_one(exchange);
 }
 
+bool Link::read_at_once(std::uint32_t address, std::uint32_t& value) noexcept {
+  if (!mapped_) {
+    return false;
+  }
+  const Lock lock(mutex_, std::try_to_lock);
+  return lock.owns_lock() && mapped_->read(address, value);
+}
+
+bool Link::read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept {
+  if (!mapped_) {
+    return false;
+  }
+  const Lock lock(mutex_, std::try_to_lock);
+  return lock.owns_lock() && mapped_->read_many(addresses, values);
+}
+
+bool Link::write_at_once(std::uint32_t address, std::uint32_t value) noexcept {
+  if (!mapped_) {
+    return false;
+  }
+  const Lock lock(mutex_, std::try_to_lock);
+  return lock.owns_lock() && mapped_->write(address, value);
+}
+
 // ---- vectors
+
+// That one request reads; 0: one each.
+std::size_t Link::words_at_once(bool repeat) const noexcept {
+  return framed_ ? words_read(repeat) : mapped_ ? std::numeric_limits<std::size_t>::max() : configuration_.read_many;
+}
 
 Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
                              const RequestOptions& how) {
-  const std::size_t block = framed_ ? words_read(how.repeat) : configuration_.read_many;
+  const std::size_t block = words_at_once(how.repeat);
   if (atomic && addresses.size() > std::max<std::size_t>(block, 1)) {
     return {Status::mismatch, "the device reads at most " + std::to_string(std::max<std::size_t>(block, 1)) +
                                   " words at once, not " + std::to_string(addresses.size()) + "; read them in parts, or without atomic"};
@@ -189,7 +228,7 @@ Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresse
     return no_room(addresses.size(), values.size());
   }
   call.block = block;
-  call.exchanges.resize((addresses.size() + block - 1) / block);
+  call.exchanges.resize(addresses.empty() ? 0 : (addresses.size() - 1) / block + 1);
   for (std::size_t index = 0; index < call.exchanges.size(); ++index) {
     Exchange& exchange = call.exchanges[index];
     const std::size_t begin = index * block;

@@ -49,7 +49,7 @@ Outcome Link::command(Operation operation) {
 }
 
 Outcome Link::set_rate(std::uint32_t group, std::uint32_t divisor) {
-  if (framed_) {  // rate and addresses are one there, and this is asked for only to switch it off
+  if (framed_ || mapped_) {  // rate and addresses are one there, and this is asked for only to switch it off
     return define_group(group, {}, divisor, false, nullptr);
   }
   Exchange exchange;
@@ -111,6 +111,9 @@ Outcome Link::quiet_device() {
 }
 
 Outcome Link::check_subscription(const SubscriptionRequest& request) {
+  if (mapped_ && request.on_event) {
+    return cannot("mapped memory has no events: publish at a rate, which is polled");
+  }
   if (configuration_.publish_mode == 0 || configuration_.groups == 0) {
     return cannot("this gateware does not publish; poll with read_many instead");
   }
@@ -163,7 +166,7 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
 }
 
 Outcome Link::configure_group(std::uint32_t group, Subscription& subscription) {
-  if (framed_) {
+  if (framed_ || mapped_) {
     return define_group(group, subscription.addresses, subscription.divisor, subscription.on_event, &subscription.ring);
   }
   if (Outcome outcome = set_rate(group, 0); !outcome.ok()) {
@@ -217,7 +220,7 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
       free = taken || index != request.group.value_or(index) ? free : index;
     }
     if (free == configuration_.groups && request.group) {
-      return cannot("group " + std::to_string(*request.group) + ", the one with the event line, is in use; close its subscription first");
+      return cannot("group " + std::to_string(*request.group) + " is in use; close its subscription first");
     }
     if (free == configuration_.groups) {
       return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");

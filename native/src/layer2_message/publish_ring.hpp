@@ -24,6 +24,8 @@ class PublishRing {
   // Publishes lost on the way: gaps in their sequence, if they have one.
   [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
   void miss(std::uint64_t count) noexcept { missing_ += count; }
+  // Publishes that were never made: polls that came too late.
+  void lose(std::uint64_t count) noexcept { lost_ += count; }
 
   // False if an older publish was lost for it. `values` must have words() words.
   bool push(std::uint64_t time_ns, std::span<const std::uint32_t> values) noexcept {

@@ -56,8 +56,7 @@ def _simulated(url: str) -> tuple[Device, str]:
 SCHEMES = {
     scheme.name: scheme
     for scheme in (
-        *(Scheme(name, form, what, once=once) for name, form, what, once in _native.schemes()),
-        Scheme("mmap", "mmap:/dev/uio0", "registers that are memory: UIO, a PCIe BAR", stream=False),
+        *(Scheme(*row[:3], stream=row[3], once=row[4]) for row in _native.schemes()),
         Scheme("sim", "sim:SPEC.ul", "a virtual board inside this program: the twin", _simulated, True),
         Scheme("rtl", "rtl:SPEC.ul", "the same, but the VHDL itself, compiled", _simulated, True),
     )

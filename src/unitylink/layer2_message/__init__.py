@@ -18,10 +18,10 @@ from __future__ import annotations
 from .batch import Batch, Pending
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health
-from .engine import Times, Words, check_url
 from .events import LinkEvent
 from .exchange_group import ExchangeGroup
 from .link import Link
+from .native_link import Times, Words, check_url
 from .subscription import PublishCallback, Subscription
 
 __all__ = [

@@ -12,7 +12,7 @@ from unitylink import protocol as p
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from .engine import Engine
+    from unitylink._native import NativeLink
 
 
 class Pending:
@@ -45,7 +45,7 @@ class Batch:
     between.
     """
 
-    def __init__(self, engine: Engine, *, atomic: bool = False) -> None:
+    def __init__(self, engine: NativeLink, *, atomic: bool = False) -> None:
         """Made by Link.batch."""
         self._engine = engine
         self._atomic = atomic

@@ -8,11 +8,13 @@ import threading
 import warnings
 from collections.abc import Callable
 from math import inf
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from unitylink.errors import LinkError
 
-from .engine import Engine
+if TYPE_CHECKING:
+    from unitylink._native import NativeLink
+
 
 _PATIENCE_NS = 200_000_000
 STUCK_S = 5.0  # at the end the thread waits no longer than this for one call
@@ -46,7 +48,7 @@ class Deliverable(Protocol):
 class CallbackThread:
     """One thread per link that calls callbacks; it lives while a subscription has one."""
 
-    def __init__(self, native: Engine) -> None:
+    def __init__(self, native: NativeLink) -> None:
         self._native = native
         self._subscriptions: tuple[Deliverable, ...] = ()
         self._changed = threading.Condition()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from unitylink.errors import DeviceMismatch
 
 if TYPE_CHECKING:
-    from .engine import Engine
+    from unitylink._native import NativeLink
 
 _log = logging.getLogger("unitylink.link")
 
@@ -99,14 +99,14 @@ class Clock:
     """How wrong a time stamp can be: half of the quickest round trip."""
 
 
-def told_notice(engine: Engine, url: str) -> str:
+def told_notice(engine: NativeLink, url: str) -> str:
     """Return why `engine` speaks the classic protocol although nobody asked for it, and warn."""
     if engine.notice:
         _log.warning("%s: %s", url, engine.notice)
     return engine.notice
 
 
-def checked_spec(engine: Engine, url: str, spec: str, hashes: Sequence[int]) -> str:
+def checked_spec(engine: NativeLink, url: str, spec: str, hashes: Sequence[int]) -> str:
     """Return why it is unknown whether the gateware was built from `spec`, which has one of `hashes`.
 
     Return "" if it was. If it was not, raise DeviceMismatch, or with `spec_hash=any` in the URL log it.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from .mailbox import arrivals
 
 if TYPE_CHECKING:
-    from .engine import Engine
+    from unitylink._native import NativeLink
 
 _log = logging.getLogger("unitylink.link")
 
@@ -42,7 +42,7 @@ class EventListener:
 
     ended = False
 
-    def __init__(self, native: Engine, callback: EventCallback) -> None:
+    def __init__(self, native: NativeLink, callback: EventCallback) -> None:
         self._native, self._callback = native, callback
         self._next = native.events(0)[1]
         self.gather_s = inf  # as long as the others, because events are rare
@@ -64,7 +64,7 @@ class EventListener:
         self.ended = True
 
 
-async def events_of(native: Engine) -> AsyncIterator[LinkEvent]:
+async def events_of(native: NativeLink) -> AsyncIterator[LinkEvent]:
     """Yield each event from now on, until the link is closed."""
     _, since = native.events(0)
     with arrivals(native) as arrived:

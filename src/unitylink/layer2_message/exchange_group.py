@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Union
 
 import numpy.typing as npt
 
-from .engine import Engine, Words
+from .native_link import Words
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from unitylink._native import NativeLink
 
 Word = Union[int, tuple[int, int]]
 """An address, or an address and how many bytes of its word travel, the low ones."""
@@ -28,7 +30,7 @@ class ExchangeGroup:
     """
 
     def __init__(
-        self, engine: Engine, writes: Iterable[Word], reads: Iterable[Word], data_bytes: int
+        self, engine: NativeLink, writes: Iterable[Word], reads: Iterable[Word], data_bytes: int
     ) -> None:
         self.writes = tuple(_word(word, data_bytes) for word in writes)
         self.reads = tuple(_word(word, data_bytes) for word in reads)

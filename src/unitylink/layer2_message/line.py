@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 from .events import EventCallback, EventListener, LinkEvent, events_of
 
 if TYPE_CHECKING:
+    from unitylink._native import NativeLink
+
     from .callbacks import CallbackThread
-    from .engine import Engine
 
 
 class Line:
     """The part of a `Link` that is about its line. With `reconnect=1` a lost line is opened again."""
 
-    _native: Engine
+    _native: NativeLink
     _callbacks: CallbackThread
 
     @property

@@ -18,10 +18,10 @@ from .batch import Batch
 from .callbacks import CallbackThread
 from .configuration import Configuration, Statistics
 from .device import Clock, DeadMan, Description, Health, checked_spec, told_notice
-from .engine import Pairs, Words, open_engine
 from .exchange_group import ExchangeGroup, Word
 from .line import Line
 from .mailbox import LoopMailbox
+from .native_link import Pairs, Words, open_link
 from .open_links import forget, remember
 from .subscription import Subscription
 
@@ -52,7 +52,7 @@ class Link(Line):
 
     def __init__(self, url: str) -> None:
         """Open `url`, resynchronise with the device, and ask for its configuration."""
-        self._native = open_engine(url)
+        self._native = open_link(url)
         self._warned = ""
         self._warn()
         self.url = url

@@ -11,18 +11,16 @@ from typing import Any
 
 from unitylink import _native
 
-from .engine import Engine, Request
-
 
 class LoopMailbox:
     """One for each event loop and link. The loop watches its descriptor."""
 
-    def __init__(self, native: Engine, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, native: _native.NativeLink, loop: asyncio.AbstractEventLoop) -> None:
         self._native = native
         self._loop = loop
         self._mailbox = _native.mailbox()
         self._tickets = itertools.count(1)
-        self._waiting: dict[int, tuple[Request, asyncio.Future[Any]]] = {}
+        self._waiting: dict[int, tuple[_native.Pending, asyncio.Future[Any]]] = {}
         self._retired = False
         loop.add_reader(self._mailbox.descriptor, self._collect)
 
@@ -54,7 +52,7 @@ class LoopMailbox:
 
 
 @contextmanager
-def arrivals(native: Engine) -> Iterator[asyncio.Event]:
+def arrivals(native: _native.NativeLink) -> Iterator[asyncio.Event]:
     """An asyncio.Event that is set when there is news of a link."""
     loop = asyncio.get_running_loop()
     arrived = asyncio.Event()

@@ -15,11 +15,13 @@ from unitylink.errors import LinkClosed
 from unitylink.protocol import GROUPS_MAX
 
 from .callbacks import CallbackThread, called_back
-from .engine import Engine, Times, Words
 from .mailbox import arrivals
+from .native_link import Times, Words
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from unitylink._native import NativeLink
 
 Publish = tuple[float, tuple[int, ...]]
 PublishCallback = Callable[[float, tuple[int, ...]], None]
@@ -41,7 +43,7 @@ class Subscription:
 
     def __init__(
         self,
-        native: Engine,
+        native: NativeLink,
         callbacks: CallbackThread,
         identity: int,
         addresses: tuple[int, ...],

@@ -16,7 +16,7 @@ from .published import HasCodec, PublishedGroup, PublishedValue
 
 if TYPE_CHECKING:
     from unitylink.layer2_message import Link
-    from unitylink.layer2_message.engine import Times, Words
+    from unitylink.layer2_message.native_link import Times, Words
 
 
 HARDWARE, SOFTWARE = 1, 2  # the modes of PUBLISH(mode, divisor)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from typing_extensions import Self
 
-    from unitylink.layer2_message.engine import Times, Words
+    from unitylink.layer2_message.native_link import Times, Words
 
     from .published import PublishedValue
     from .publishing import Publisher

@@ -18,7 +18,7 @@ from .life import DEVICE_S, Life
 from .senders import Send
 
 if TYPE_CHECKING:
-    from unitylink.layer2_message.engine import Times, Words
+    from unitylink.layer2_message.native_link import Times, Words
 
 PUBLISHES = "the thread that publishes"
 Route = tuple[Any, bool, Send]  # what picks a topic's values (None: all), raw numbers or not, what sends them

@@ -29,7 +29,9 @@ def test_the_native_core_knows_what_the_table_leaves_to_it() -> None:
     with pytest.raises(UrlError) as raised:
         Driver("none:")
     for name, scheme in SCHEMES.items():
-        assert (f"{name}:" in str(raised.value)) == (scheme.make is None and scheme.stream)
+        assert (f"{name}:" in str(raised.value)) == (scheme.make is None)
+    with pytest.raises(UrlError, match="has no bytes, only registers"):
+        Driver("mmap:/dev/uio0")
 
 
 def test_bytes_alone_reach_a_virtual_board() -> None:

@@ -22,12 +22,9 @@ from unitylink import (
     LinkNotFound,
     UrlError,
     ValueRangeError,
-    _native,
     connect,
 )
 from unitylink.connection import open_driver
-from unitylink.layer2_message.engine import Engine
-from unitylink.layer2_message.mapped_engine import MappedEngine
 from unitylink.layer4_data import Node, ReadValue, WriteValue, load_spec_objects
 from unitylink.spec import compile_text
 
@@ -81,14 +78,6 @@ def link(memory: Path) -> Iterator[Link]:
         yield link
 
 
-def test_both_engines_have_all_of_the_interface() -> None:
-    """mypy holds them to the signatures; this, to the members of what was built."""
-    wanted = {name for name in vars(Engine) if not name.startswith("_")}
-    for engine in (_native.NativeLink, MappedEngine):
-        instance = {"configuration"} if engine is MappedEngine else set()
-        assert wanted <= set(dir(engine)) | instance
-
-
 def test_words(link: Link, memory: Path) -> None:
     words = np.memmap(memory, dtype="<u4", mode="r+")
     words[:4] = 10, 11, 12, 13
@@ -98,7 +87,7 @@ def test_words(link: Link, memory: Path) -> None:
     link.write(7, 0xFFFFFFFF)
     link.write_many([8, 9], np.array([1, 2]))
     assert words[7:10].tolist() == [0xFFFFFFFF, 1, 2]
-    with pytest.raises(ValueRangeError, match=r"pairs \(address, value\)"):
+    with pytest.raises(ValueRangeError, match=r"a pair \(address, value\)"):
         link.exchange([8], [(8, 5), (9,)])  # type: ignore[list-item]
     assert link.exchange([8, 9], [(8, 3)]).tolist() == [3, 2]
     assert link.configuration.data_bits == 32 and link.configuration.address_bytes == 2
@@ -168,7 +157,7 @@ def test_publishes_are_polled(link: Link, memory: Path) -> None:
         ({"addresses": [0]}, ValueRangeError),
         ({"addresses": [0], "divisor": 1 << 32}, ValueRangeError),
         ({"addresses": [0], "divisor": 1, "ring": 0}, ValueRangeError),
-        ({"addresses": [], "divisor": 1}, DeviceMismatch),
+        ({"addresses": [], "divisor": 1}, ValueRangeError),
         ({"addresses": list(range(256)), "divisor": 1}, DeviceMismatch),
         ({"addresses": [0], "divisor": 1, "group": 256}, DeviceMismatch),
     ],
@@ -233,14 +222,14 @@ def test_layer_4_works_unchanged(device: Path) -> None:
 @pytest.mark.parametrize(
     ("url", "error", "message"),
     [
-        ("mmap:", UrlError, "names no device"),
+        ("mmap:", UrlError, "the device file is missing, as in mmap:/dev/uio0"),
         (
             "mmap:{}?siz=4",
             UrlError,
             "siz means nothing to mapped memory.*offset, size, address_bytes, ",
         ),
         ("mmap:{}?crc=1", UrlError, "crc means nothing"),
-        ("mmap:{}?size", UrlError, "options are option=value"),
+        ("mmap:{}?size", UrlError, "'size' is not option=value"),
         ("mmap:{}?size=many", UrlError, "size=many is not a whole number"),
         ("mmap:{}?size=-4", UrlError, "size=-4 is not a whole number from 0 on"),
         ("mmap:{}?size=6", UrlError, "size 6 is no multiple of 4"),
