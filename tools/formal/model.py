@@ -175,7 +175,7 @@ def run(command: Sequence[str], seconds_most: float = SECONDS_MOST) -> tuple[int
     except FileNotFoundError as error:
         raise ToolError(f"{command[0]} is missing; `tools/setup.sh formal` installs it") from error
     except subprocess.TimeoutExpired as error:
-        raise ToolError(f"{command[0]}: it did not end within {seconds_most:.0f} s") from error
+        raise ToolError(f"{command[0]}: no end after {seconds_most:.0f} s") from error
     return done.returncode, done.stdout
 
 

@@ -92,8 +92,8 @@ def refuse_verilog_words(vhdl: str) -> None:
     names = {next(filter(None, found)) for found in _DECLARED.findall(vhdl)}
     if clash := sorted(name for name in names if name.lower() in _VERILOG_WORDS.split()):
         raise ToolError(
-            f"{', '.join(clash)}: this is a keyword of Verilog, and the design is translated to Verilog; "
-            "choose another name"
+            f"{', '.join(clash)}: a word of Verilog, through which the design goes; "
+            "choose another name for it"
         )
 
 
