@@ -29,7 +29,8 @@ LinkOptions options() {
   return options;
 }
 
-constexpr std::array lies{faults::Peer::dead, faults::Peer::half_dead, faults::Peer::closing, faults::Peer::renewing, faults::Peer::refusing};
+constexpr std::array lies{faults::Peer::dead,     faults::Peer::half_dead, faults::Peer::closing,
+                          faults::Peer::renewing, faults::Peer::refusing,  faults::Peer::waiting};
 
 }  // namespace
 

@@ -70,7 +70,7 @@ def test_replay_says_what_is_missing(run: Run, tmp_path: Path) -> None:
     assert no_spec.returncode == 1 and "--spec" in no_spec.stderr
     (tmp_path / "lamp.ul").write_text("public lamp() { @led = 0x10: READ(); }")
     other = run("replay", "s.csv", "--spec", "lamp.ul", "--tcp", "0")
-    assert other.returncode == 1 and "nothing the spec reads" in other.stderr
+    assert other.returncode == 1 and "no item that the spec reads" in other.stderr
 
 
 def test_a_recording_becomes_a_picture(run: Run, tmp_path: Path) -> None:

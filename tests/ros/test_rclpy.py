@@ -169,9 +169,13 @@ def test_the_generated_node_on_rclpy(
         safe = peer("call", service="/rig/set_safe", type="std_srvs/Trigger", fields={})
         assert safe["success"] and "j[1].pos_sp" in safe["message"]
 
-        (told,) = peer("echo", topic="/diagnostics", type="diagnostic_msgs/DiagnosticArray")
-        (status,) = told["status"]
-        assert status["level"] == [0] and status["name"] == "/rig/unitylink: Unity-Link"
+        for _ in range(60):  # it is told once a second
+            (told,) = peer("echo", topic="/diagnostics", type="diagnostic_msgs/DiagnosticArray")
+            (status,) = told["status"]
+            if status["level"] != [0]:
+                break
+        assert status["level"] == [1] and "commands refused" in status["message"]
+        assert status["name"] == "/rig/unitylink: Unity-Link"
         graph = peer("graph", topic="/rig/slow")
         assert ["unitylink", "/rig"] in graph["nodes"] and graph["reliability"] == ["RELIABLE"]
         assert peer("graph", topic="/rig/j_0/feedback")["reliability"] == ["BEST_EFFORT"]

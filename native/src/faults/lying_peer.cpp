@@ -97,7 +97,8 @@ LyingPeer::Bytes LyingPeer::instead_of_frame(const Bytes& message) {
     case Peer::half_dead: return replies ? Bytes{} : message;
     case Peer::closing: return replies ? frame_of(device_kind::closed, {}) : message;
     case Peer::renewing: return replies ? frame_of(device_kind::closed, {}) : kind == device_kind::hello ? greeting() : Bytes{};
-    case Peer::refusing: return replies ? refusal(message) : message;
+    case Peer::refusing: return replies ? refusal(message, static_cast<std::uint8_t>(refusals[random_() % refusals.size()])) : message;
+    case Peer::waiting: return replies ? refusal(message, static_cast<std::uint8_t>(reply_status::order)) : message;
     default: return message;
   }
 }
@@ -115,12 +116,11 @@ LyingPeer::Bytes LyingPeer::instead_of_line(const Bytes& message) {
 }
 
 // Its answer to the same request: an error which says that nothing was executed.
-LyingPeer::Bytes LyingPeer::refusal(const Bytes& message) {
+LyingPeer::Bytes LyingPeer::refusal(const Bytes& message, std::uint8_t status) {
   const std::vector<std::uint8_t> payload = payload_of(message, key_);
   if (payload.size() < frame_head::reply) {
     return {};
   }
-  const auto status = refusals[random_() % refusals.size()];
   return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(frame_head::reply), key_);
 }
 

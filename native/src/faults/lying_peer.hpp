@@ -33,7 +33,7 @@ class LyingPeer {
   [[nodiscard]] Bytes instead(const Bytes& message);
   [[nodiscard]] Bytes instead_of_frame(const Bytes& message);
   [[nodiscard]] Bytes instead_of_line(const Bytes& message);
-  [[nodiscard]] Bytes refusal(const Bytes& message);
+  [[nodiscard]] Bytes refusal(const Bytes& message, std::uint8_t status);
   [[nodiscard]] Bytes greeting();
 
   std::mt19937_64& random_;

@@ -39,6 +39,7 @@ enum class Peer : std::uint8_t {
   closing,    // CLOSED instead of each answer; classic: a line error
   renewing,   // another nonce after each message, and no session; classic: a damaged configuration
   refusing,   // errors instead of answers, another one each time; classic: damaged answers
+  waiting,    // `order` instead of each answer: an earlier request is missing; classic: honest
 };
 
 struct Profile {

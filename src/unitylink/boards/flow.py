@@ -91,8 +91,8 @@ def build_bitstream(order: Order, tell: Tell = lambda _: None) -> Report:
     notices = [*logic.notices, *pinout.notices, *board.notes]
     if placed.link_fmax_hz is not None:
         notices.append(
-            f"the chip's clock on {board.link_clock}: {CHIP_CLOCK_HZ / 1e6:g} MHz, and the design is good "
-            f"for {placed.link_fmax_hz / 1e6:.1f} MHz; nextpnr does not check the pins' set-up times"
+            f"the chip's clock on {board.link_clock}: {CHIP_CLOCK_HZ / 1e6:g} MHz, and the design reaches "
+            f"{placed.link_fmax_hz / 1e6:.1f} MHz; nextpnr does not check the pins' set-up times"
         )
     if pll is not None and not has_reset(ports):
         notices.append(f"{logic.top} has no port reset: its logic runs before the PLL has locked")

@@ -121,7 +121,7 @@ def test_strobes_and_flags(fake: ModuleType) -> None:
     assert isinstance(reset, PulseValue) and isinstance(flags, ClearValue)
     reset.pulse()
     assert link.log[-1] == ("W", 0x15, 1) and link.repeats[-1] == ("W", 0x15, False)
-    with pytest.raises(ValueRangeError, match="flags: nothing was read yet"):
+    with pytest.raises(ValueRangeError, match="flags: no value was read yet"):
         flags.clear()
     link.bus.words[0x14] = 0b10
     assert (flags.read().hot, flags.read().low) == (False, True)

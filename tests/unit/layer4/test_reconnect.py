@@ -57,7 +57,7 @@ def test_a_cycle_asks_for_all_again() -> None:
             link.wait_up(PATIENCE_S)
         board.registers[0x11] = 0
         for _ in range(2):
-            with pytest.raises((ValueRangeError, LinkDown), match=r"given before the line was lost"):
+            with pytest.raises((ValueRangeError, LinkDown), match=r"given since the line was lost"):
                 cycle(a=8)
         assert board.registers[0x11] == 0
         cycle(a=8, b=9)

@@ -24,7 +24,7 @@ def test_a_batch_is_one_message_each_way() -> None:
             for address in range(0x10, 0x22):
                 batch.write(address, 3 * address)
             words = [batch.read(address) for address in range(0x10, 0x22)]
-            with pytest.raises(RuntimeError, match="ends"):
+            with pytest.raises(RuntimeError, match="it reads at the end"):
                 _ = words[0].value
         assert [word.value for word in words] == [3 * address for address in range(0x10, 0x22)]
         assert link.statistics().requests == requests + 1

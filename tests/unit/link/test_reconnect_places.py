@@ -55,7 +55,7 @@ def test_what_cannot_be_opened_again_says_so(rig: Rig) -> None:
         connect("mmap:/dev/zero?size=4096", reconnect=True)
     with pytest.raises(UrlError, match="add reconnect=1"):
         connect(f"{rig.url}?wait=1")
-    with pytest.raises(UrlError, match="beside it"):
+    with pytest.raises(UrlError, match="in the URL and as an argument"):
         connect(f"{rig.url}?reconnect=1", reconnect=True)
     with pytest.raises(UrlError, match="reconnect=2"):
         connect(f"{rig.url}?reconnect=2")

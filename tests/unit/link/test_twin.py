@@ -136,7 +136,7 @@ def test_what_a_bus_timeout_on_2012_gateware_may_do_is_told() -> None:
         board.registers[5] = 9
         with pytest.raises(BusError, match="will write 0 to the address that its next read or write names"):
             link.write(0xF5, 1)
-        with pytest.raises(ProtocolError, match="behind a bus timeout"):
+        with pytest.raises(ProtocolError, match="after a bus timeout"):
             link.read(5, repeat=False)
         assert board.registers[5] == 0, "and it did"
         link.write(5, 9)  # as the error says
