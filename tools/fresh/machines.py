@@ -117,9 +117,9 @@ class Debian:
 
     def run(self, folder: Path, command: list[str], log: int) -> subprocess.Popen[bytes]:
         """Start `command` in the clone folder/checkout. Its changes of the system are in folder/changes."""
-        for name in ("changes", "work", "root"):
+        for name in ("changes", "work", "system"):
             (folder / name).mkdir()
-        words = ["env", "-i", "HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
+        words = ["env", "-i", f"HOME={_HOME}", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
         network = ("PIP_CERT", "PIP_DEFAULT_TIMEOUT")
         words += [f"{name}={os.environ[name]}" for name in network if name in os.environ]
         inside = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-euc", _ENTER, "enter"]
@@ -135,20 +135,22 @@ class Debian:
         """Do nothing: with its first process all others of a process namespace end."""
 
 
-# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, and the clone in it
-_ENTER = """
-base=$1 folder=$2 downloads=$3 root=$2/root
+_HOME = "/home/new"  # of the user in that Debian
+# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, and the clone in the new home
+_ENTER = f"""
+base=$1 folder=$2 downloads=$3 system=$2/system
+home=$system{_HOME}
 shift 3
-mount -t overlay overlay -o "lowerdir=$base,upperdir=$folder/changes,workdir=$folder/work" "$root"
-mount -t proc proc "$root/proc"
-mount --rbind /dev "$root/dev"
-mount --rbind /sys "$root/sys"
-mkdir "$root/root/checkout"
-mount --bind "$folder/checkout" "$root/root/checkout"
+mount -t overlay overlay -o "lowerdir=$base,upperdir=$folder/changes,workdir=$folder/work" "$system"
+mount -t proc proc "$system/proc"
+mount --rbind /dev "$system/dev"
+mount --rbind /sys "$system/sys"
+mkdir -p "$home/checkout"
+mount --bind "$folder/checkout" "$home/checkout"
 if [ -n "$downloads" ]; then
-  mkdir -p "$downloads/apt/partial" "$downloads/pip" "$root/root/.cache/pip"
-  mount --bind "$downloads/apt" "$root/var/cache/apt/archives"
-  mount --bind "$downloads/pip" "$root/root/.cache/pip"
+  mkdir -p "$downloads/apt/partial" "$downloads/pip" "$home/.cache/pip"
+  mount --bind "$downloads/apt" "$system/var/cache/apt/archives"
+  mount --bind "$downloads/pip" "$home/.cache/pip"
 fi
-exec chroot "$root" bash -c 'cd /root/checkout && exec "$@"' make "$@"
+exec chroot "$system" bash -c 'cd {_HOME}/checkout && exec "$@"' make "$@"
 """

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
 #include "device/device.hpp"
+#include "layer0_driver/polling.hpp"
 
 namespace unitylink::device {
 
@@ -264,9 +264,8 @@ void Board::wait(std::unique_lock<std::mutex>& lock) {
   if (endpoint_->must_look() || endpoint_->ended()) {
     pause_ns = std::min(pause_ns, look_ns);
   }
-  const timespec pause{static_cast<time_t>(pause_ns / second_ns), static_cast<long>(pause_ns % second_ns)};
   lock.unlock();
-  ::ppoll(polled.data(), count, pause_ns == never ? nullptr : &pause, nullptr);
+  poll_for(std::span(polled).first(count), pause_ns == never ? for_ever : pause_ns);
   come_back(lock);
   if (polled[0].revents != 0) {
     std::uint64_t ignored = 0;

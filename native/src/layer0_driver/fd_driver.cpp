@@ -31,7 +31,7 @@ bool made_here(int descriptor) noexcept {
 Outcome open_descriptor(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   std::uint64_t number = 0;
   if (!parse_number(url.path, 1u << 20, number)) {
-    return {Status::bad_url, "link URL '" + url.text + "': not a descriptor number"};
+    return wrong_url(url, "not a descriptor number");
   }
   const int descriptor = static_cast<int>(number);
   if (::fcntl(descriptor, F_SETFD, FD_CLOEXEC) != 0) {

@@ -14,8 +14,6 @@ constexpr unsigned int control_timeout_ms = 1000;
 constexpr double baud_error_most = 0.03;  // what a receiver bears
 constexpr std::array<std::uint16_t, 5> products{0x6001, 0x6010, 0x6011, 0x6014, 0x6015};
 
-Outcome wrong(const Url& url, const std::string& why) { return {Status::bad_url, "link URL '" + url.text + "': " + why}; }
-
 Outcome refused(const usb::Library& library, int code, const std::string& what) {
   const std::string text = what + ": " + library.error_name(code);
   switch (code) {
@@ -37,7 +35,7 @@ Outcome settings_of(const Url& url, Settings& settings) {
   std::uint64_t number = 0;
   if (const std::string* text = url.option("channel"); text != nullptr) {
     if (text->size() != 1 || (*text)[0] < 'A' || (*text)[0] > 'D') {
-      return wrong(url, "channel=" + *text + " is not one of A, B, C, D");
+      return wrong_url(url, "channel=" + *text + " is not one of A, B, C, D");
     }
     settings.channel = static_cast<unsigned>((*text)[0] - 'A');
   }
@@ -47,21 +45,21 @@ Outcome settings_of(const Url& url, Settings& settings) {
     } else if (*text == "sync-fifo") {
       settings.mode = Mode::sync_fifo;
     } else if (*text != "serial") {
-      return wrong(url, "mode=" + *text + " is not one of serial, fifo, sync-fifo");
+      return wrong_url(url, "mode=" + *text + " is not one of serial, fifo, sync-fifo");
     }
   }
   if (const std::string* text = url.option("baud"); text != nullptr) {
     if (settings.mode != Mode::serial) {
-      return wrong(url, "a FIFO has no baud rate: leave baud= out");
+      return wrong_url(url, "a FIFO has no baud rate: leave baud= out");
     }
     if (!parse_number(*text, 0xFFFFFFFFu, number) || number < 300) {
-      return wrong(url, "baud=" + *text + " is not a baud rate such as 3000000");
+      return wrong_url(url, "baud=" + *text + " is not a baud rate such as 3000000");
     }
     settings.baud_hz = static_cast<std::uint32_t>(number);
   }
   if (const std::string* text = url.option("latency"); text != nullptr) {
     if (!parse_number(*text, 255, number) || number == 0) {
-      return wrong(url, "latency=" + *text + " is not 1 to 255 ms");
+      return wrong_url(url, "latency=" + *text + " is not 1 to 255 ms");
     }
     settings.latency_ms = static_cast<std::uint8_t>(number);
   }
@@ -70,7 +68,7 @@ Outcome settings_of(const Url& url, Settings& settings) {
     settings.event_told = true;
     if (*text != "none") {
       if (!parse_number(*text, 255, number)) {
-        return wrong(url, "event=" + *text + " is not a character such as 0x0A, nor none");
+        return wrong_url(url, "event=" + *text + " is not a character such as 0x0A, nor none");
       }
       settings.event = static_cast<std::uint8_t>(number);
     }

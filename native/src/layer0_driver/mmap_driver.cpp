@@ -35,13 +35,11 @@ class MmapDriver final : public Driver {
   std::unique_ptr<MappedMemory> memory_;
 };
 
-Outcome wrong(const Url& url, const std::string& why) { return {Status::bad_url, "link URL '" + url.text + "': " + why}; }
-
 // `value` stays what it was where the URL does not say.
 Outcome number_of(const Url& url, const char* name, std::uint64_t& value) {
   const std::string* const text = url.option(name);
   const bool whole = text == nullptr || parse_number(*text, ~std::uint64_t{0} >> 1, value);
-  return whole ? Outcome{} : wrong(url, std::string(name) + "=" + *text + " is not a whole number from 0 on");
+  return whole ? Outcome{} : wrong_url(url, std::string(name) + "=" + *text + " is not a whole number from 0 on");
 }
 
 // Of a regular file; `known` is false of a device.
@@ -74,13 +72,13 @@ Outcome size_of(const Url& url, std::uint64_t offset, std::uint64_t& size) {
   }
   if (url.path.starts_with("/dev/uio")) {
     const std::uint64_t map = offset / static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    return uio_bytes(url.path, map, size) ? Outcome{} : wrong(url, url.path + " does not report the size of map " + std::to_string(map) + ": add size=");
+    return uio_bytes(url.path, map, size) ? Outcome{} : wrong_url(url, url.path + " does not report the size of map " + std::to_string(map) + ": add size=");
   }
   if (!known) {
-    return wrong(url, url.path + " does not report its size: add size= in bytes");
+    return wrong_url(url, url.path + " does not report its size: add size= in bytes");
   }
   if (bytes <= offset) {
-    return wrong(url, url.path + " has " + std::to_string(bytes) + " bytes, and offset is " + std::to_string(offset));
+    return wrong_url(url, url.path + " has " + std::to_string(bytes) + " bytes, and offset is " + std::to_string(offset));
   }
   size = bytes - offset;
   return {};
@@ -93,26 +91,29 @@ Outcome window_of(const Url& url, MappedWindow& window) {
       return outcome;
     }
   }
-  if (url.option("size") == nullptr) {
+  const bool size_given = url.option("size") != nullptr;
+  if (!size_given) {  // then it is that of the file, and the window lies in it
     if (Outcome outcome = size_of(url, window.offset, window.bytes); !outcome.ok()) {
       return outcome;
     }
   }
   for (const auto& [name, value] : {std::pair{"offset", window.offset}, std::pair{"size", window.bytes}}) {
     if (value % word_bytes != 0) {
-      return wrong(url, std::string(name) + " " + std::to_string(value) + " is no multiple of 4: words are 32 bits");
+      return wrong_url(url, std::string(name) + " " + std::to_string(value) + " is no multiple of 4: words are 32 bits");
     }
   }
   if (window.bytes == 0 || window.bytes > window_bytes_most) {
-    return wrong(url, "size is " + std::to_string(window.bytes) + " bytes; a window has 4 bytes to 16 GiB");
+    return wrong_url(url, "size is " + std::to_string(window.bytes) + " bytes; a window has 4 bytes to 16 GiB");
   }
   std::uint64_t there = 0;
   bool known = false;
-  if (Outcome outcome = file_bytes(url.path, there, known); !outcome.ok()) {
-    return outcome;
+  if (size_given) {
+    if (Outcome outcome = file_bytes(url.path, there, known); !outcome.ok()) {
+      return outcome;
+    }
   }
   if (const std::uint64_t end = window.offset + window.bytes; known && end > there) {  // an access there would end the program
-    return wrong(url, "the window ends at byte " + std::to_string(end) + ", and " + url.path + " has " + std::to_string(there));
+    return wrong_url(url, "the window ends at byte " + std::to_string(end) + ", and " + url.path + " has " + std::to_string(there));
   }
   const auto bits = static_cast<std::uint64_t>(std::bit_width(window.bytes / word_bytes - 1));
   std::uint64_t address_bytes = bits <= 8 ? 1 : (bits + 7) / 8;
@@ -123,10 +124,10 @@ Outcome window_of(const Url& url, MappedWindow& window) {
     }
   }
   if (address_bytes < 1 || address_bytes > 4) {
-    return wrong(url, "address_bytes is " + std::to_string(address_bytes) + "; choose 1 to 4");
+    return wrong_url(url, "address_bytes is " + std::to_string(address_bytes) + "; choose 1 to 4");
   }
   if (base_hz < 1 || base_hz > 0xFFFFFFFFu) {
-    return wrong(url, "base_hz is " + std::to_string(base_hz) + "; choose 1 to 4294967295");
+    return wrong_url(url, "base_hz is " + std::to_string(base_hz) + "; choose 1 to 4294967295");
   }
   window.address_bytes = static_cast<std::uint32_t>(address_bytes);
   window.base_hz = static_cast<std::uint32_t>(base_hz);

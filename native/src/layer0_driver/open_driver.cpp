@@ -42,7 +42,7 @@ void DriverSource::disown() noexcept {
 
 Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver) {
   if (!url.row->stream) {
-    return {Status::bad_url, "link URL '" + url.text + "': " + std::string(url.row->what) + " has no bytes, only registers"};
+    return wrong_url(url, std::string(url.row->what) + " has no bytes, only registers");
   }
   return DriverSource(url, timeout_ns).open(driver);
 }

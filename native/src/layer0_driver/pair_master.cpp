@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <linux/serial.h>
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "layer0_driver/pair_token.hpp"
+#include "layer0_driver/polling.hpp"
 #include "layer0_driver/serial_driver.hpp"
 
 namespace unitylink::pair_bus {
@@ -39,8 +39,7 @@ void ask_direction(int descriptor) noexcept {
 
 bool poll_until(std::span<pollfd> waiting, std::chrono::steady_clock::time_point until) noexcept {
   const auto left = std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(until - std::chrono::steady_clock::now()));
-  const timespec time{static_cast<std::time_t>(left.count() / 1'000'000'000), static_cast<long>(left.count() % 1'000'000'000)};
-  return ::ppoll(waiting.data(), waiting.size(), &time, nullptr) > 0;
+  return poll_for(waiting, static_cast<std::uint64_t>(left.count())) > 0;
 }
 
 bool wait(const Driver& port, short events, std::chrono::steady_clock::time_point until) noexcept {

@@ -4,9 +4,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "layer0_driver/polling.hpp"
 
 namespace unitylink {
 namespace {
@@ -79,8 +80,7 @@ void PumpedDriver::hand_on(std::span<const std::uint8_t> bytes) {
 
 std::size_t PumpedDriver::fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns, int other) {
   std::array<pollfd, 2> waiting{{{far_, POLLIN, 0}, {other, POLLIN, 0}}};
-  const timespec time{static_cast<std::time_t>(patience_ns / 1'000'000'000), static_cast<long>(patience_ns % 1'000'000'000)};
-  if (::ppoll(waiting.data(), waiting.size(), &time, nullptr) <= 0 || waiting[0].revents == 0) {
+  if (poll_for(waiting, patience_ns) <= 0 || waiting[0].revents == 0) {
     return 0;
   }
   const ssize_t count = ::recv(far_, room.data(), room.size(), MSG_DONTWAIT);

@@ -50,20 +50,19 @@ class Rs485Driver final : public DescriptorDriver {
 };
 
 Outcome settings_of(const Url& url, pair_bus::Settings& settings) {
-  const auto wrong = [&](const std::string& why) { return Outcome{Status::bad_url, "link URL '" + url.text + "': " + why}; };
   std::uint64_t number = 0;
   const std::string* const node = url.option("node");
   if (node == nullptr) {
-    return wrong("which node? node=1 to node=" + std::to_string(protocol::rs485::nodes_max));
+    return wrong_url(url, "which node? node=1 to node=" + std::to_string(protocol::rs485::nodes_max));
   }
   if (!parse_number(*node, protocol::rs485::nodes_max, number) || number == 0) {
-    return wrong("node=" + *node + " is not a number from 1 to " + std::to_string(protocol::rs485::nodes_max));
+    return wrong_url(url, "node=" + *node + " is not a number from 1 to " + std::to_string(protocol::rs485::nodes_max));
   }
   const std::string* const baud = url.option("baud");
   settings = {static_cast<unsigned>(number), baud != nullptr ? *baud : std::to_string(default_baud_hz), poll_ns_default, silence_ns_default};
   for (const auto& [name, ns] : {std::pair{"poll", &settings.poll_ns}, std::pair{"silence", &settings.silence_ns}}) {
     if (const std::string* text = url.option(name); text != nullptr && !parse_seconds(*text, *ns)) {
-      return wrong(std::string(name) + "=" + *text + " is not a time in seconds from 1e-6 to 3600");
+      return wrong_url(url, std::string(name) + "=" + *text + " is not a time in seconds from 1e-6 to 3600");
     }
   }
   return {};

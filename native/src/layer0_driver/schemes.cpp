@@ -59,15 +59,18 @@ std::vector<const Scheme*>& rows() {
 
 }  // namespace
 
-bool Scheme::takes(std::string_view option) const noexcept {
+std::vector<std::string_view> Scheme::option_names() const {
+  std::vector<std::string_view> names;
   for (std::string_view rest = options; !rest.empty();) {
-    const std::size_t end = std::min(rest.find(' '), rest.size());
-    if (rest.substr(0, end) == option) {
-      return true;
-    }
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    names.push_back(rest.substr(0, rest.find(' ')));
+    rest.remove_prefix(std::min(names.back().size() + 1, rest.size()));
   }
-  return false;
+  return names;
+}
+
+bool Scheme::takes(std::string_view option) const {
+  const std::vector<std::string_view> names = option_names();
+  return std::ranges::find(names, option) != names.end();
 }
 
 const std::vector<const Scheme*>& schemes() { return rows(); }

@@ -44,8 +44,10 @@ struct Scheme {
   bool framed_only = false;  // carries no classic text
   bool loses_order = false;  // bytes may come in another order, or twice: every frame gets the longer checksum
 
+  // `options`, one by one.
+  [[nodiscard]] std::vector<std::string_view> option_names() const;
   // Whether an option is the scheme's own.
-  [[nodiscard]] bool takes(std::string_view option) const noexcept;
+  [[nodiscard]] bool takes(std::string_view option) const;
 };
 
 // All rows, in the order in which they are told.

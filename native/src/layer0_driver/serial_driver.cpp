@@ -63,7 +63,7 @@ Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& dr
   std::uint64_t baud_hz = default_baud_hz;
   if (const std::string* text = url.option("baud");
       text != nullptr && (!parse_number(*text, 0xFFFFFFFFu, baud_hz) || baud_hz < baud_hz_min)) {
-    return {Status::bad_url, "link URL '" + url.text + "': baud=" + *text + " is not a baud rate such as 3000000"};
+    return wrong_url(url, "baud=" + *text + " is not a baud rate such as 3000000");
   }
   Descriptor port(::open(url.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!port.open()) {

@@ -105,15 +105,14 @@ class SpiDriver final : public PumpedDriver {
 
 // bad_url, not_found, permission, busy, mismatch (a speed, mode or line that is not there). closed once a transfer fails.
 Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
-  const auto wrong = [&](const std::string& why) { return Outcome{Status::bad_url, "link URL '" + url.text + "': " + why}; };
   std::uint64_t speed_hz = speed_hz_default;
   if (const std::string* text = url.option("speed_hz"); text != nullptr && (!parse_number(*text, 1'000'000'000, speed_hz) || speed_hz < 1000)) {
-    return wrong("speed_hz=" + *text + " is not a clock rate in Hz such as 10000000");
+    return wrong_url(url, "speed_hz=" + *text + " is not a clock rate in Hz such as 10000000");
   }
   const std::string* place = url.option("waiting");
   std::uint64_t poll_ns = place == nullptr ? poll_ns_default : poll_ns_beside_line;
   if (const std::string* text = url.option("poll"); text != nullptr && !parse_seconds(*text, poll_ns)) {
-    return wrong("poll=" + *text + " is not a time in seconds from 1e-6 to 3600");
+    return wrong_url(url, "poll=" + *text + " is not a time in seconds from 1e-6 to 3600");
   }
   std::unique_ptr<SpiPort> port;
   if (Outcome outcome = SpiPort::open(url.path, static_cast<std::uint32_t>(speed_hz), port); !outcome.ok()) {
@@ -122,7 +121,7 @@ Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& drive
   std::unique_ptr<GpioLine> line;
   if (place != nullptr) {
     if (Outcome outcome = GpioLine::open(*place, line); !outcome.ok()) {
-      return outcome.status == Status::bad_url ? wrong(outcome.text) : outcome;
+      return outcome.status == Status::bad_url ? wrong_url(url, outcome.text) : outcome;
     }
   }
   SocketPair pair;

@@ -84,6 +84,8 @@ Outcome split_host(std::string_view text, std::string_view place, Url& url) {
 
 }  // namespace
 
+Outcome wrong_url(const Url& url, const std::string& why) { return wrong(url.text, why); }
+
 const std::string* Url::option(std::string_view name) const noexcept {
   for (const auto& [key, value] : options) {
     if (key == name) {

@@ -28,6 +28,9 @@ struct Url {
 // Status::bad_url, with what was expected, when the text is not a link URL.
 [[nodiscard]] Outcome parse_url(std::string_view text, Url& url);
 
+// Status::bad_url: what is wrong with a URL that was taken apart.
+[[nodiscard]] Outcome wrong_url(const Url& url, const std::string& why);
+
 // A whole number, decimal or 0x…; false when it is none or above `maximum`.
 [[nodiscard]] bool parse_number(std::string_view text, std::uint64_t maximum, std::uint64_t& value) noexcept;
 

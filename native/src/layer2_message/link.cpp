@@ -7,11 +7,11 @@
 #include <chrono>
 #include <cstring>
 #include <new>
-#include <poll.h>
 #include <random>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "layer0_driver/polling.hpp"
 #include "layer2_message/failure.hpp"
 #include "layer2_message/link_state.hpp"
 
@@ -29,11 +29,6 @@ std::atomic<bool (*)() noexcept> ask_interrupted = nullptr;
 void signal(int descriptor) noexcept {
   const std::uint64_t one = 1;
   static_cast<void>(!::write(descriptor, &one, sizeof one));
-}
-
-int poll(std::span<pollfd> waiting, std::uint64_t left_ns) noexcept {
-  const timespec time{.tv_sec = static_cast<std::time_t>(left_ns / 1'000'000'000), .tv_nsec = static_cast<long>(left_ns % 1'000'000'000)};
-  return ::ppoll(waiting.data(), waiting.size(), left_ns == Engine::no_deadline ? nullptr : &time, nullptr);
 }
 
 }  // namespace
@@ -244,11 +239,11 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
 
   int ready = 0;
   while (ready == 0 && paced && real_ns() < look_until) {
-    ready = poll(waiting, 0);
+    ready = poll_for(waiting, 0);
   }
   if (ready == 0) {
     const std::uint64_t now = now_ns();
-    ready = poll(waiting, until == Engine::no_deadline ? until : until - std::min(until, now));
+    ready = poll_for(waiting, until == Engine::no_deadline ? for_ever : until - std::min(until, now));
   }
   const bool readable = ready > 0 && (waiting[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) != 0;
   if (ready > 0 && waiting[1].revents != 0) {

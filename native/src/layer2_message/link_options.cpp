@@ -38,11 +38,10 @@ constexpr const char* of_every_link =
 
 // The options of a scheme in a sentence; `last` stands before the last of them.
 std::string listed(const Scheme& scheme, const char* last) {
+  const std::vector<std::string_view> names = scheme.option_names();
   std::string words;
-  for (std::string_view rest = scheme.options; !rest.empty();) {
-    const std::string_view option = rest.substr(0, rest.find(' '));
-    rest.remove_prefix(std::min(option.size() + 1, rest.size()));
-    words += (words.empty() ? "" : rest.empty() ? last : ", ") + std::string(option);
+  for (const std::string_view& option : names) {
+    words += (words.empty() ? "" : &option == &names.back() ? last : ", ") + std::string(option);
   }
   return words;
 }
@@ -56,7 +55,7 @@ std::string known_options() {
 }
 
 Outcome wrong(const Url& url, const std::string& name, const std::string& value, const std::string& expected) {
-  return {Status::bad_url, "link URL '" + url.text + "': " + name + "=" + value + " is not " + expected};
+  return wrong_url(url, name + "=" + value + " is not " + expected);
 }
 
 bool number_in(const std::string& text, std::uint64_t minimum, std::uint64_t maximum, std::uint32_t& value) noexcept {
@@ -168,15 +167,15 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
   if (name == "trace" || url.row->takes(name)) {
     return {};  // the driver's
   }
-  return {Status::bad_url, "link URL '" + url.text + "': no option '" + name + "'; " + known_options()};
+  return wrong_url(url, "no option '" + name + "'; " + known_options());
 }
 
 // The first that is no option of a scheme without a protocol.
 Outcome refused_option(const Url& url) {
   for (const auto& [name, value] : url.options) {
     if (!url.row->takes(name)) {
-      return {Status::bad_url, "link URL '" + url.text + "': " + name + " means nothing to mapped memory, which has no protocol; there are: " +
-                                   listed(*url.row, ", ")};
+      return wrong_url(url, name + " means nothing to mapped memory, which has no protocol; there are: " +
+                                   listed(*url.row, ", "));
     }
   }
   return {};
@@ -198,19 +197,19 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
     }
   }
   if (options.reconnect && url.row->once) {
-    return {Status::bad_url, "link URL '" + url.text + "': a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place"};
+    return wrong_url(url, "a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place");
   }
   if (options.wait_ns > 0 && !options.reconnect) {
-    return {Status::bad_url, "link URL '" + url.text + "': wait= is for a line that comes back; add reconnect=1"};
+    return wrong_url(url, "wait= is for a line that comes back; add reconnect=1");
   }
   if (!options.engine.checksums && options.protocol == Protocol::framed) {
-    return {Status::bad_url, "link URL '" + url.text + "': polynomial=none is for gateware of the classic protocol; frames always have a checksum"};
+    return wrong_url(url, "polynomial=none is for gateware of the classic protocol; frames always have a checksum");
   }
   if (!options.engine.checksums && options.checked) {
-    return {Status::bad_url, "link URL '" + url.text + "': crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out"};
+    return wrong_url(url, "crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out");
   }
   if (url.row->framed_only && options.protocol != Protocol::framed) {
-    return {Status::bad_url, "link URL '" + url.text + "': " + url.scheme + ": carries the framed protocol only; leave protocol= out"};
+    return wrong_url(url, url.scheme + ": carries the framed protocol only; leave protocol= out");
   }
   return {};
 }

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from pathlib import Path
 
 from unitylink.errors import ToolError
@@ -85,6 +86,7 @@ class _Tools:
                 + " ".join(needed[name] for name in missing)
             )
 
+    @cached_property
     def versions(self) -> str:
         return "\n".join(_run([name, "--version"]) for name in ("ghdl", "verilator", self.compiler))
 
@@ -95,7 +97,7 @@ class _Tools:
 def _key(design: RtlDesign, tools: _Tools) -> str:
     """Return a hash of everything that goes into the library."""
     parts = [
-        tools.versions(),
+        tools.versions,
         repr((_VERILATOR, _COMPILE, _LINK, design.top, sorted(design.generics.items()))),
     ]
     parts += [f"{path.name}\n{path.read_text(encoding='utf-8')}" for path in gateware_sources()]
@@ -183,7 +185,7 @@ def _compile(
 def _runtime(tools: _Tools, include: Path) -> Path:
     """Return the compiled part of Verilator that all models share."""
     sources = [include / name for name in ("verilated.cpp", "verilated_threads.cpp")]
-    parts = [tools.versions(), repr((_COMPILE, include))]
+    parts = [tools.versions, repr((_COMPILE, include))]
 
     def build(target: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="unitylink-verilator-") as work:

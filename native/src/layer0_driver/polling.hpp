@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// poll() with a time in ns, as all times here are.
+#pragma once
+
+#include <cstdint>
+#include <ctime>
+#include <poll.h>
+#include <span>
+
+namespace unitylink {
+
+inline constexpr std::uint64_t for_ever = ~std::uint64_t{0};
+
+// What ppoll() returns: how many of `waiting` are ready, 0 when the time is over, -1 (errno) on an error or a signal.
+inline int poll_for(std::span<pollfd> waiting, std::uint64_t ns) noexcept {
+  constexpr std::uint64_t second_ns = 1'000'000'000;
+  const timespec time{.tv_sec = static_cast<std::time_t>(ns / second_ns), .tv_nsec = static_cast<long>(ns % second_ns)};
+  return ::ppoll(waiting.data(), waiting.size(), ns == for_ever ? nullptr : &time, nullptr);
+}
+
+}  // namespace unitylink
