@@ -136,7 +136,7 @@ class Debian:
 
 
 _HOME = "/home/new"  # of the user in that Debian
-# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, and the clone in the new home
+# enter BASE FOLDER DOWNLOADS COMMAND...: the base with a layer of its own above, the clone in the new home
 _ENTER = f"""
 base=$1 folder=$2 downloads=$3 system=$2/system
 home=$system{_HOME}
