@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 
 from unitylink.errors import UnityLinkError
@@ -17,6 +18,7 @@ from unitylink.errors import UnityLinkError
 from .figure import BenchError, Figure, Run
 from .programs import find_checkout
 from .report import Report, say
+from .stolen import ProcessorTime
 
 # name -> (module, function), in the order they are measured and shown
 FIGURES: dict[str, tuple[str, str]] = {
@@ -76,6 +78,7 @@ def run(*, only: Sequence[str] = (), quick: bool = False, say: Callable[[str], N
     for index, name in enumerate(names, 1):
         say(f"[{index}/{len(names)}] {name} ...")
         module, function = FIGURES[name]
+        before = ProcessorTime.read()
         try:
             figure = getattr(import_module(f".{module}", __name__), function)(context)
         except UnityLinkError as error:
@@ -83,6 +86,11 @@ def run(*, only: Sequence[str] = (), quick: bool = False, say: Callable[[str], N
             say(f"  {error}")
             continue
         assert isinstance(figure, Figure)
+        after = ProcessorTime.read()
+        if before and after:  # measured while the host ran others, a figure says little of the library
+            figure = replace(
+                figure, details={**figure.details, "stolen by the host %": after.stolen_percent(since=before)}
+            )
         figures.append(figure)
     report = Report(tuple(figures), failures, quick)
     if not only and not quick:

@@ -8,6 +8,7 @@ import pytest
 from unitylink_lab.bench import BenchError, Figure, run
 from unitylink_lab.bench.figure import Run
 from unitylink_lab.bench.start_up import flat_spec
+from unitylink_lab.bench.stolen import ProcessorTime
 
 
 def test_a_figure_that_cannot_be_measured_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -19,6 +20,7 @@ def test_a_figure_that_cannot_be_measured_is_reported(monkeypatch: pytest.Monkey
     assert [figure.name for figure in report.figures] == ["version"]
     assert report.failures == {"litex-single": "there is no index to install LiteX from"}
     assert not report.met
+    assert ("stolen by the host %" in report.figures[0].details) == (ProcessorTime.read() is not None)
     assert "litex-single: not measured: there is no index" in report.text()
 
 

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Time that a virtual machine did not get: it could run, and its host ran others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+_STOLEN = 7  # user nice system idle iowait irq softirq steal: proc(5), in ticks since the start of the system
+_STAT = Path("/proc/stat")
+
+
+@dataclass(frozen=True)
+class ProcessorTime:
+    """Ticks of all processors since the start of the system."""
+
+    all: int
+    stolen: int
+
+    @classmethod
+    def read(cls, stat: Path = _STAT) -> ProcessorTime | None:
+        """Read the counters; None where the system has none."""
+        try:
+            ticks = [int(text) for text in stat.read_text().splitlines()[0].split()[1:9]]
+        except (OSError, ValueError, IndexError):
+            return None
+        return cls(sum(ticks), ticks[_STOLEN]) if len(ticks) > _STOLEN else None
+
+    def stolen_percent(self, since: ProcessorTime) -> float:
+        """Return the share of the time since then that the host took.
+
+        >>> ProcessorTime(300, 25).stolen_percent(since=ProcessorTime(100, 5))
+        10.0
+        """
+        return 100 * (self.stolen - since.stolen) / max(1, self.all - since.all)
