@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from made_part import with_part
@@ -25,6 +26,7 @@ READS = REQUESTS[0]
 ONE_BY_ONE = replace(READS, name="one read after another", window=1)
 
 
+@cache
 def point(traffic: Traffic, percent: float) -> Point:
     """Return what gets through."""
     return goodput(traffic, percent / 100, words=WORDS)

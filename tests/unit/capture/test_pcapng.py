@@ -27,7 +27,14 @@ PACKETS = st.lists(
 )
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder for all examples: to make one for each takes longer than the rest of the test."""
+    return tmp_path_factory.mktemp("capture")
+
+
 def write(path: Path, packets: list[Packet]) -> bytes:
+    path.unlink(missing_ok=True)
     with PcapngWriter(path) as writer:
         for packet in packets:
             writer.write(packet)
@@ -35,8 +42,8 @@ def write(path: Path, packets: list[Packet]) -> bytes:
 
 
 @given(packets=PACKETS)
-def test_what_is_written_is_read(packets: list[Packet], tmp_path_factory: pytest.TempPathFactory) -> None:
-    path = tmp_path_factory.mktemp("capture") / "c.pcapng"
+def test_what_is_written_is_read(packets: list[Packet], folder: Path) -> None:
+    path = folder / "c.pcapng"
     write(path, packets)
     read = list(read_packets(path))
     assert [(p.direction, p.data, p.comment) for p in read] == [
@@ -47,9 +54,9 @@ def test_what_is_written_is_read(packets: list[Packet], tmp_path_factory: pytest
 
 @given(packets=PACKETS, data=st.data())
 def test_a_file_cut_off_anywhere_gives_all_whole_packets(
-    packets: list[Packet], data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+    packets: list[Packet], data: st.DataObject, folder: Path
 ) -> None:
-    path = tmp_path_factory.mktemp("capture") / "c.pcapng"
+    path = folder / "c.pcapng"
     whole = write(path, packets)
     path.write_bytes(whole[: data.draw(st.integers(60, len(whole)))])
     seen = []
@@ -63,9 +70,9 @@ def test_a_file_cut_off_anywhere_gives_all_whole_packets(
 
 @given(packets=PACKETS, data=st.data())
 def test_a_damaged_file_is_an_error_with_its_place_or_read(
-    packets: list[Packet], data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+    packets: list[Packet], data: st.DataObject, folder: Path
 ) -> None:
-    path = tmp_path_factory.mktemp("capture") / "c.pcapng"
+    path = folder / "c.pcapng"
     damaged = bytearray(write(path, packets))
     damaged[data.draw(st.integers(0, len(damaged) - 1))] ^= data.draw(st.integers(1, 255))
     path.write_bytes(damaged)

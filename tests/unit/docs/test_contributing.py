@@ -4,28 +4,23 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
 import click
 import pytest
+from unit.house.files import ROOT, files, text
 
 from unitylink import cli
 from unitylink.connection.schemes import SCHEMES
 from unitylink.generate import ARTEFACTS
 
-ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+PAGE = text("CONTRIBUTING.md")
 RECIPES = ("Add a link scheme", "Add a gateware core", "Add a generator", "Add a command")
 LIBRARY = sorted((ROOT / "src" / "unitylink" / "spec" / "library").glob("*.ul"))
 
 
 def section(title: str) -> str:
     return PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
-
-
-def text(path: str) -> str:
-    return (ROOT / path).read_text("utf-8")
 
 
 def has(name: str, told: str) -> bool:
@@ -49,9 +44,7 @@ def files_of(recipe: str) -> list[tuple[str, str]]:
 
 
 def test_the_map_has_every_folder() -> None:
-    tracked = ["git", "-c", "safe.directory=*", "ls-files"]
-    done = subprocess.run(tracked, cwd=ROOT, capture_output=True, text=True, check=True)
-    folders = {name.partition("/")[0] for name in done.stdout.splitlines() if "/" in name}
+    folders = {file.parts[0] for file in files() if len(file.parts) > 1}
     named = {path.partition("/")[0] for path in re.findall(r"`([\w./]+)`", section("Where a line belongs"))}
     assert {folder for folder in folders if not folder.startswith(".")} - named == set()
 

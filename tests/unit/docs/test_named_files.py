@@ -6,8 +6,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[3]
 FOLDERS = ("bench", "boards", "cmake", "docs", "editors", "examples", "gateware", "native", "protocol")
 FOLDERS += ("src", "tests", "tools")
@@ -20,9 +18,13 @@ LATER = {  # what is not of this checkout: files that the reader makes, those of
 }
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_named_files_are_there(page: Path) -> None:
-    name = str(page.relative_to(ROOT))
-    named = set(NAMED.findall(page.read_text("utf-8"))) - LATER.get(name, set())
-    placeholders = {file for file in named if re.search(r"[A-Z]{4}", file)}  # boards/NAME/board.toml
-    assert [file for file in sorted(named - placeholders) if not any(ROOT.glob(file.rstrip("/")))] == []
+def test_named_files_are_there() -> None:
+    gone = []
+    for page in PAGES:
+        name = str(page.relative_to(ROOT))
+        named = set(NAMED.findall(page.read_text("utf-8"))) - LATER.get(name, set())
+        placeholders = {file for file in named if re.search(r"[A-Z]{4}", file)}  # boards/NAME/board.toml
+        gone += [
+            f"{name}: {file}" for file in sorted(named - placeholders) if not any(ROOT.glob(file.rstrip("/")))
+        ]
+    assert not gone, "pages name these files, and they are not there"

@@ -4,28 +4,25 @@
 from __future__ import annotations
 
 import re
-import subprocess
-from pathlib import Path
 
-import pytest
+from unit.house.files import files, text
 
-ROOT = Path(__file__).resolve().parents[3]
-TRACKED = ["git", "-c", "safe.directory=*", "ls-files", "*.md"]
-PAGES = subprocess.run(TRACKED, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
 COMMAND = re.compile(r"^(?:\$ )?python -m pytest|\.venv/bin/python -m pytest", re.M)
 ORIGIN = re.compile(r"make (?:develop|extras)|pip install [^\n]*pytest")
 ABOVE = ("tests/golden/", "tests/unit/")  # tests/README.md says it for these
 
 
-def asks(page: str) -> bool:
-    return COMMAND.search((ROOT / page).read_text("utf-8")) is not None and not page.startswith(ABOVE)
+def asking() -> set[str]:
+    """Return the pages that have their reader run pytest."""
+    pages = {str(page) for page in files((".md",)) if COMMAND.search(text(page))}
+    return {page for page in pages if not page.startswith(ABOVE)}
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if asks(page)])
-def test_a_page_that_runs_pytest_says_what_brings_it(page: str) -> None:
-    assert ORIGIN.search((ROOT / page).read_text("utf-8")), f"{page}: make develop, or make extras"
+def test_a_page_that_runs_pytest_says_what_brings_it() -> None:
+    assert {page for page in asking() if not ORIGIN.search(text(page))} == set(), (
+        "make develop, or make extras"
+    )
 
 
 def test_the_pages_for_users_and_for_contributors_are_among_them() -> None:
-    asking = {page for page in PAGES if asks(page)}
-    assert {"CONTRIBUTING.md", "tests/README.md", "docs/start.md", "docs/first-hour.md"} <= asking
+    assert {"CONTRIBUTING.md", "tests/README.md", "docs/start.md", "docs/first-hour.md"} <= asking()

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
-from pathlib import Path, PurePosixPath
+from functools import cache
+from pathlib import PurePosixPath
 
-ROOT = Path(__file__).resolve().parents[3]
+from unit.house.files import ROOT, text
+
 PACKAGE = PurePosixPath("src/unitylink")
 
 
@@ -25,10 +26,12 @@ def modules() -> dict[str, PurePosixPath]:
 MODULES = modules()
 
 
-def imported(path: PurePosixPath) -> Iterator[tuple[int, str]]:
-    """Yield (line, module) for every module of ours that a file imports, at any nesting."""
+@cache
+def imported(path: PurePosixPath) -> list[tuple[int, str]]:
+    """Return (line, module) for every module of ours that a file imports, at any nesting."""
+    found = []
     package = ("unitylink", *path.parent.parts)
-    for node in ast.walk(ast.parse((ROOT / PACKAGE / path).read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(text(PACKAGE / path))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -37,4 +40,5 @@ def imported(path: PurePosixPath) -> Iterator[tuple[int, str]]:
             names = [m if (m := f"{module}.{alias.name}") in MODULES else module for alias in node.names]
         else:
             continue
-        yield from ((node.lineno, name) for name in names if name.partition(".")[0].startswith("unitylink"))
+        found += [(node.lineno, name) for name in names if name.partition(".")[0].startswith("unitylink")]
+    return found
