@@ -20,7 +20,7 @@ from unitylink.generate import write
 from unitylink.simulate import Board
 from unitylink.simulate.plant import AnyPlant, load_plant
 from unitylink.spec import load
-from unitylink_lab.bench.ros import LOOPBACK
+from unitylink_lab.bench.ros import LOOPBACK, free_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
@@ -211,9 +211,9 @@ def _listens(port: int) -> bool:
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A DDS domain of this test process, on the loopback interface."""
+    """A DDS domain of this test, on the loopback interface."""
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
-    return 1 + os.getpid() % 230
+    return free_domain()
 
 
 class Still:

@@ -254,8 +254,8 @@ def node_here(board: MakeBoard, domain: int) -> Iterator[tuple[RobotNode, Board]
     plane.start()
     until(node.keeper.up.is_set)
     yield node, device
-    plane.close()
     node.close()
+    plane.close()
 
 
 def test_a_message_that_cannot_be_read_ends_nothing(
@@ -346,6 +346,7 @@ def test_what_is_gathered_arrives_whole_and_in_order(domain: int, types: DdsType
         other.join()
         until(lambda: come(41))
     plane.close()
+    until(lambda: not reader.get_matched_publications())  # it has left, though its objects are still here
 
 
 def test_bridge_needs_nothing_generated(board: MakeBoard, domain: int, types: DdsTypes) -> None:

@@ -105,7 +105,7 @@ def running(environment: dict[str, str], *command: str | Path, log: Path) -> Ite
             process.kill()
             process.wait()
         print(log.read_text())
-    assert process.returncode == 0, log.read_text()
+    assert process.returncode == 0 and "Traceback" not in log.read_text(), log.read_text()
 
 
 @pytest.fixture

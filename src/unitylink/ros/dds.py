@@ -54,8 +54,11 @@ class DdsPlane:
         self._services.start()
 
     def close(self) -> None:
+        """Stop taking messages, and leave the domain at once. Close the node that publishes here before."""
         self._topics.close()
         self._services.close()
+        # Garbage collection would leave it later or never. Others would see a node that has ended.
+        self._participant.__del__()
 
     def name(self, topic: str) -> str:
         """Return a name with its namespace. One that begins with / has it already."""

@@ -125,14 +125,16 @@ def run_dds(
                 told.send(diagnostics(plane, name, node.health(), time.monotonic()))
                 stop.wait(DIAGNOSTICS_PERIOD_S)
         finally:
-            plane.close()
             node.close()
+            plane.close()
         return 1 if node.keeper.failure is not None else 0
 
 
 def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: Sequence[str]) -> int:
     rclpy = import_module("rclpy")
-    rclpy.init(args=[sys.argv[0], *arguments])
+    # Its own handler of signals ends the context at once, while the link's thread still publishes.
+    no_signals = import_module("rclpy.signals").SignalHandlerOptions.NO
+    rclpy.init(args=[sys.argv[0], *arguments], signal_handler_options=no_signals)
     ros = rclpy.create_node("unitylink")
     parameters = Parameters()
     for name, standard in vars(Parameters()).items():
@@ -146,15 +148,15 @@ def _run_rclpy(interface: Interface, build: Build, connect: Connect, arguments: 
     executor.add_node(ros)
     due_s = 0.0
     try:
-        while rclpy.ok() and not node.keeper.ended.is_set():
-            plane.life.beat("the thread of the diagnostics", DEVICE_S)
-            if time.monotonic() >= due_s:
-                due_s = time.monotonic() + DIAGNOSTICS_PERIOD_S
-                told.send(diagnostics(plane, ros.get_fully_qualified_name(), node.health(), time.monotonic()))
-            plane.life.beat("the executor")
-            executor.spin_once(timeout_sec=0.1)
-    except (KeyboardInterrupt, executors.ExternalShutdownException):
-        pass
+        with stopped_by_signals() as stop:
+            while not stop.is_set() and not node.keeper.ended.is_set():
+                plane.life.beat("the thread of the diagnostics", DEVICE_S)
+                if time.monotonic() >= due_s:
+                    due_s = time.monotonic() + DIAGNOSTICS_PERIOD_S
+                    name, now_s = ros.get_fully_qualified_name(), time.monotonic()
+                    told.send(diagnostics(plane, name, node.health(), now_s))
+                plane.life.beat("the executor")
+                executor.spin_once(timeout_sec=0.1)
     finally:
         plane.life.rest()
         node.close()

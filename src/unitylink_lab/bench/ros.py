@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import random
 import socket
 import subprocess
 import sys
@@ -21,6 +22,24 @@ LOOPBACK = (
     "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
     '<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>'
 )
+
+
+def free_domain() -> int:
+    """Return a DDS domain in which nobody on this machine takes part.
+
+    A participant listens on UDP port 7410 + 250 * domain, or on the next even one: RTPS 2.5, 9.6.2.3.
+    The domains from 102 on have ports that Linux also gives to other programs.
+    """
+    for domain in random.sample(range(1, 102), 101):
+        with ExitStack() as stack:
+            try:
+                for participant in range(8):
+                    probe = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                    probe.bind(("127.0.0.1", 7410 + 250 * domain + 2 * participant))
+            except OSError:
+                continue
+            return domain
+    raise BenchError("there are participants in every DDS domain")
 
 
 def folder_of(run: Run) -> Path:
@@ -46,7 +65,7 @@ def _environment(run: Run) -> str:
 def plane(run: Run, name: str) -> Iterator[list[str]]:
     """Make the surroundings of a plane. Yield the first words of the workers' command."""
     if name == "dds":
-        os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(1 + os.getpid() % 230)}
+        os.environ |= {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": str(free_domain())}
         yield [sys.executable, "-m", WORKER, name]
         return
     python = _environment(run)
