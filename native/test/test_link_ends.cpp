@@ -145,6 +145,19 @@ TEST_CASE("a device that sends the engine back to the beginning is not asked at 
   }
 }
 
+TEST_CASE("a device for which it is never a request's turn is not asked at the rate of the line") {
+  VirtualPlace place;
+  std::unique_ptr<Link> link;
+  LinkOptions asked = options();
+  asked.attempts = 100;
+  REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
+  const std::vector<std::uint32_t> words(200, 0x11);  // requests in a chain, where only the device knows whose turn it is
+  place.liar.set(faults::Peer::waiting);
+  const std::uint64_t before = place.turns;
+  CHECK(!link->write_many(words, words, {.until_ns = VirtualPlace::clock_ns + 2000 * ms}).ok());
+  CHECK(place.turns - before <= 2 * 100 + 2 * 16);  // each timeout a repeat and a greeting, and 16 repeats at once in front
+}
+
 TEST_CASE("a device with frames is never taken for a classic one, however much its line loses") {
   for (const double share : {0.01, 0.10}) {
     int linked = 0;
