@@ -16,6 +16,7 @@
 #include <sys/eventfd.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -204,6 +205,11 @@ int isatty(int file) noexcept {
 int fstat(int file, struct stat* told) noexcept {
   static auto* const own = system_own<int(int, struct stat*)>("fstat");
   return refused() ? -1 : own(file, told);
+}
+
+void* mmap(void* place, std::size_t bytes, int may, int flags, int file, off_t offset) noexcept {
+  static auto* const own = system_own<void*(void*, std::size_t, int, int, int, off_t)>("mmap");
+  return file >= 0 && refused() ? MAP_FAILED : own(place, bytes, may, flags, file, offset);
 }
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*begin)(void*), void* argument) {

@@ -11,7 +11,7 @@ enum class What : std::uint8_t {
   nothing,
   allocation,  // malloc, calloc, realloc: also those of the C library itself (a sanitizer has its own malloc: there operator new)
   transfer,    // read, write, send, ppoll
-  opening,     // open, socket, connect, eventfd, fcntl, ioctl, flock, isatty, fstat, getsockopt, setsockopt, a thread
+  opening,     // open, socket, connect, eventfd, fcntl, ioctl, flock, isatty, fstat, getsockopt, setsockopt, mmap of a file, a thread
   clock,
 };
 enum class How : std::uint8_t {

@@ -92,8 +92,9 @@ Outcome Port::open(const Settings& settings, std::unique_ptr<Port>& port) {
   if (count < 0) {
     return refused(usb, static_cast<int>(count), "USB devices cannot be listed");
   }
+  const auto free_list = [&usb](usb::Device** list) { usb.free_device_list(list, 1); };
+  const std::unique_ptr<usb::Device*, decltype(free_list)> list(devices, free_list);
   Outcome outcome = made->find(settings.serial_number, devices, static_cast<std::size_t>(count));
-  usb.free_device_list(devices, 1);
   if (outcome.ok()) {
     outcome = made->set_up(settings);
   }
@@ -108,6 +109,7 @@ Outcome Port::find(const std::string& serial_number, usb::Device** devices, std:
   std::string there;
   std::size_t found = 0;
   int code = 0;
+  const auto close = [this](usb::Handle* handle) { library_->close(handle); };
   for (std::size_t index = 0; index < count; ++index) {
     usb::DeviceDescriptor told{};
     usb::Handle* handle = nullptr;
@@ -120,16 +122,15 @@ Outcome Port::find(const std::string& serial_number, usb::Device** devices, std:
       code = failed;
       continue;
     }
+    std::unique_ptr<usb::Handle, decltype(close)> opened(handle, close);
     std::array<unsigned char, 256> text{};
     const int length = library_->get_string_descriptor_ascii(handle, told.iSerialNumber, text.data(), static_cast<int>(text.size() - 1));
     const std::string serial(reinterpret_cast<const char*>(text.data()), length > 0 ? static_cast<std::size_t>(length) : 0);
     there += (there.empty() ? "" : ", ") + (serial.empty() ? "one without a serial number" : serial);
     if ((serial_number.empty() || serial == serial_number) && handle_ == nullptr) {
-      handle_ = handle;
+      handle_ = opened.release();
       chip_ = chip_of(told.bcdDevice);
       packet_bytes_ = static_cast<std::size_t>(std::max(library_->get_max_packet_size(devices[index], in()), 8));
-    } else {
-      library_->close(handle);
     }
     ++found;
   }
@@ -202,16 +203,20 @@ Outcome Port::set_event(std::optional<std::uint8_t> event) {
 }
 
 Outcome Port::request(Request request, std::uint16_t value, std::uint16_t index, const char* what) {
-  const unsigned channel = chip_->channels > 1 ? channel_ + 1 : 0;
-  const int code = library_->control_transfer(handle_, request_type, static_cast<std::uint8_t>(request), value,
-                                              static_cast<std::uint16_t>(index | channel), nullptr, 0, control_timeout_ms);
+  const int code = transfer(request, value, index);
   return code < 0 ? refused(*library_, code, std::string(what) + " of the " + std::string(chip_->name) + " cannot be set") : Outcome{};
+}
+
+int Port::transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept {
+  const unsigned channel = chip_->channels > 1 ? channel_ + 1 : 0;
+  return library_->control_transfer(handle_, request_type, static_cast<std::uint8_t>(request), value,
+                                    static_cast<std::uint16_t>(index | channel), nullptr, 0, control_timeout_ms);
 }
 
 Port::~Port() {
   if (claimed_) {
     if (mode_ == Mode::sync_fifo) {  // the next program may want it otherwise
-      static_cast<void>(request(Request::bit_mode, mode_reset, 0, "bit mode"));
+      transfer(Request::bit_mode, mode_reset, 0);
     }
     library_->release_interface(handle_, static_cast<int>(channel_));
   }

@@ -46,6 +46,7 @@ class Port {
   [[nodiscard]] Outcome find(const std::string& serial_number, usb::Device** devices, std::size_t count);
   [[nodiscard]] Outcome set_up(const Settings& settings);
   [[nodiscard]] Outcome request(Request request, std::uint16_t value, std::uint16_t index, const char* what);
+  int transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept;  // a code of libusb's
 
   std::shared_ptr<usb::Library> library_;
   usb::Context* context_ = nullptr;

@@ -50,8 +50,10 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
   if (error != 0) {
     return refused(error);
   }
-  ::fcntl(request.fd, F_SETFL, O_NONBLOCK);
   Descriptor opened(request.fd);
+  if (::fcntl(opened.get(), F_SETFL, O_NONBLOCK) != 0) {  // a look at the line would wait for its next edge
+    return refused(errno);
+  }
   line.reset(new GpioLine(request.fd));
   opened.release();  // it is the line's
   return {};

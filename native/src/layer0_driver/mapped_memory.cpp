@@ -7,6 +7,9 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <utility>
+
+#include "layer0_driver/descriptor.hpp"
 
 namespace unitylink {
 namespace {
@@ -28,22 +31,22 @@ Outcome cannot(const std::string& path, const char* what) {
 
 Outcome MappedMemory::open(const MappedWindow& window, std::unique_ptr<MappedMemory>& memory) {
   const std::string& path = window.path;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_SYNC);
-  if (descriptor < 0) {
+  const Descriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_SYNC));
+  if (!file.open()) {
     return cannot(path, "cannot be opened");
   }
   // Only whole pages can be mapped; the window may begin within one.
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   const std::uint64_t within = window.offset % page;
-  const auto length = static_cast<std::size_t>(within + window.bytes);
-  void* mapping = ::mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, static_cast<off_t>(window.offset - within));
-  const Outcome failed = mapping == MAP_FAILED ? cannot(path, "cannot be mapped") : Outcome{};
-  ::close(descriptor);
-  if (!failed.ok()) {
-    return failed;
+  std::unique_ptr<MappedMemory> made(new MappedMemory(window, static_cast<std::size_t>(within + window.bytes)));
+  void* const mapping = ::mmap(nullptr, made->length_, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), static_cast<off_t>(window.offset - within));
+  if (mapping == MAP_FAILED) {
+    return cannot(path, "cannot be mapped");
   }
-  auto* base = reinterpret_cast<volatile std::uint32_t*>(static_cast<char*>(mapping) + within);
-  memory.reset(new MappedMemory(window, mapping, length, base));
+  made->mapping_ = mapping;
+  made->base_ = reinterpret_cast<volatile std::uint32_t*>(static_cast<char*>(mapping) + within);
+  made->words_ = window.bytes / sizeof(std::uint32_t);
+  memory = std::move(made);
   return {};
 }
 

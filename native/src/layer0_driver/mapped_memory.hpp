@@ -45,14 +45,14 @@ class MappedMemory {
   void close() noexcept;
 
  private:
-  MappedMemory(const MappedWindow& window, void* mapping, std::size_t length, volatile std::uint32_t* base)
-      : window_(window), mapping_(mapping), length_(length), base_(base), words_(window.bytes / sizeof(std::uint32_t)) {}
+  // Not mapped yet. It lets go of a mapping that it is given, whatever fails afterwards.
+  MappedMemory(const MappedWindow& window, std::size_t length) : window_(window), length_(length) {}
 
   const MappedWindow window_;
-  void* mapping_;
-  std::size_t length_;
-  volatile std::uint32_t* base_;
-  std::uint64_t words_;
+  const std::size_t length_;
+  void* mapping_ = nullptr;
+  volatile std::uint32_t* base_ = nullptr;
+  std::uint64_t words_ = 0;
 };
 
 }  // namespace unitylink

@@ -46,7 +46,8 @@ Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::uniq
     return {Status::mismatch, "SPI port " + path + ": it has no mode 0 with 8 bits a byte: " + std::strerror(errno)};
   }
   if (::ioctl(descriptor, SPI_IOC_WR_MAX_SPEED_HZ, &speed_hz) != 0) {
-    return {Status::mismatch, "SPI port " + path + ": cannot run at " + std::to_string(speed_hz) + " Hz; give another speed_hz="};
+    const std::string why = std::strerror(errno);
+    return {Status::mismatch, "SPI port " + path + ": cannot run at " + std::to_string(speed_hz) + " Hz: " + why + "; give another speed_hz="};
   }
   port = std::move(made);
   return {};

@@ -5,6 +5,7 @@
 //   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
 //   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place), whose line 25 is the board's `waiting`
 //   unplug=1000      so many bytes after it was opened transfers fail   refuse=22   what setting the speed answers
+// FAKE_SPI_FAIL, looked at each time: the n-th of the calls that open the port and its line, or set them up, answers EMFILE.
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstdarg>
@@ -21,6 +22,7 @@
 #include <netinet/tcp.h>
 #include <sstream>
 #include <string>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -36,6 +38,7 @@ struct Port {
   std::size_t whole = 0;            // bytes of `coming` in whole messages
   std::uint8_t next = 0;            // the byte on miso when the next transfer begins
   std::size_t transfers = 0, bytes = 0;
+  long set_up = 0;  // calls since the port was opened
 
   Port() {
     const char* const told = std::getenv("FAKE_SPI");
@@ -59,6 +62,15 @@ struct Port {
 Port& port() {
   static Port one;
   return one;
+}
+
+bool refused() {
+  const char* const nth = std::getenv("FAKE_SPI_FAIL");
+  if (nth == nullptr || ++port().set_up != std::strtol(nth, nullptr, 10)) {
+    return false;
+  }
+  errno = EMFILE;
+  return true;
 }
 
 void connect_board() {
@@ -145,6 +157,10 @@ int open_instead(const char* name, const char* path, int flags, mode_t mode) {
   Port& p = port();
   const bool gpio = p.settings["gpiochip"] == path;
   const bool ours = p.settings["device"] == path || gpio;
+  p.set_up = ours && !gpio ? 0 : p.set_up;
+  if (ours && refused()) {
+    return -1;
+  }
   const int descriptor = real<int (*)(const char*, int, ...)>(name)(ours ? p.settings["file"].c_str() : path, flags, mode);
   if (gpio) {
     p.chip = descriptor;
@@ -154,6 +170,13 @@ int open_instead(const char* name, const char* path, int flags, mode_t mode) {
     connect_board();
   }
   return descriptor;
+}
+
+int set_flags(const char* name, int descriptor, int what, void* argument) {
+  if (descriptor >= 0 && descriptor == port().line && refused()) {
+    return -1;
+  }
+  return real<int (*)(int, int, ...)>(name)(descriptor, what, argument);
 }
 
 int ask_chip(gpio_v2_line_request& request) {
@@ -194,6 +217,26 @@ int open64(const char* path, int flags, ...) {
   va_end(arguments);
   return open_instead("open64", path, flags, mode);
 }
+int fcntl(int descriptor, int what, ...) {
+  va_list arguments;
+  va_start(arguments, what);
+  void* const argument = va_arg(arguments, void*);
+  va_end(arguments);
+  return set_flags("fcntl", descriptor, what, argument);
+}
+int fcntl64(int descriptor, int what, ...) {
+  va_list arguments;
+  va_start(arguments, what);
+  void* const argument = va_arg(arguments, void*);
+  va_end(arguments);
+  return set_flags("fcntl64", descriptor, what, argument);
+}
+int flock(int descriptor, int what) noexcept {
+  if (descriptor >= 0 && descriptor == port().descriptor && refused()) {
+    return -1;
+  }
+  return real<int (*)(int, int)>("flock")(descriptor, what);
+}
 int close(int descriptor) {
   Port& p = port();
   if (descriptor >= 0 && descriptor == p.chip) {
@@ -215,6 +258,10 @@ int ioctl(int descriptor, unsigned long request, ...) {
   void* const argument = va_arg(arguments, void*);
   va_end(arguments);
   Port& p = port();
+  const bool sets_up = (descriptor == p.chip && request == GPIO_V2_GET_LINE_IOCTL) || (descriptor == p.descriptor && request != SPI_IOC_MESSAGE(1));
+  if (descriptor >= 0 && sets_up && refused()) {
+    return -1;
+  }
   if (descriptor >= 0 && descriptor == p.chip && request == GPIO_V2_GET_LINE_IOCTL) {
     return ask_chip(*static_cast<gpio_v2_line_request*>(argument));
   }

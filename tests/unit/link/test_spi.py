@@ -63,6 +63,28 @@ def test_a_wire_says_that_the_board_has_something(spi_client: SpiClient, board: 
     assert said.splitlines() == ["True", "framed 0 0 0"]
 
 
+def test_a_port_or_a_wire_that_fails_while_it_is_set_up(spi_client: SpiClient, board: Board) -> None:
+    """Open, mode, lock, mode, bits and speed of the port; then chip, line and flags of the wire."""
+    code = """
+        import os
+        from unitylink import LinkError, connect
+        descriptors = lambda: len(os.listdir("/proc/self/fd"))
+        before, told = descriptors(), []
+        for nth in range(1, 11):
+            os.environ["FAKE_SPI_FAIL"] = str(nth)
+            try:
+                with connect("spi:/dev/spidev0.0?waiting=/dev/gpiochip0:25") as link:
+                    link.write(0x12, nth)
+                    told.append(link.read(0x12))
+                del link
+            except LinkError as error:
+                told.append("Too many open files" in str(error))
+        print(told, descriptors() - before)
+    """
+    said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0")
+    assert said == f"{[True] * 9 + [10]} 0\n"
+
+
 @pytest.mark.parametrize(
     ("line", "error"),
     [
