@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ KEPT = re.compile(
 )
 # What README.md asks for, and what apt-get and pip need to reach a server.
 ASKED = ("git", "make", "python3", "python3-venv", "python3-dev", "g++", "ca-certificates")
+LOOKS = 5  # for what still runs: while a process becomes another program, it has no environment
 RELEASE, ARCHIVE = "bookworm", "http://deb.debian.org/debian"
 
 
@@ -53,12 +55,14 @@ class Here:
     def end_all(self, folder: Path) -> None:
         """End what still runs with that home. Ninja gives each compiler a process group of its own."""
         mark = f"HOME={folder / 'home'}".encode()
-        while pids := [
-            int(name) for name in os.listdir("/proc") if name.isdigit() and mark in _started_with(name)
-        ]:
+        unseen = 0
+        while unseen < LOOKS:
+            pids = [name for name in os.listdir("/proc") if name.isdigit() and mark in _started_with(name)]
             for pid in pids:
                 with suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
+                    os.kill(int(pid), signal.SIGKILL)
+            unseen = 0 if pids else unseen + 1
+            time.sleep(0.01)
 
     def environment(self, home: Path, mine: Mapping[str, str]) -> dict[str, str]:
         """Return the environment of a new user of this machine."""

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The wire between two programs: a line that is gone leaves no name behind."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+HERE = Path(__file__).parent
+PATIENCE_S = 60.0
+
+
+def until(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.001)
+
+
+def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Path) -> None:
+    """Numbers of terminals are given again at once: a host would speak with somebody else's board."""
+    listen, target = tmp_path / "host.tty", tmp_path / "board.tty"
+    master, slave = os.openpty()
+    target.symlink_to(os.ttyname(slave))
+    command = [sys.executable, HERE / "wire.py", "pty", listen, target, "1"]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as wire:
+        until(listen.is_symlink)
+        target.unlink()
+        os.close(master)  # the board is gone
+        os.close(slave)
+        until(lambda: not listen.is_symlink())
+        master, slave = os.openpty()
+        target.symlink_to(os.ttyname(slave))
+        until(listen.is_symlink)  # and here again
+        wire.kill()
+    os.close(master)
+    os.close(slave)
