@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -21,31 +20,27 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 ROOT = Path(__file__).resolve().parents[1]
-FAKES = ROOT / "native" / "test"
 SHORT_RUN_S = 300  # of which nobody wants to know the slowest files
 
 
-def _compiled(source: Path, library: Path) -> Path:
-    compiler = os.environ.get("CXX") or shutil.which("c++") or "g++"
-    options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-pthread", "-I", str(ROOT / "native" / "src")]
-    subprocess.run([compiler, *options, str(source), "-o", str(library)], check=True, timeout=300)
-    return library
+def built(name: str) -> Path:
+    """Return a file of the native build by its name. All of it is built if it is not there."""
+    file = ROOT / "build" / "native" / name
+    if not file.exists():
+        subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
+    return file
 
 
 @pytest.fixture(scope="session")
-def fake_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The fake of libusb, compiled."""
-    return _compiled(
-        FAKES / "fake_usb" / "fake_libusb.cpp", tmp_path_factory.mktemp("usb") / "fake_libusb.so"
-    )
+def fake_library() -> Path:
+    """The fake of libusb."""
+    return built("fake_libusb.so")
 
 
 @pytest.fixture(scope="session")
-def fake_spidev(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The fake of the kernel's SPI port, to be preloaded, compiled."""
-    return _compiled(
-        FAKES / "fake_spi" / "fake_spidev.cpp", tmp_path_factory.mktemp("spi") / "fake_spidev.so"
-    )
+def fake_spidev() -> Path:
+    """The fake of the kernel's SPI port, to be preloaded."""
+    return built("fake_spidev.so")
 
 
 @pytest.fixture
@@ -70,26 +65,26 @@ def spi_client(fake_spidev: Path, tmp_path: Path) -> Callable[..., str]:
 
 @pytest.fixture(scope="session")
 def program() -> Callable[[str], Path]:
-    """The path of a native bench program by its name; all are built if one is not."""
-    from unitylink_lab.bench.programs import native
-
-    names = ("bench_round_trip", "bench_publish_source", "bench_uartbone", "journal_board")
-    if not all((ROOT / "build" / "native" / name).exists() for name in names):
-        subprocess.run([ROOT / "tools" / "setup.sh", "native"], cwd=ROOT, check=True)
-    return lambda name: native(ROOT, name)
+    """The path of a native bench program by its name."""
+    return built
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Name the files whose tests took longest, for what becomes slow shall be seen."""
-    took: Counter[str] = Counter()
+    """Name the folders and files whose tests took longest, for what becomes slow shall be seen."""
+    took: Counter[Path] = Counter()
     for reports in terminalreporter.stats.values():
         for report in reports:
             if isinstance(report, pytest.TestReport):
-                took[report.nodeid.partition("::")[0]] += report.duration
-    if sum(took.values()) > SHORT_RUN_S:
-        terminalreporter.write_sep("=", "slowest files, of all workers together")
-        for file, seconds in took.most_common(15):
-            terminalreporter.write_line(f"{seconds:6.0f} s  {file}")
+                took[Path(report.nodeid.partition("::")[0])] += report.duration
+    if sum(took.values()) < SHORT_RUN_S:
+        return
+    folders: Counter[Path] = Counter()
+    for file, seconds in took.items():
+        folders[Path(*file.parts[:2])] += seconds
+    for title, times in (("folders", folders), ("slowest files", took)):
+        terminalreporter.write_sep("=", f"{title}, of all workers together")
+        for path, seconds in times.most_common(15):
+            terminalreporter.write_line(f"{seconds:6.0f} s  {path}")
 
 
 # A shell starts background jobs with interrupts ignored; here they are heeded, and by whatever is started.

@@ -51,9 +51,9 @@ struct Port {
     const auto found = settings.find(key);
     return found == settings.end() ? 0 : std::strtol(found->second.c_str(), nullptr, 0);
   }
-  void log(const std::string& line) {
+  void log(const std::string& text) {
     if (std::FILE* file = std::fopen(settings["log"].c_str(), "a"); file != nullptr) {
-      std::fprintf(file, "%s\n", line.c_str());
+      std::fprintf(file, "%s\n", text.c_str());
       std::fclose(file);
     }
   }

@@ -11,7 +11,6 @@ from urllib.parse import unquote, urlsplit
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pygls.workspace import PositionCodec
 
 from unitylink.commands.language_server.completion import completion
 from unitylink.commands.language_server.document import Document
@@ -335,6 +334,8 @@ def test_hostile_texts_and_places_are_answered(client: LanguageClient) -> None:
 @settings(max_examples=60, deadline=None)
 def test_any_damaged_text_is_answered(data: st.DataObject) -> None:
     """While one types, most texts are wrong: whatever is asked of them, there is an answer or none."""
+    from pygls.workspace import PositionCodec  # which takes long: in one worker only
+
     text = data.draw(st.sampled_from([SCARA, ARM]))
     start = data.draw(st.integers(0, len(text)))
     end = data.draw(st.integers(start, min(len(text), start + 40)))

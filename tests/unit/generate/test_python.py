@@ -68,21 +68,18 @@ def test_golden(path: Path) -> None:
     assert text == generate_python(load(path))[name], "the same spec gives the same text"
 
 
-@pytest.fixture(scope="module")
-def mypy(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
-    """A strict mypy without our settings. What it finds out about the library is kept from run to run."""
-    cache = tmp_path_factory.mktemp("mypy")
-    return [sys.executable, "-m", "mypy", "--strict", f"--cache-dir={cache}", "--config-file="]
+# A strict mypy without our settings. It takes over what `make check` has found out about the library.
+MYPY = [sys.executable, "-m", "mypy", "--strict", f"--cache-dir={ROOT / '.mypy_cache'}", "--config-file="]
+MYPY += ["--python-version=3.10"]
 
 
-@pytest.mark.xdist_group("mypy")
-def test_generated_code_is_clean(mypy: list[str]) -> None:
+def test_generated_code_is_clean() -> None:
     """As a user's own checks would see it: strict types, default lint rules, default and our formatting."""
     files = [str(golden(path)) for path in SPECS]
     assert set(GOLDEN.glob("*.py")) <= {golden(path) for path in SPECS}
     run = [sys.executable, "-m"]
     for command in (
-        [*mypy, *files],
+        [*MYPY, *files],
         [*run, "ruff", "check", "--isolated", *files],
         [*run, "ruff", "format", "--isolated", "--check", *files],
         [*run, "ruff", "format", "--isolated", "--line-length=110", "--check", *files],
@@ -266,8 +263,7 @@ def test_a_stale_or_foreign_file_is_refused(tmp_path: Path) -> None:
         imported(path)
 
 
-@pytest.mark.xdist_group("mypy")
-def test_names_that_meet_in_the_module_stay_apart(fake: ModuleType, tmp_path: Path, mypy: list[str]) -> None:
+def test_names_that_meet_in_the_module_stay_apart(fake: ModuleType, tmp_path: Path) -> None:
     text = "public ab(^super) { TOSNET(CTRL=^super, BASE=0); @str = 0x10: READ(); part: warning(); }\n"
     text += "public AB() { @x = 0x820: READ(); @y = 0x821: READ(); }\nwarning() { @w = 0x11: READ(); }"
     spec = spec_of(text)
@@ -278,12 +274,11 @@ def test_names_that_meet_in_the_module_stay_apart(fake: ModuleType, tmp_path: Pa
     assert {v.path: v.address for v in second} == {"x": 0x820, "y": 0x821}
     assert type(first.part).__name__ == "Warning2" and first.str_.path == "str"
     assert facts(load_spec_objects(spec, fake.FakeLink(), root="ab")) == facts(first)
-    done = subprocess.run([*mypy, str(file)], capture_output=True, text=True, cwd=tmp_path, check=False)
+    done = subprocess.run([*MYPY, str(file)], capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stdout
 
 
-@pytest.mark.xdist_group("mypy")
-def test_a_users_mistakes_are_type_errors(tmp_path: Path, mypy: list[str]) -> None:
+def test_a_users_mistakes_are_type_errors(tmp_path: Path) -> None:
     """Checked where a user is: outside of this checkout, with the library as it is installed."""
     write(load(ROOT / "examples" / "scara" / "scara.ul"), tmp_path)
     lines = {
@@ -298,7 +293,7 @@ def test_a_users_mistakes_are_type_errors(tmp_path: Path, mypy: list[str]) -> No
     }
     head = ["import unitylink", "from scara import Scara", 'robot = Scara(unitylink.connect("sim:scara.ul"))']
     (tmp_path / "user.py").write_text("\n".join([*head, *lines]) + "\n")
-    done = subprocess.run([*mypy, "user.py"], capture_output=True, text=True, cwd=tmp_path, check=False)
+    done = subprocess.run([*MYPY, "user.py"], capture_output=True, text=True, cwd=tmp_path, check=False)
     said = done.stdout.splitlines()
     for number, (line, error) in enumerate(lines.items(), len(head) + 1):
         here = [text for text in said if text.startswith(f"user.py:{number}: error")]

@@ -85,25 +85,27 @@ def test_a_port_or_a_wire_that_fails_while_it_is_set_up(spi_client: SpiClient, b
     assert said == f"{[True] * 9 + [10]} 0\n"
 
 
-@pytest.mark.parametrize(
-    ("line", "error"),
-    [
-        ("/dev/gpiochip0:26", "DeviceMismatch: GPIO line /dev/gpiochip0:26: the chip has no such line"),
-        ("/dev/gpiochip7:25", "LinkNotFound: GPIO line /dev/gpiochip7:25: there is no such port; gpiodetect"),
-        ("/dev/null:25", "LinkNotFound: GPIO line /dev/null:25: /dev/null is not a GPIO chip"),
-        ("25", "UrlError: link URL .* waiting=25 is not a line of a GPIO chip such as /dev/gpiochip0:25"),
-        (":25", "UrlError: link URL .* waiting=:25 is not a line"),
-    ],
-)
-def test_a_wire_that_is_not_there(spi_client: SpiClient, board: Board, line: str, error: str) -> None:
+NO_WIRES = {
+    "/dev/gpiochip0:26": "DeviceMismatch: GPIO line /dev/gpiochip0:26: the chip has no such line",
+    "/dev/gpiochip7:25": "LinkNotFound: GPIO line /dev/gpiochip7:25: there is no such port; gpiodetect",
+    "/dev/null:25": "LinkNotFound: GPIO line /dev/null:25: /dev/null is not a GPIO chip",
+    "25": "UrlError: link URL .* waiting=25 is not a line of a GPIO chip such as /dev/gpiochip0:25",
+    ":25": "UrlError: link URL .* waiting=:25 is not a line",
+}
+
+
+def test_a_wire_that_is_not_there(spi_client: SpiClient, board: Board) -> None:
     code = f"""
         from unitylink import UnityLinkError, connect
-        try:
-            connect("spi:/dev/spidev0.0?waiting={line}")
-        except UnityLinkError as error:
-            print(type(error).__name__, error, sep=": ")
+        for line in {list(NO_WIRES)}:
+            try:
+                connect(f"spi:/dev/spidev0.0?waiting={{line}}")
+            except UnityLinkError as error:
+                print(type(error).__name__, error, sep=": ")
     """
-    assert re.match(error, spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0"))
+    said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0").splitlines()
+    for (line, error), told in zip(NO_WIRES.items(), said, strict=True):
+        assert re.match(error, told), line
 
 
 def test_every_byte_of_long_answers(spi_client: SpiClient, board: Board) -> None:

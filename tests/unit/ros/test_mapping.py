@@ -195,9 +195,9 @@ wchar_t while xor xor_eq
 """  # [lex.key] and [lex.digraph] of C++20
 
 
-@pytest.mark.parametrize("word", CPP_KEYWORDS.split())
-def test_no_field_is_a_word_of_cpp(word: str) -> None:
-    assert field_name(word) == f"{word}_value"
+def test_no_field_is_a_word_of_cpp() -> None:
+    words = CPP_KEYWORDS.split()
+    assert [field_name(word) for word in words] == [f"{word}_value" for word in words]
 
 
 @pytest.mark.parametrize("name", ["header", "read", "writeRequest"])

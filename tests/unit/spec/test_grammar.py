@@ -71,16 +71,18 @@ def likeness(token: str) -> str:
     return "a" if token[0].isalpha() else "0" if token[0].isdigit() else token[0]
 
 
-@pytest.mark.parametrize("number", range(len(RIGHT)))
-def test_right_specs_are_right_for_both(grammar: Lark, number: int) -> None:
-    text = RIGHT[number]
-    assert faults_of_form(text) == []
-    assert grammar_accepts(grammar, text), text
+def test_right_specs_are_right_for_both(grammar: Lark) -> None:
+    assert len(RIGHT) > 100
+    for text in RIGHT:
+        assert faults_of_form(text) == [], text
+        assert grammar_accepts(grammar, text), text
 
 
-@pytest.mark.parametrize("code", [code for code in CODES if code <= _LAST_OF_FORM and explain(code).wrong])
-def test_wrong_examples_are_wrong_for_both(grammar: Lark, code: str) -> None:
-    assert grammar_accepts(grammar, explain(code).wrong) == (code in _LENGTHS_AND_PLACES)
+def test_wrong_examples_are_wrong_for_both(grammar: Lark) -> None:
+    wrong = {code: explain(code).wrong for code in CODES if code <= _LAST_OF_FORM and explain(code).wrong}
+    assert len(wrong) > 10
+    for code, text in wrong.items():
+        assert grammar_accepts(grammar, text) == (code in _LENGTHS_AND_PLACES), code
 
 
 def test_mutations_are_judged_alike(grammar: Lark) -> None:

@@ -50,7 +50,7 @@ def test_exponential_strings() -> None:
 
 
 def test_unknown_names_in_many_groups() -> None:
-    text = "public a() {" + "".join(f"g{i} = q{i};" for i in range(30_000)) + "}"
+    text = "public a() {" + "".join(f"g{i} = q{i};" for i in range(10_000)) + "}"
     assert codes(text) == {"UL027", "UL000"}
 
 
@@ -64,13 +64,11 @@ def test_long_chains() -> None:
     assert len(spec.root().groups[0].elements) == 1
 
 
-@pytest.mark.parametrize(
-    "unit",
-    ["@", "{", "}", "(", "a(b,", "public ", "x;", "@x", "a:b(", '"', "'a", "/*", "§ ", "\\", "0x", "=", "+a"],
-)
-@pytest.mark.parametrize("frame", ["", "public a() { "])
-def test_repeated_garbage(unit: str, frame: str) -> None:
-    assert codes(frame + unit * (60_000 // len(unit)))
+def test_repeated_garbage() -> None:
+    units = ["@", "{", "}", "(", "a(b,", "public ", "x;", "@x", "a:b(", '"', "'a", "/*", "§ ", "\\", "0x"]
+    for unit in (*units, "=", "+a"):
+        for frame in ("", "public a() { "):
+            assert codes(frame + unit * (30_000 // len(unit))), (unit, frame)
 
 
 def test_more_diagnostics_than_are_kept() -> None:

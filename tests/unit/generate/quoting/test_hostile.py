@@ -23,7 +23,7 @@ from unitylink.generate import generate
 from unitylink.generate.quoting import Cpp, Message, Python, Vhdl, Xacro, Yaml
 from unitylink.spec import compile_text
 
-TURNS = range(0, len(PAYLOADS), 8)  # of the long form, which brings every payload to every place
+TURNS = range(0, len(PAYLOADS), 12)  # of the long form, which brings every payload to every place
 
 
 def test_there_are_as_many_as_the_page_says() -> None:
