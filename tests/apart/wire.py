@@ -232,9 +232,8 @@ async def _terminal(faults: Faults, listen: str, target: str) -> None:
     for one in ways:
         one.cancel()
     await asyncio.gather(*ways, return_exceptions=True)
-    Path(listen).unlink(
-        missing_ok=True
-    )  # the next terminal that anybody opens may have the number of this one
+    # The next terminal that anybody opens may have the number of this one.
+    Path(listen).unlink(missing_ok=True)
     for end in (far, master, slave):
         os.close(end)
 
