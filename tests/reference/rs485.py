@@ -188,6 +188,7 @@ class Pair:
         if not self._stop.is_set():
             self._stop.set()
             self._thread.join()
+            self.path.unlink(missing_ok=True)  # the next terminal that is opened may have its number
             os.close(self._ours)
             os.close(self._theirs)
             for node in self._nodes.values():

@@ -65,7 +65,6 @@ def test_an_adapter_that_is_plugged_in_again(tmp_path: Path) -> None:
         for number, link in links.items():
             link.write(0x12, number)
         pair.close()
-        place.unlink(missing_ok=True)
         for link in links.values():
             until(lambda link=link: link.trouble)
             with pytest.raises(LinkDown):
