@@ -284,6 +284,29 @@ def test_a_message_that_cannot_be_read_ends_nothing(
     assert not node.hanging and node.health().level == 1
 
 
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf"), -float("inf"), 1e308])
+def test_a_number_that_a_word_cannot_hold_is_refused_whole(
+    node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes, wrong: float
+) -> None:
+    """x and yaw of the cart are f32 without limits: neither goes where one is not a finite f32."""
+    node, device = node_here
+    twist, vector = types["geometry_msgs/Twist"], types["geometry_msgs/Vector3"]
+    commands = Peer(domain, types).writer("rt/rig/cart/cmd_vel", twist)
+
+    def command(x: float, yaw: float) -> None:
+        commands.write(twist(vector(x, 0.0, 0.0), vector(0.0, 0.0, yaw)))
+
+    command(1.5, -2.0)
+    until(lambda: (device.registers[0x8], device.registers[0x9]) == (0x3FC00000, 0xC0000000))
+    for x, yaw in ((wrong, 0.0), (0.0, wrong)):
+        refused = node.refused
+        command(x, yaw)
+        until(lambda refused=refused: node.refused > refused)
+    assert (device.registers[0x8], device.registers[0x9]) == (0x3FC00000, 0xC0000000)
+    command(-2.0, 1.5)
+    until(lambda: (device.registers[0x8], device.registers[0x9]) == (0xC0000000, 0x3FC00000))
+
+
 def test_a_thread_that_hangs_is_noticed_by_the_gateware_and_services_are_answered(
     node_here: tuple[RobotNode, Board], domain: int, types: DdsTypes
 ) -> None:
