@@ -86,10 +86,11 @@ def build(mutant: dict[str, Any], folder: Path) -> Path:
     objects = []
     mains = [BOARD if "apart" in mutant else MAIN]
     if "test" in mutant:
-        mains = [TESTS / name for name in (mutant["test"], "main.cpp", "failing.cpp")]
+        mains = [TESTS / name for name in (mutant["test"], "main.cpp", "failing.cpp", "abi_test.c")]
     for number, unit in enumerate([*changed(mutant, folder), *mains]):
         objects.append(str(folder / f"{number}.o"))
-        subprocess.run(["g++", *FLAGS, *include, "-c", str(unit), "-o", objects[-1]], check=True)
+        compiler = ["gcc", "-std=c11"] if unit.suffix == ".c" else ["g++", *FLAGS]
+        subprocess.run([*compiler, *include, "-c", str(unit), "-o", objects[-1]], check=True)
     program = folder / "mutant"
     subprocess.run(["g++", *FLAGS, *objects, *map(str, LIBRARIES), "-ldl", "-o", str(program)], check=True)
     return program

@@ -172,3 +172,19 @@ TEST_CASE("mapped memory: who calls all the time does not keep the groups from b
   CHECK(link->unsubscribe(fast).ok());
   CHECK(!link->wait_publish(slow, 1));
 }
+
+TEST_CASE("mapped memory: a group is polled in its time although the one before is due in a day") {
+  const Registers registers;
+  const auto link = registers.link("?base_hz=10000");
+  const std::vector<std::uint32_t> addresses{9};
+  std::uint32_t slow = 0;
+  std::uint32_t fast = 0;
+  REQUIRE(link->subscribe({.addresses = addresses, .divisor = 0xFFFFFFFF}, slow).ok());
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the reader sleeps until `slow` is due
+  REQUIRE(link->subscribe({.addresses = addresses, .divisor = 10}, fast).ok());
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (link->available(fast) < 5 && std::chrono::steady_clock::now() < limit) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(link->available(fast) >= 5);
+}
