@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from unitylink import _native
 from unitylink_lab.bench.goodput import ASKED, BYTE_NS, LOSS, POSTS, REQUESTS, Traffic, goodput
 
+ROOT = Path(__file__).resolve().parents[2]
 WORDS = 20_000
 FRAME_BYTES = {"posts": 14, "writes": 14, "reads": 14}  # of one word, on the busier way
 LINE_PER_S = 1e9 / BYTE_NS
@@ -31,6 +36,12 @@ def test_requests_are_close_to_ideal_selective_repeat(traffic: Traffic) -> None:
 def test_posts_arrive_in_order_and_once_where_frames_are_lost(lose: float, share: float) -> None:
     """What is behind a lost one is sent again; were that noticed late, the rate would be far lower."""
     assert goodput(POSTS, lose, words=WORDS, seed=3).share >= share
+
+
+def test_the_curves_of_the_page_are_those_of_the_script() -> None:
+    check = [sys.executable, ROOT / "tools" / "docs" / "goodput.py", "--check"]
+    done = subprocess.run(check, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, f"`make docs` draws them: {done.stdout}{done.stderr}"
 
 
 def test_traffic_that_is_none_is_refused() -> None:

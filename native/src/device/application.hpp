@@ -84,7 +84,6 @@ class Application {
   bool request_ = false;       // the message in hand is a request, not a publish
   bool checked_publish_ = false;
   bool write_ = false;
-  BusStatus access_status_ = BusStatus::ok;
   std::uint32_t address_ = 0;
   std::uint32_t write_value_ = 0;
   std::vector<Word> pending_;  // words that go into the transmit FIFO

@@ -43,10 +43,6 @@ class VirtualLink:
         self._begins = True  # a message, with the next byte to the host
         self._count = 0
 
-    @property
-    def received_bytes(self) -> int:
-        return self._count
-
     def send(self, data: bytes) -> None:
         """Hand bytes to the chip now."""
         self._outgoing.extend(data)

@@ -24,6 +24,7 @@ from unitylink.connection.schemes import scheme_of
 from unitylink.errors import BoardError, UrlError
 from unitylink.recording import Origin, Sample, create
 
+pytestmark = pytest.mark.xdist_group("matplotlib")  # whose import takes a second
 PER_SHARE = 3  # inputs of a kind, for each of its shares
 
 

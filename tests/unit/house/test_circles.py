@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
+import pytest
 from unit.house.imports import MODULES, imported
 
+pytestmark = pytest.mark.xdist_group("imports")  # which are read once
 Graph = Mapping[PurePosixPath, set[PurePosixPath]]
 # Files that stand in circles, imports for types included. Lower it, never raise it.
 FILES_MOST = 2

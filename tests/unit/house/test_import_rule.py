@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import PurePosixPath
 
+import pytest
 from unit.house.imports import MODULES, PACKAGE, ROOT, imported
 
+pytestmark = pytest.mark.xdist_group("imports")  # which are read once
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 NATIVE = PurePosixPath("native/src")
 

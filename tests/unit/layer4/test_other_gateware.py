@@ -133,7 +133,10 @@ def test_a_board_that_is_one_arm_of_two() -> None:
         ["write", "x.target=5"],
         ["watch", "x.target", "--count", "1"],
         ["record", "x.target", "--count", "1", "--out", "arm.csv"],
-        ["plot", "x.target", "--duration", "0.1", "--out", "arm.svg"],
+        pytest.param(
+            ["plot", "x.target", "--duration", "0.1", "--out", "arm.svg"],
+            marks=pytest.mark.xdist_group("matplotlib"),
+        ),
         ["list"],
     ],
     ids=lambda words: words[0],

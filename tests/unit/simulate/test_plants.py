@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from unitylink.errors import UnityLinkError, UrlError
 from unitylink.layer2_message import Link
 from unitylink.simulate import Board, LoopbackPlant, RampPlant, ScaraPlant, load_plant, simulated_board
 from unitylink.simulate.plants import Axis, Joint, ServoNames, ServoPlant
-from unitylink.simulate.plants.scara import COUNTS_PER_UNIT, JOINTS, tool_position_mm
+from unitylink.simulate.plants.scara import COUNTS_PER_UNIT, JOINTS
 from unitylink.spec import Spec, compile_text, load
 
 SCARA = Path(__file__).resolve().parents[3] / "examples" / "scara" / "scara.ul"
@@ -143,12 +142,6 @@ def test_scara_through_the_link_and_its_commits(scara: Spec) -> None:
         link.write(0x400, 0)
         soon(lambda: link.read(0x88) == 1500)
         assert board.error is None
-
-
-def test_tool_position() -> None:
-    x, y = tool_position_mm(90, 0)
-    assert (x, y) == (pytest.approx(0, abs=1e-9), pytest.approx(450))
-    assert math.hypot(*tool_position_mm(0, 180)) == pytest.approx(50)
 
 
 def test_scara_needs_joints(spec: Spec) -> None:

@@ -30,7 +30,6 @@ class RecordingPlant:
         self.speed = speed
         self.loop = loop
         self.notice = ""
-        self.played = 0
         self.ended = False
 
     def attach(self, spec: Spec | None, registers: Registers) -> None:
@@ -93,4 +92,3 @@ class RecordingPlant:
             element, codec = target
             for address, word in zip(element.addresses, codec.split(codec.encode(value)), strict=True):
                 self._registers[address] = word
-        self.played += 1

@@ -23,9 +23,6 @@ from ..registers import Registers
 from .axis import Axis, Joint
 
 COUNTS_PER_UNIT = 100.0  # per degree of a rotary joint, per millimetre of the vertical axis
-UPPER_ARM_MM = 250.0
-FOREARM_MM = 200.0
-
 
 JOINTS = (
     Joint("shoulder", "°", -150.0, 150.0, 360.0, 1800.0),
@@ -33,19 +30,6 @@ JOINTS = (
     Joint("lift", "mm", 0.0, 150.0, 400.0, 4000.0, inertia=1.1),
     Joint("tool", "°", -360.0, 360.0, 1080.0, 9000.0, inertia=0.9),
 )
-
-
-def tool_position_mm(shoulder_deg: float, elbow_deg: float) -> tuple[float, float]:
-    """Return the place of the tool, (x, y) in mm, with x along the stretched arm at 0 degrees.
-
-    >>> tool_position_mm(0, 0)
-    (450.0, 0.0)
-    """
-    upper, fore = math.radians(shoulder_deg), math.radians(shoulder_deg + elbow_deg)
-    return (
-        UPPER_ARM_MM * math.cos(upper) + FOREARM_MM * math.cos(fore),
-        UPPER_ARM_MM * math.sin(upper) + FOREARM_MM * math.sin(fore),
-    )
 
 
 @dataclass(frozen=True)

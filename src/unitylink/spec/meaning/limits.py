@@ -186,11 +186,6 @@ class _Reader:
 # --- checks -------------------------------------------------------------------------------------------------
 
 
-def raw_range(kind: ValueType) -> tuple[Plain, Plain]:
-    """Return the smallest and the largest number a type holds, before scaling."""
-    return _scaled_range((kind.kind, kind.width, kind.fraction, kind.signed), 1, 0)
-
-
 @lru_cache(256)  # of types and scales a spec has few, however many values
 def _scaled_range(numbers: tuple[str, int, int, bool], factor: Plain, shift: Plain) -> tuple[Plain, Plain]:
     kind, width, fraction, signed = numbers
