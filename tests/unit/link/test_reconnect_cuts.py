@@ -169,16 +169,19 @@ def test_boards_die_at_random_under_many_threads(rig: Rig) -> None:
         threads = [threading.Thread(target=work) for work in (read, read, write)]
         for thread in threads:
             thread.start()
-        for turn in range(1, 21):
+        for turn in range(1, 1000):
             rig.wire.cut_after(random_.choice(["to the board", "to the host"]), random_.randrange(400))
             until(lambda turn=turn: rig.wire.cuts == turn)
             assert link.wait_up(PATIENCE_S)
+            # Some boards die again before they were set up; how many is up to the machine.
+            if turn >= 20 and link.statistics().restarts > 5 and len(writer.done) > 20:
+                break
         over.set()
         for thread in threads:
             thread.join()
         publishes.drain()
         assert publishes.wait(PATIENCE_S)
-        assert link.statistics().restarts > 5  # some die again before they were set up
+        assert link.statistics().restarts > 5
     rig.close()
     writer.judge(rig.written)
     assert len(writer.done) > 20
