@@ -3,12 +3,18 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
+import termios
 import time
+import tty
 from collections.abc import Callable
 from pathlib import Path
+
+import pytest
+from apart import wire
 
 HERE = Path(__file__).parent
 PATIENCE_S = 60.0
@@ -21,13 +27,34 @@ def until(holds: Callable[[], bool]) -> None:
         time.sleep(0.001)
 
 
+def test_a_terminal_that_goes_while_it_is_opened_is_not_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wire that ended for that left its host to wait for ever."""
+    master, slave = os.openpty()
+    (tmp_path / "board.tty").symlink_to(os.ttyname(slave))
+    opened: list[int] = []
+
+    def gone(descriptor: int, *_: int) -> None:
+        opened.append(descriptor)
+        os.close(master)
+        raise termios.error(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(tty, "setraw", gone)
+    assert wire._raw_terminal(str(tmp_path / "board.tty")) is None
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        os.fstat(*opened)
+    os.close(slave)
+    assert wire._raw_terminal(str(tmp_path / "board.tty")) is None
+
+
 def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Path) -> None:
     """Numbers of terminals are given again at once: a host would speak with somebody else's board."""
     listen, target = tmp_path / "host.tty", tmp_path / "board.tty"
     master, slave = os.openpty()
     target.symlink_to(os.ttyname(slave))
     command = [sys.executable, HERE / "wire.py", "pty", listen, target, "1"]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as wire:
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         until(listen.is_symlink)
         target.unlink()
         os.close(master)  # the board is gone
@@ -36,6 +63,6 @@ def test_a_terminal_that_ends_has_no_name_that_leads_to_another_one(tmp_path: Pa
         master, slave = os.openpty()
         target.symlink_to(os.ttyname(slave))
         until(listen.is_symlink)  # and here again
-        wire.kill()
+        process.kill()
     os.close(master)
     os.close(slave)

@@ -183,19 +183,28 @@ async def udp(faults: Faults, listen: str, target: str) -> None:
 # ---- terminals
 
 
+def _raw_terminal(path: str) -> int | None:
+    """Open a terminal, unless it is gone, or goes meanwhile."""
+    try:
+        terminal = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError:
+        return None
+    try:
+        tty.setraw(terminal, termios.TCSANOW)
+    except termios.error:
+        os.close(terminal)
+        return None
+    return terminal
+
+
 async def _terminal(faults: Faults, listen: str, target: str) -> None:
     """One life of the line: until it is cut, or the board's terminal is gone."""
     loop = asyncio.get_running_loop()
-    while True:
-        try:
-            far = os.open(target, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-            break
-        except OSError:  # the board is not there
-            await asyncio.sleep(0.005)
+    while (far := _raw_terminal(target)) is None:  # the board is not there
+        await asyncio.sleep(0.005)
     master, slave = os.openpty()  # the slave stays open here: who leaves does not end the line
     os.set_blocking(master, False)
-    for end in (far, slave):
-        tty.setraw(end, termios.TCSANOW)
+    tty.setraw(slave, termios.TCSANOW)
     Path(listen).unlink(missing_ok=True)
     Path(listen).symlink_to(os.ttyname(slave))
     over: asyncio.Future[None] = loop.create_future()
