@@ -79,7 +79,7 @@ test:
 unit: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test
 	@tools/setup.sh boards
-	$(BIN)/python -m pytest tests/unit -q -n 2 --dist loadgroup
+	$(BIN)/python -m pytest tests/unit -q -n 3 --dist loadgroup
 
 develop: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group test

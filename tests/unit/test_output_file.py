@@ -30,6 +30,9 @@ def in_the_way(kind: str, path: Path) -> Path:
     return other
 
 
+pytestmark = pytest.mark.xdist_group("matplotlib")  # whose import takes a second
+
+
 @pytest.fixture
 def commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Callable[[Path], list[str]]]:
     """All commands that make a file of which a user says the name."""

@@ -25,6 +25,8 @@ def words(page: PurePosixPath) -> set[str]:
 def names(word: str, entry: str) -> bool:
     word = word.rstrip("/")
     stem = entry.partition(".")[0]
+    if "*" not in word:
+        return word in (entry, stem)
     return word.strip("*") != "" and (fnmatch(entry, word) or fnmatch(stem, word))
 
 

@@ -65,7 +65,7 @@ def test_the_hello_is_free_of_classic_heads() -> None:
     assert not set(wire) & set(b"#$%&")
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_one_and_two_flipped_bits_never_pass(seed: int) -> None:
     draw = random.Random(seed)
     epoch = draw.randrange(0xFF00)

@@ -30,7 +30,7 @@ RIGHT = [
     *re.findall(r"```ul\n(.*?)```", PAGE, re.DOTALL),
     *(explain(code).mended for code in CODES if explain(code).mended),
 ]
-MUTATIONS = 2_000
+MUTATIONS = 1_200
 
 # Codes of form that no grammar of this kind can express; see the head of ul.lark.
 _LENGTHS_AND_PLACES = {"UL003", "UL009", "UL016", "UL017", "UL018", "UL019", "UL045"}

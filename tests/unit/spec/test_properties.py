@@ -124,14 +124,14 @@ def test_arbitrary_bytes(data: bytes) -> None:
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=60).map(" ".join))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_arbitrary_words(text: str) -> None:
     check(text)
     check("public a(x): @ (y) { " + text)
 
 
 @given(st.integers(0, 2**32))
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=250, deadline=None)
 def test_mutated_specs(seed: int) -> None:
     check(mutated(seed, TEXTS))
 
@@ -200,5 +200,5 @@ def test_generated_specs_compile_and_format(tokens: list[str], seed: int) -> Non
 
 def test_every_prefix_ends_with_diagnostics_inside() -> None:
     for text in TEXTS:
-        for end in range(0, min(len(text), 1500), 13):
+        for end in range(0, min(len(text), 1500), 23):
             check(text[:end])

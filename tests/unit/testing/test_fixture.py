@@ -50,28 +50,23 @@ def test_several_robots_and_their_generics(unitylink_sim: Sim, lamp: Path) -> No
     assert other.link.read(0x10) == 0
 
 
-def test_all_is_closed_with_the_test(pytester: pytest.Pytester, lamp: Path) -> None:
-    pytester.makepyfile(f"""
-        kept = []
-        def test_one(unitylink_sim):
-            kept.append(unitylink_sim({str(lamp)!r}))
-        def test_other():
-            assert kept[0].link.closed
-    """)
-    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=2)
-
-
-def test_a_spec_beside_the_test_is_found_and_a_wrong_one_is_told(
-    pytester: pytest.Pytester, unitylink_sim: Sim, tmp_path: Path
-) -> None:
+def test_a_wrong_spec_is_told(unitylink_sim: Sim, tmp_path: Path) -> None:
     (tmp_path / "wrong.ul").write_text("public wrong( { }")
     with pytest.raises(SpecError):
         unitylink_sim(tmp_path / "wrong.ul")
     with pytest.raises(SpecError, match=r"absent\.ul"):
         unitylink_sim("absent.ul")
+
+
+def test_a_spec_beside_the_test_is_found_and_all_is_closed_with_the_test(pytester: pytest.Pytester) -> None:
     folder = pytester.mkdir("robots")
     (folder / "lamp.ul").write_text(LAMP)
-    (folder / "test_lamp.py").write_text(
-        "def test(unitylink_sim): assert unitylink_sim('lamp.ul').robot['led']"
-    )
-    pytester.runpytest_subprocess("robots").assert_outcomes(passed=1)
+    (folder / "test_lamp.py").write_text("""
+kept = []
+def test_one(unitylink_sim):
+    kept.append(unitylink_sim("lamp.ul"))
+    assert kept[0].robot["led"]
+def test_other():
+    assert kept[0].link.closed
+""")
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", "robots").assert_outcomes(passed=2)
