@@ -7,13 +7,14 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterable
-from threading import Timer
+from threading import Event, Thread
+from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from .figure import BenchError
 
-_PATIENCE_S = 30.0
+_PATIENCE_S = 60.0  # for one message, however long the conversation
 
 
 class LanguageClient:
@@ -26,9 +27,9 @@ class LanguageClient:
         self._process = subprocess.Popen(
             [sys.executable, "-m", "unitylink", "lsp"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
-        self._watchdog = Timer(_PATIENCE_S, self._process.kill)  # a silent server must not hang its caller
-        self._watchdog.daemon = True
-        self._watchdog.start()
+        self._over = Event()
+        self._waits_since_s: float | None = None
+        Thread(target=self._watch, daemon=True).start()  # a silent server must not hang its caller
         self._id = 0
         self.notifications: list[dict[str, Any]] = []
         general = {"positionEncodings": list(encodings)}
@@ -89,7 +90,7 @@ class LanguageClient:
         self._process.stdin.close()
         code = self._process.wait(timeout=_PATIENCE_S)
         self._process.stdout.close()
-        self._watchdog.cancel()
+        self._over.set()
         if code:
             raise BenchError(f"the language server ended with {code}")
 
@@ -105,9 +106,15 @@ class LanguageClient:
         self._kill()
 
     def _kill(self) -> None:
-        self._watchdog.cancel()
+        self._over.set()
         self._process.kill()
         self._process.communicate()
+
+    def _watch(self) -> None:
+        while not self._over.wait(_PATIENCE_S):
+            since_s = self._waits_since_s
+            if since_s is not None and monotonic() - since_s > _PATIENCE_S:
+                self._process.kill()
 
     def _send(self, message: dict[str, object]) -> None:
         body = json.dumps({"jsonrpc": "2.0", **message}).encode()
@@ -118,12 +125,14 @@ class LanguageClient:
     def _receive(self) -> dict[str, Any]:
         assert self._process.stdout is not None
         length = 0
+        self._waits_since_s = monotonic()
         while line := self._process.stdout.readline().strip():
             name, _, value = line.partition(b":")
             if name.lower() == b"content-length":
                 length = int(value)
         if not length:
-            raise BenchError("the language server ended or was silent for 30 s")
+            raise BenchError(f"the language server ended or was silent for {_PATIENCE_S:g} s")
         message = json.loads(self._process.stdout.read(length))
+        self._waits_since_s = None
         assert isinstance(message, dict)
         return message
