@@ -30,21 +30,13 @@
 
 #include "unitylink/robot_device.hpp"
 #include "unitylink/robot_life.hpp"
+#include "unitylink/robot_options.hpp"
 #include "unitylink/robot_outputs.hpp"
 #include "unitylink/robot_publishes.hpp"
 #include "unitylink/robot_table.hpp"
 #include "unitylink/triple_buffer.hpp"
 
 namespace unitylink {
-
-struct RobotOptions {
-  std::string url;
-  double retry_s = 1.0;
-  double command_timeout_s = 0.0;  // s without a set-point, after which the safe values are written; 0: never
-  double deadman_s = 1.0;          // s without a sign of life, after which the gateware makes its outputs safe; 0: never
-  bool safe_at_exit = true;
-  bool armed = true;
-};
 
 class Robot {
  public:
@@ -231,24 +223,13 @@ class Robot {
     hanging_ = !trouble.empty();
     say_(hanging_ ? 2 : 1, hanging_ ? trouble + ": no commands are taken, and the dead-man may trip" : "all threads work again");
   }
-  static std::string shown(double number) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.9g", number);
-    return text;
-  }
 
   // ---- the link
-
-  // Adds reconnect=1 unless the URL says otherwise. A device that cannot be opened again is opened as a new link here.
-  static std::string lasting(const std::string& url) {
-    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0) return url;
-    return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
-  }
 
   void keep() {
     for (bool again = false; !stop_; wait_s(options_.retry_s)) {
       ul_link* link = nullptr;
-      if (ul_open(lasting(options_.url).c_str(), &link) != UL_OK) {
+      if (ul_open(options_.lasting_url().c_str(), &link) != UL_OK) {
         become(1, "waiting for the device: " + failure());
         continue;
       }

@@ -7,12 +7,20 @@
 
 #include <time.h>
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "unitylink/robot_table.hpp"
 
 namespace unitylink {
+
+// A number as messages show it.
+inline std::string shown(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", number);
+  return text;
+}
 
 inline double now_s() noexcept {
   timespec now{};

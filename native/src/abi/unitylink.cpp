@@ -4,15 +4,13 @@
 
 #include <cstddef>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <string>
-#include <system_error>
 
-#include "abi/last_failure.hpp"
+#include "abi/calls.hpp"
 #include "layer2_message/link.hpp"
 
 using namespace unitylink;
+using namespace unitylink::abi;
 
 struct ul_link {
   std::unique_ptr<Link> link;
@@ -26,60 +24,6 @@ static_assert(UL_READ == protocol::list_operation::read && UL_READ_FIFO == proto
               UL_WRITE == protocol::list_operation::write && UL_WRITE_FIFO == protocol::list_operation::write_fifo &&
               UL_WRITE_MASKED == protocol::list_operation::write_masked && UL_ADD == protocol::list_operation::add);
 static_assert(UL_BUS_ERROR == static_cast<ul_status>(Status::bus_error));
-
-constinit thread_local LastFailure last_failure;
-
-ul_status told(const Outcome& outcome) noexcept {
-  if (!outcome.ok()) {
-    last_failure.keep(outcome);
-  }
-  return static_cast<ul_status>(outcome.status);
-}
-
-ul_status told(ul_status status, const char* text) noexcept {
-  last_failure.keep(status, text);
-  return status;
-}
-
-ul_status bad_argument(const char* what) noexcept { return told(UL_ARGUMENT, what); }
-
-template <class Call>
-ul_status guarded(const Call& call) noexcept {
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    return told(UL_NO_MEMORY, "");
-  } catch (const std::system_error&) {
-    return told(UL_NO_MEMORY, "the system gives this program no more threads or descriptors");
-  } catch (const std::exception& error) {
-    return told(UL_NO_MEMORY, error.what());
-  }
-}
-
-// False when the caller's struct is larger than anything this version knows or smaller than what it has always had.
-template <class Struct>
-bool known(const Struct* given) {
-  return given != nullptr && given->size == sizeof(Struct);
-}
-
-bool request_options(const ul_options* given, bool repeat, RequestOptions& options) {
-  options.repeat = repeat;
-  if (given == nullptr) {
-    return true;
-  }
-  if (!known(given)) {
-    return false;
-  }
-  if (given->checked >= 0) {
-    options.checked = given->checked != 0;
-  }
-  options.repeat = given->repeat != 0;
-  options.timeout_ns = given->timeout_ns;
-  return true;
-}
-
-constexpr const char* null_pointer = "a required pointer is NULL";
-constexpr const char* unknown_size = "a struct is NULL or its size field is not sizeof of the struct";
 
 }  // namespace
 

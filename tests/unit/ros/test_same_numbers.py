@@ -23,7 +23,7 @@ def number(text: str, before: str) -> float:
 def test_the_dead_man_s_time() -> None:
     default = parameters.Parameters.deadman_s
     assert node.Options.deadman_s == default
-    assert number((NATIVE / "robot.hpp").read_text(), "deadman_s = ") == default
+    assert number((NATIVE / "robot_options.hpp").read_text(), "deadman_s = ") == default
     for ros in ("ros1", "ros2"):
         assert number((TEMPLATES / ros / "parameters.yaml.jinja").read_text(), "deadman_s: ") == default
     assert f"`deadman_s` ({default:g} s; 0: never)" in PAGE

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a robot is told when it is made (robot.hpp). Times are in seconds.
+#pragma once
+
+#include <string>
+
+namespace unitylink {
+
+struct RobotOptions {
+  std::string url;
+  double retry_s = 1.0;
+  double command_timeout_s = 0.0;  // s without a set-point, after which the safe values are written; 0: never
+  double deadman_s = 1.0;  // s without a sign of life, after which the gateware makes its outputs safe; 0: never
+  bool safe_at_exit = true;
+  bool armed = true;
+
+  // The URL with reconnect=1, unless it says otherwise. A device that cannot be opened again is opened as a new link.
+  [[nodiscard]] std::string lasting_url() const {
+    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0) return url;
+    return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
+  }
+};
+
+}  // namespace unitylink
