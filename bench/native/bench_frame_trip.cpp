@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The floor under a framed request: the bytes that a link sends, each frame made before the clock starts, and a blocking read until the reply is whole.
+// The floor under a framed request: the bytes that a link sends, each frame made before the clock starts, and a
+// blocking read until the reply is whole.
 //   bench_frame_trip --said HEX --descriptor N
-// `--said` is all that a link has said to its device, from HELLO to the request that is measured. This program says the same to a device of
-// its own, in a session of its own, and goes on repeating the last request with the ids that follow.
+// `--said` is all that a link has said to its device, from HELLO to the request that is measured. This program says the
+// same to a device of its own, in a session of its own, and goes on repeating the last request with the ids that
+// follow.
 // For every line "COUNT" on standard input it makes COUNT round trips and prints their times in ns on one line.
 #include <chrono>
 #include <optional>
@@ -63,10 +65,12 @@ std::string framed(const Said& said, const unitylink::FrameKey& key, std::option
 class Session {
  public:
   Session(int descriptor, const std::vector<Said>& said) : descriptor_(descriptor) {
-    if (said.size() < 3 || said[0].kind != protocol::request_kind::hello || said[1].kind != protocol::request_kind::open) {
+    if (said.size() < 3 || said[0].kind != protocol::request_kind::hello ||
+        said[1].kind != protocol::request_kind::open) {
       stop("--said is no HELLO, OPEN and requests");
     }
-    const Said greeting = answered(std::string(1, protocol::frame::delimiter) + framed(said[0], {}, {}), protocol::device_kind::hello, Frames());
+    const Said greeting = answered(std::string(1, protocol::frame::delimiter) + framed(said[0], {}, {}),
+                                   protocol::device_kind::hello, Frames());
     Said open = said[1];
     key_.epoch = static_cast<std::uint16_t>(open.payload[2] << 8 | open.payload[3]);
     std::copy_n(greeting.payload.begin() + 1, 2, open.payload.begin());  // the nonce of this device
@@ -89,7 +93,8 @@ class Session {
       answer = unitylink::bench::round_trip(descriptor_, requests[index], reply_);
       times[index] = std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
       if (answer.size() != (reply_bytes_ == 0 ? answer.size() : reply_bytes_)) {
-        stop("a reply has " + std::to_string(answer.size()) + " bytes, the one before had " + std::to_string(reply_bytes_));
+        stop("a reply has " + std::to_string(answer.size()) + " bytes, the one before had " +
+             std::to_string(reply_bytes_));
       }
       reply_bytes_ = answer.size();
     }

@@ -24,7 +24,9 @@ class Pace {
  public:
   // Of messages of so many bytes.
   Pace(std::uint64_t bits_per_second, std::uint64_t burst_us, std::size_t message_bytes)
-      : bits_per_second_(bits_per_second), burst_ns_(burst_us * 1000), message_bits_(8.0 * static_cast<double>(message_bytes)) {}
+      : bits_per_second_(bits_per_second),
+        burst_ns_(burst_us * 1000),
+        message_bits_(8.0 * static_cast<double>(message_bytes)) {}
 
   void start() {
     start_ns_ = next_ns_ = now_ns();
@@ -35,7 +37,8 @@ class Pace {
   std::size_t wait(const Endpoint& endpoint) {
     const auto now = now_ns();
     if (now < next_ns_) {
-      const timespec left{static_cast<time_t>((next_ns_ - now) / 1'000'000'000u), static_cast<long>((next_ns_ - now) % 1'000'000'000u)};
+      const timespec left{static_cast<time_t>((next_ns_ - now) / 1'000'000'000u),
+                          static_cast<long>((next_ns_ - now) % 1'000'000'000u)};
       pollfd ready{endpoint.descriptor(), POLLIN, 0};
       if (ppoll(&ready, 1, &left, nullptr) > 0) {
         return 0;
@@ -130,7 +133,8 @@ int main(int count, char** values) {
   if (messages_per_second >= 1u << 24) {
     stop("--bits-per-second is too high for the three bytes of a base frequency");
   }
-  serve_all(endpoint, Publisher(messages_per_second > 0xFFFF ? static_cast<std::uint32_t>(messages_per_second) : 1'000'000u), bits_per_second,
-            burst_us);
+  serve_all(endpoint,
+            Publisher(messages_per_second > 0xFFFF ? static_cast<std::uint32_t>(messages_per_second) : 1'000'000u),
+            bits_per_second, burst_us);
   return 0;
 }

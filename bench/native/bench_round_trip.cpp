@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The floor under a synchronous read: write the request, block in read until the reply's line feed, nothing else.
 //   bench_round_trip (--request '#R:0088' | --frame HEX) (--descriptor N | --tcp PORT)
-// A request is a line, and so is its reply, the same every time; a frame ends with 00, and so does its reply, of the same length every time.
-// For every line "COUNT" on standard input it makes COUNT round trips and prints their times in ns on one line.
+// A request is a line, and so is its reply, the same every time; a frame ends with 00, and so does its reply, of the
+// same length every time. For every line "COUNT" on standard input it makes COUNT round trips and prints their times in
+// ns on one line.
 #include <chrono>
 #include <vector>
 
@@ -43,7 +44,8 @@ int main(int count, char** values) {
   if (line_of.empty() == frame.empty() || port.empty() == given.empty()) {
     stop("usage: bench_round_trip (--request TEXT | --frame HEX) (--descriptor N | --tcp PORT)");
   }
-  const int descriptor = port.empty() ? static_cast<int>(number("--descriptor", given)) : open_tcp(number("--tcp", port));
+  const int descriptor =
+      port.empty() ? static_cast<int>(number("--descriptor", given)) : open_tcp(number("--tcp", port));
   if (isatty(descriptor) != 0) {
     unitylink::bench::make_raw(descriptor);
   }

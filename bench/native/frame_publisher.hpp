@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A stream of framed publishes that can be audited: word i of message n is n + i. Sessions and requests are answered by the twin; what it
-// would publish itself is so seldom (a divisor of many days) that only the stream is there.
+// A stream of framed publishes that can be audited: word i of message n is n + i. Sessions and requests are answered by
+// the twin; what it would publish itself is so seldom (a divisor of many days) that only the stream is there.
 #pragma once
 
 #include <array>
@@ -76,7 +76,8 @@ class FramePublisher {
     const std::uint32_t plain = frame.kind & ~(protocol::frame::chained_bit | protocol::frame::barrier_bit);
     const std::uint8_t* const at = frame.payload.data() + ((frame.kind & protocol::frame::barrier_bit) != 0 ? 4 : 2);
     if (frame.kind == kind::open) {
-      decoder_.set_key({.epoch = static_cast<std::uint16_t>(frame.payload[2] << 8 | frame.payload[3]), .always_long = false});
+      decoder_.set_key(
+          {.epoch = static_cast<std::uint16_t>(frame.payload[2] << 8 | frame.payload[3]), .always_long = false});
     } else if (plain == kind::define_group) {
       group_ = at[0];
       group_words_ = at[6];

@@ -47,9 +47,15 @@ class Publisher {
   void publish(std::size_t count, std::string& out) {
     std::array<char, line_bytes> message{};
     for (; count > 0; --count, ++sequence_) {
-      std::array<std::uint8_t, 9> covered{'P', 'U', 'B', static_cast<std::uint8_t>(group_), 1,
-                                          static_cast<std::uint8_t>(sequence_ >> 24), static_cast<std::uint8_t>(sequence_ >> 16),
-                                          static_cast<std::uint8_t>(sequence_ >> 8), static_cast<std::uint8_t>(sequence_)};
+      std::array<std::uint8_t, 9> covered{'P',
+                                          'U',
+                                          'B',
+                                          static_cast<std::uint8_t>(group_),
+                                          1,
+                                          static_cast<std::uint8_t>(sequence_ >> 24),
+                                          static_cast<std::uint8_t>(sequence_ >> 16),
+                                          static_cast<std::uint8_t>(sequence_ >> 8),
+                                          static_cast<std::uint8_t>(sequence_)};
       char* at = message.data();
       *at++ = checked_ ? protocol::bytes::checked_publish : protocol::bytes::plain_publish;
       for (const char letter : protocol::reply::publish) {
@@ -166,7 +172,8 @@ class Publisher {
     namespace command = protocol::command;
     namespace reply = protocol::reply;
     namespace error = protocol::application_error;
-    const bool of_group = letters == command::write_group_addresses || letters == command::write_group_rate || letters == command::read_group;
+    const bool of_group = letters == command::write_group_addresses || letters == command::write_group_rate ||
+                          letters == command::read_group;
     if (of_group && data.empty()) {
       application_error(error::missing_data, out);
     } else if (of_group && data[0] >= groups) {
@@ -176,7 +183,8 @@ class Publisher {
       send(reply::read_configuration,
            {address_bytes, 4, 0, 2, base(16), base(8), base(0), groups, group_size, rate_bytes}, true, out);
     } else if (letters == command::read) {
-      data.size() < address_bytes ? application_error(error::missing_address, out) : send(reply::read, {0, 0, 0, 0}, false, out);
+      data.size() < address_bytes ? application_error(error::missing_address, out)
+                                  : send(reply::read, {0, 0, 0, 0}, false, out);
     } else if (letters == command::write_group_addresses) {
       if (data.size() < 2 || data.size() < 2 + address_bytes * data[1]) {
         application_error(error::missing_address, out);
@@ -220,7 +228,7 @@ class Publisher {
   std::string line_;
   std::array<Bytes, groups> addresses_{};  // count and addresses as they came, empty if never written
   std::array<std::array<std::uint8_t, rate_bytes>, groups> rates_{};
-  std::size_t group_ = groups;             // the one that is published
+  std::size_t group_ = groups;  // the one that is published
   std::uint32_t sequence_ = 0;
   bool enabled_ = false;
   bool checked_ = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// One end of the roscpp figure: `ros_peer pub TOPIC RATE_HZ` publishes std_msgs/Int32 in bursts once a millisecond, `ros_peer sub TOPIC` counts
-// them. A line on standard input asks for a window of so many seconds; the answer is "COUNT SECONDS CPU_SECONDS".
-// Compiled by the bench itself, where ROS 1 is (pkg-config roscpp).
+// One end of the roscpp figure: `ros_peer pub TOPIC RATE_HZ` publishes std_msgs/Int32 in bursts once a millisecond,
+// `ros_peer sub TOPIC` counts them. A line on standard input asks for a window of so many seconds; the answer is "COUNT
+// SECONDS CPU_SECONDS". Compiled by the bench itself, where ROS 1 is (pkg-config roscpp).
 #include <ros/ros.h>
 #include <std_msgs/Int32.h>
 
@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;
   ros::init(argc, argv, "peer", ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
   const std::string role = argc > 2 ? argv[1] : "", topic = argc > 2 ? argv[2] : "";
-  if (role != "sub" && (role != "pub" || argc < 4)) return std::cerr << "usage: ros_peer sub TOPIC | pub TOPIC RATE_HZ\n", 2;
+  if (role != "sub" && (role != "pub" || argc < 4))
+    return std::cerr << "usage: ros_peer sub TOPIC | pub TOPIC RATE_HZ\n", 2;
   ros::NodeHandle handle;
   std::atomic<unsigned long> count{0};
   std::atomic<bool> stop{false};
@@ -26,12 +27,15 @@ int main(int argc, char** argv) {
   ros::Subscriber in;
   std::thread flood;
   if (role == "sub") {
-    in = handle.subscribe<std_msgs::Int32>(topic, 4096, [&](const std_msgs::Int32::ConstPtr&) { ++count; }, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+    in = handle.subscribe<std_msgs::Int32>(
+        topic, 4096, [&](const std_msgs::Int32::ConstPtr&) { ++count; }, ros::VoidConstPtr(),
+        ros::TransportHints().tcpNoDelay());
   } else {
     out = handle.advertise<std_msgs::Int32>(topic, 4096);
     flood = std::thread([&, burst = std::atoi(argv[3]) / 1000] {
       std_msgs::Int32 message;
-      for (auto due = Clock::now(); !stop; due = std::max(due + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(10))) {
+      for (auto due = Clock::now(); !stop;
+           due = std::max(due + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(10))) {
         std::this_thread::sleep_until(due);
         for (int i = 0; i < burst && out.getNumSubscribers() > 0; ++i, ++count) {
           ++message.data;
@@ -49,7 +53,8 @@ int main(int argc, char** argv) {
     const auto cpu = std::clock();
     std::this_thread::sleep_for(std::chrono::duration<double>(std::strtod(line.c_str(), nullptr)));
     const std::chrono::duration<double> took = Clock::now() - wall;
-    std::cout << count - before << ' ' << took.count() << ' ' << static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC << std::endl;
+    std::cout << count - before << ' ' << took.count() << ' '
+              << static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC << std::endl;
   }
   stop = true;
   if (flood.joinable()) flood.join();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random and damaged traffic in random chunks through two decoders and an engine:  fuzz_decoder --seconds N --seed S
-// Holds: whole and pieced input agree, every byte is bounded, no value from what is not well formed, every request ends.
+// Holds: whole and pieced input agree, every byte is bounded, no value from what is not well formed, every request
+// ends.
 #include <cstring>
 #include <memory>
 #include <random>
@@ -87,15 +88,28 @@ class Fuzz {
   }
 
   std::string traffic() {
-    static const std::string valid[] = {
-        "$S_R:40de1212*2d\n", "#S_R:40de1212\n", "$S_W*f4\n", "#S_W\n", "&PUB:000240de101040de1111*ba\n", "%PUB:000240de101040de1111\n",
-        "$CNF:01,04,20,02,03e8,02,10,02*a7\n", "#CNF:01,04,20,02,,,02,10,02\n", "?f1\n", "?f4\n", "$?E_ICC\n", "#S_RM:40de111140de1212?E_MAB\n",
-        "%PUB:000340de1010?E_FBR\n", "#S_RSI:0005021112\n", "?busy\n", "\n"};
+    static const std::string valid[] = {"$S_R:40de1212*2d\n",
+                                        "#S_R:40de1212\n",
+                                        "$S_W*f4\n",
+                                        "#S_W\n",
+                                        "&PUB:000240de101040de1111*ba\n",
+                                        "%PUB:000240de101040de1111\n",
+                                        "$CNF:01,04,20,02,03e8,02,10,02*a7\n",
+                                        "#CNF:01,04,20,02,,,02,10,02\n",
+                                        "?f1\n",
+                                        "?f4\n",
+                                        "$?E_ICC\n",
+                                        "#S_RM:40de111140de1212?E_MAB\n",
+                                        "%PUB:000340de1010?E_FBR\n",
+                                        "#S_RSI:0005021112\n",
+                                        "?busy\n",
+                                        "\n"};
     std::string text;
     for (auto count = random_() % 12; count > 0; --count) {
       if (random_() % 6 == 0) {
         for (auto size = random_() % (random_() % 20 == 0 ? 6000 : 40); size > 0; --size) {
-          text += static_cast<char>(random_() % 3 == 0 ? random_() % 256 : "0123456789abcdef#$%&?:*,\nPUBS_R"[random_() % 31]);
+          text += static_cast<char>(random_() % 3 == 0 ? random_() % 256
+                                                       : "0123456789abcdef#$%&?:*,\nPUBS_R"[random_() % 31]);
         }
       } else {
         text += valid[random_() % std::size(valid)];
@@ -115,8 +129,15 @@ class Fuzz {
   // Requests against an answerer that says whatever the traffic is: all must end within their attempts.
   void drive_engine(const std::string& text) {
     auto engine = std::make_unique<ClassicEngine>(EngineSettings{});
-    engine->configure({.address_bytes = 1, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2,
-                       .group_size = 16, .rate_bytes = 2, .discovered = true});
+    engine->configure({.address_bytes = 1,
+                       .data_bytes = 4,
+                       .read_many = 32,
+                       .publish_mode = 2,
+                       .base_hz = 1000,
+                       .groups = 2,
+                       .group_size = 16,
+                       .rate_bytes = 2,
+                       .discovered = true});
     Exchange exchanges[4];
     std::uint64_t now = 1;
     for (std::size_t index = 0; index < std::size(exchanges); ++index) {

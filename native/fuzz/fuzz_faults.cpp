@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Histories of the fault simulation:  fuzz_faults --seconds N --seed S  or  --messages M --profile P [--classic] for one.
-// With --strings N until so many messages have been sent. Without a profile each history takes the next one. Holds: no violation, ever.
+// Histories of the fault simulation:  fuzz_faults --seconds N --seed S  or  --messages M --profile P [--classic] for
+// one. With --strings N until so many messages have been sent. Without a profile each history takes the next one.
+// Holds: no violation, ever.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -51,15 +52,17 @@ int main(int count, char** arguments) {
     faults += report.faults;
     ++histories;
     if (!report.violations.empty()) {
-      std::printf("unitylink faults --seed %llu --messages %llu --profile %s --protocol %s\n", static_cast<unsigned long long>(plan.seed),
-                  static_cast<unsigned long long>(plan.messages), std::string(plan.profile.name).c_str(), plan.framed ? "framed" : "classic");
+      std::printf("unitylink faults --seed %llu --messages %llu --profile %s --protocol %s\n",
+                  static_cast<unsigned long long>(plan.seed), static_cast<unsigned long long>(plan.messages),
+                  std::string(plan.profile.name).c_str(), plan.framed ? "framed" : "classic");
       for (const std::string& text : report.violations) {
         std::printf("  %s\n", text.c_str());
       }
       return 1;
     }
     ++plan.seed;
-  } while (strings > 0 ? messages < strings : std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() < seconds);
+  } while (strings > 0 ? messages < strings
+                       : std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() < seconds);
   std::printf("fuzz_faults: %llu histories, %llu messages, %llu faults, 0 violations\n", histories, messages, faults);
   return 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hostile frames to the frame decoder, the engine and the twin:  fuzz_frames --seconds N --seed S
-// Holds: whole and pieced input agree; every request ends, whatever is answered; the device goes on, and what it says is bounded by what it was told.
+// Holds: whole and pieced input agree; every request ends, whatever is answered; the device goes on, and what it says
+// is bounded by what it was told.
 #include <memory>
 #include <optional>
 #include <random>
@@ -57,7 +58,8 @@ class Fuzz {
   // A frame with a right check and a payload that has perhaps the form of its kind.
   Bytes frame(bool from_device, std::uint16_t epoch) {
     static constexpr std::uint8_t outside[] = {0x80, 0x81, 0xD0, 0xD1, 0xD3};
-    std::uint8_t kind = static_cast<std::uint8_t>((from_device ? 0xC0 : 0x80) + random_() % (random_() % 4 == 0 ? 64 : 20));
+    std::uint8_t kind =
+        static_cast<std::uint8_t>((from_device ? 0xC0 : 0x80) + random_() % (random_() % 4 == 0 ? 64 : 20));
     if (random_() % 8 == 0) {
       kind = outside[random_() % std::size(outside)];
     }
@@ -125,7 +127,9 @@ class Fuzz {
 
   // Requests against a device that opens a session and then says anything, rightly checked or not: all must end.
   void drive_engine() {
-    auto* const engine = &engine_.emplace(EngineSettings{.window = 8, .timeout_ns = 1'000'000, .seed = random_()}, random_() % 2 == 0);  // where the last one was
+    // where the last one was
+    auto* const engine =
+        &engine_.emplace(EngineSettings{.window = 8, .timeout_ns = 1'000'000, .seed = random_()}, random_() % 2 == 0);
     std::uint32_t read[4]{};
     const std::uint32_t addresses[2]{0x10, 0x11};
     const ListWord steps[2]{{protocol::list_operation::add, 1, 2, 3}, {protocol::list_operation::read, 1, 0, 0}};
@@ -200,7 +204,16 @@ class Fuzz {
   Bytes greeting() {
     Bytes room(64);
     FrameEncoder encoder(room, protocol::device_kind::hello, {});
-    encoder.word(1, 1).word(7, 2).word(0xFFFF, 2).word(1, 1).word(4, 1).word(512, 2).word(250, 2).word(250, 2).word(8, 1).word(16, 1);
+    encoder.word(1, 1)
+        .word(7, 2)
+        .word(0xFFFF, 2)
+        .word(1, 1)
+        .word(4, 1)
+        .word(512, 2)
+        .word(250, 2)
+        .word(250, 2)
+        .word(8, 1)
+        .word(16, 1);
     encoder.word(0x3F, 2).word(0, 4).word(0, 4);
     room.resize(encoder.finish());
     return room;
@@ -232,8 +245,9 @@ class Fuzz {
     return room;
   }
 
-  // A device in a session is told anything. It answers a question afterwards, and has not said more than its buffers hold for each byte it was told.
-  // It lives for some rounds: what one leaves behind is there in the next, and making one takes longer than a round.
+  // A device in a session is told anything. It answers a question afterwards, and has not said more than its buffers
+  // hold for each byte it was told. It lives for some rounds: what one leaves behind is there in the next, and making
+  // one takes longer than a round.
   void drive_device() {
     if (device_ == nullptr || random_() % 200 == 0) {
       device_ = std::make_unique<device::Device>(device::DeviceConfiguration{});

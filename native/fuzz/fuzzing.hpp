@@ -15,8 +15,8 @@ namespace unitylink::fuzzing {
 // Prints what broke with the input as hex, and ends the program.
 [[noreturn]] inline void fail(const char* program, const char* what, std::uint64_t seed, std::uint64_t round,
                               std::span<const std::uint8_t> input) {
-  std::printf("%s: %s; --seed %llu, round %llu, input (%zu bytes):\n", program, what, static_cast<unsigned long long>(seed),
-              static_cast<unsigned long long>(round), input.size());
+  std::printf("%s: %s; --seed %llu, round %llu, input (%zu bytes):\n", program, what,
+              static_cast<unsigned long long>(seed), static_cast<unsigned long long>(round), input.size());
   for (const std::uint8_t byte : input) {
     std::printf("%02x", static_cast<unsigned>(byte));
   }
@@ -24,8 +24,8 @@ namespace unitylink::fuzzing {
   std::exit(1);
 }
 
-// Runs rounds of `Fuzz(seed)` for the seconds, or until the number of strings, of the command line. `Fuzz` counts `rounds`, the hostile `strings`
-// in them, their `bytes` and what of it was `understood`.
+// Runs rounds of `Fuzz(seed)` for the seconds, or until the number of strings, of the command line. `Fuzz` counts
+// `rounds`, the hostile `strings` in them, their `bytes` and what of it was `understood`.
 template <typename Fuzz>
 int run(const char* program, const char* understood, int count, char** arguments) {
   double seconds = 3;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A board that is meant to be killed:  journal_board ENDPOINT JOURNAL [framed|classic|both]
-// It serves the twin until it is. Each write that its bus executes, and each time the board begins, goes into JOURNAL, a file that is mapped: what is
-// in it stays when the process dies, whatever it was doing. tests/apart compares it with what a host was told.
+// It serves the twin until it is. Each write that its bus executes, and each time the board begins, goes into JOURNAL,
+// a file that is mapped: what is in it stays when the process dies, whatever it was doing. tests/apart compares it with
+// what a host was told.
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
@@ -71,7 +72,9 @@ int main(int count, char** arguments) {
   configuration.address_bits = 16;
   configuration.fifo = 2048;
   const std::string spoken = count > 3 ? arguments[3] : "both";
-  configuration.protocol = spoken == "framed" ? Protocol::framed : spoken == "classic" ? Protocol::classic : Protocol::both;
+  configuration.protocol = spoken == "framed"    ? Protocol::framed
+                           : spoken == "classic" ? Protocol::classic
+                                                 : Protocol::both;
   if (std::string(arguments[1]).starts_with("udp")) {  // as every board on UDP
     std::random_device random;
     configuration.offer_secret = std::uint64_t{random()} << 32 | random() | 1;

@@ -25,8 +25,9 @@ void bind_board(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);
 
-// Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back for it by unwinding
-// their stacks, which C++ would answer with abort(): such a thread waits here instead until the process is gone.
+// Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back
+// for it by unwinding their stacks, which C++ would answer with abort(): such a thread waits here instead until the
+// process is gone.
 class GilRelease {
  public:
   GilRelease() noexcept : state_(PyEval_SaveThread()) {}
@@ -53,7 +54,8 @@ void raise_unless_ok(const Outcome& outcome);
 [[nodiscard]] device::DeviceConfiguration configuration_of(nanobind::handle object);
 
 // Compiled gateware, of the attributes of simulate.rtl.RtlModel; ToolError says what is wrong with it.
-[[nodiscard]] std::unique_ptr<device::RtlDevice> make_rtl_device(nanobind::handle model, const device::DeviceConfiguration& configuration);
+[[nodiscard]] std::unique_ptr<device::RtlDevice> make_rtl_device(nanobind::handle model,
+                                                                 const device::DeviceConfiguration& configuration);
 
 // A register's value, or None where the bus refuses or nothing is.
 [[nodiscard]] nanobind::object value_of(const device::BusReply& reply);

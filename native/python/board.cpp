@@ -124,7 +124,8 @@ DeviceConfiguration configuration_of(nb::handle object) {
     result.double_buffers.push_back({word(buffer, "base"), word(buffer, "size")});
   }
   for (nb::handle safe : nb::object(object.attr("safe_words"))) {
-    result.safe_words.push_back({word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
+    result.safe_words.push_back(
+        {word_of(nb::object(safe[0]), "safe_words"), word_of(nb::object(safe[1]), "safe_words")});
   }
   result.flag_words = addresses_of(object, "flag_words");
   result.strobe_words = addresses_of(object, "strobe_words");
@@ -162,8 +163,9 @@ class PythonBoard final : public Board {
   }
 };
 
-// The interpreter's state of a thread that Python did not begin, kept from the first call to the thread's end: to make one anew for each
-// step of a plant costs more than a small step. Where the program ends before the thread it is left: the interpreter gives no turns any more.
+// The interpreter's state of a thread that Python did not begin, kept from the first call to the thread's end: to make
+// one anew for each step of a plant costs more than a small step. Where the program ends before the thread it is left:
+// the interpreter gives no turns any more.
 class InterpreterState {
  public:
   InterpreterState() : held_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
@@ -189,7 +191,8 @@ class InterpreterState {
   PyThreadState* state_;
 };
 
-PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
+PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind,
+                        nb::handle model) {
   DeviceConfiguration chosen = configuration_of(configuration);
   if (endpoint.starts_with("udp")) {  // whose datagrams anybody can send in the name of another
     std::random_device random;
@@ -211,7 +214,8 @@ PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, c
 }
 
 void bind_device(nb::module_& module) {
-  nb::class_<ServedDevice>(module, "ServedDevice", "A device on a clock the caller owns; times are clock cycles since reset.")
+  nb::class_<ServedDevice>(module, "ServedDevice",
+                           "A device on a clock the caller owns; times are clock cycles since reset.")
       .def_prop_ro("clock", &ServedDevice::clock)
       .def_prop_ro("input_empty", &ServedDevice::input_empty)
       .def_prop_ro("next_event",
@@ -219,46 +223,57 @@ void bind_device(nb::module_& module) {
                      const Clock next = self.next_event();
                      return next == never ? nb::none() : nb::object(nb::int_(next));
                    })
-      .def("receive",
-           [](ServedDevice& self, nb::bytes data) {
-             std::size_t taken = 0;
-             while (taken < data.size() && self.receive(static_cast<std::uint8_t>(data.c_str()[taken]))) {
-               ++taken;
-             }
-             return taken;
-           },
-           nb::arg("data"), "Offers bytes from the host, now; returns how many there was room for.")
+      .def(
+          "receive",
+          [](ServedDevice& self, nb::bytes data) {
+            std::size_t taken = 0;
+            while (taken < data.size() && self.receive(static_cast<std::uint8_t>(data.c_str()[taken]))) {
+              ++taken;
+            }
+            return taken;
+          },
+          nb::arg("data"), "Offers bytes from the host, now; returns how many there was room for.")
       .def("receive_error", &ServedDevice::receive_error, nb::arg("bits"))
       .def("run_until", &ServedDevice::run_until, nb::arg("clock"))
-      .def("take",
-           [](ServedDevice& self) {
-             std::string bytes;
-             TimedByte byte;
-             while (self.take(byte)) {
-               bytes.push_back(static_cast<char>(byte.byte));
-             }
-             return nb::bytes(bytes.data(), bytes.size());
-           },
-           "Everything that has left the device.")
-      .def("take_timed",
-           [](ServedDevice& self) {
-             std::vector<std::pair<Clock, std::uint8_t>> bytes;
-             TimedByte byte;
-             while (self.take(byte)) {
-               bytes.emplace_back(byte.at, byte.byte);
-             }
-             return bytes;
-           },
-           "Everything that has left the device, as (clock, byte).")
-      .def("get", [](ServedDevice& self, std::uint32_t address) { return value_of(self.get(address)); }, nb::arg("address"))
-      .def("set",
-           [](ServedDevice& self, std::uint32_t address, std::uint32_t value) { return self.set(address, value) == BusStatus::ok; },
-           nb::arg("address"), nb::arg("value"))
+      .def(
+          "take",
+          [](ServedDevice& self) {
+            std::string bytes;
+            TimedByte byte;
+            while (self.take(byte)) {
+              bytes.push_back(static_cast<char>(byte.byte));
+            }
+            return nb::bytes(bytes.data(), bytes.size());
+          },
+          "Everything that has left the device.")
+      .def(
+          "take_timed",
+          [](ServedDevice& self) {
+            std::vector<std::pair<Clock, std::uint8_t>> bytes;
+            TimedByte byte;
+            while (self.take(byte)) {
+              bytes.emplace_back(byte.at, byte.byte);
+            }
+            return bytes;
+          },
+          "Everything that has left the device, as (clock, byte).")
+      .def(
+          "get", [](ServedDevice& self, std::uint32_t address) { return value_of(self.get(address)); },
+          nb::arg("address"))
+      .def(
+          "set",
+          [](ServedDevice& self, std::uint32_t address, std::uint32_t value) {
+            return self.set(address, value) == BusStatus::ok;
+          },
+          nb::arg("address"), nb::arg("value"))
       .def("statistics", [](const ServedDevice& self) { return statistics_of(self.statistics()); })
-      .def_prop_ro("failure", &ServedDevice::failure, "The assertion of compiled gateware that failed; empty while none has.");
+      .def_prop_ro("failure", &ServedDevice::failure,
+                   "The assertion of compiled gateware that failed; empty while none has.");
   nb::class_<Device, ServedDevice>(module, "Device", "The twin.")
-      .def("__init__", [](Device* self, nb::handle configuration) { new (self) Device(configuration_of(configuration)); },
-           nb::arg("configuration"))
+      .def(
+          "__init__",
+          [](Device* self, nb::handle configuration) { new (self) Device(configuration_of(configuration)); },
+          nb::arg("configuration"))
       .def_prop_ro("last_activity", &Device::last_activity)
       .def("set_events", &Device::set_events, nb::arg("mask"));
   nb::class_<RtlDevice, ServedDevice>(module, "RtlDevice", "The gateware itself, compiled; every clock is run.")
@@ -273,43 +288,45 @@ void bind_device(nb::module_& module) {
 void bind_board(nb::module_& module) {
   bind_device(module);
   using Release = nb::call_guard<GilRelease>;
-  nb::class_<PythonBoard>(module, "Board", "A thread that serves a device on an endpoint; use unitylink.simulate.Board.")
-      .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind, nb::handle model) {
-             return make_board(configuration, endpoint, bind, model);
-           }),
+  nb::class_<PythonBoard>(module, "Board",
+                          "A thread that serves a device on an endpoint; use unitylink.simulate.Board.")
+      .def(nb::new_([](nb::handle configuration, const std::string& endpoint, const std::string& bind,
+                       nb::handle model) { return make_board(configuration, endpoint, bind, model); }),
            nb::arg("configuration"), nb::arg("endpoint"), nb::arg("bind"), nb::arg("model").none() = nb::none())
-      .def("set_plant",
-           [](PythonBoard& self, double period_s, nb::callable step) {
-             self.set_plant({period_s, [step](double time_s) {
-                               thread_local const InterpreterState kept;
-                               const nb::gil_scoped_acquire acquired;
-                               try {
-                                 return nb::cast<bool>(step(time_s));
-                               } catch (nb::python_error& error) {  // simulate.Board catches; this is the last resort
-                                 error.discard_as_unraisable("a plant's step");
-                                 return false;
-                               }
-                             }});
-           },
-           nb::arg("period_s"), nb::arg("step"), "Before start(): step(time_s) -> bool is called by the board's thread.")
-      .def("set_word_plant",
-           [](PythonBoard& self, double period_s,
-              const std::vector<std::tuple<std::uint32_t, std::int32_t, std::uint32_t, double>>& ramps,
-              const std::vector<std::pair<std::uint32_t, std::uint32_t>>& echoes) {
-             std::vector<Ramp> counting;
-             for (const auto& [address, low, span, pace_hz] : ramps) {
-               counting.push_back({address, low, span, pace_hz});
-             }
-             std::vector<Echo> echoing;
-             for (const auto& [from, to] : echoes) {
-               echoing.push_back({from, to});
-             }
-             self.set_plant({period_s, [&self, plant = WordPlant(counting, echoing)](double time_s) {
-                               plant.step(self, time_s);
-                               return true;
-                             }});
-           },
-           nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
+      .def(
+          "set_plant",
+          [](PythonBoard& self, double period_s, nb::callable step) {
+            self.set_plant({period_s, [step](double time_s) {
+                              thread_local const InterpreterState kept;
+                              const nb::gil_scoped_acquire acquired;
+                              try {
+                                return nb::cast<bool>(step(time_s));
+                              } catch (nb::python_error& error) {  // simulate.Board catches; this is the last resort
+                                error.discard_as_unraisable("a plant's step");
+                                return false;
+                              }
+                            }});
+          },
+          nb::arg("period_s"), nb::arg("step"), "Before start(): step(time_s) -> bool is called by the board's thread.")
+      .def(
+          "set_word_plant",
+          [](PythonBoard& self, double period_s,
+             const std::vector<std::tuple<std::uint32_t, std::int32_t, std::uint32_t, double>>& ramps,
+             const std::vector<std::pair<std::uint32_t, std::uint32_t>>& echoes) {
+            std::vector<Ramp> counting;
+            for (const auto& [address, low, span, pace_hz] : ramps) {
+              counting.push_back({address, low, span, pace_hz});
+            }
+            std::vector<Echo> echoing;
+            for (const auto& [from, to] : echoes) {
+              echoing.push_back({from, to});
+            }
+            self.set_plant({period_s, [&self, plant = WordPlant(counting, echoing)](double time_s) {
+                              plant.step(self, time_s);
+                              return true;
+                            }});
+          },
+          nb::arg("period_s"), nb::arg("ramps"), nb::arg("echoes"))
       .def("start", &Board::start)
       .def("stop", &Board::stop, Release())
       .def("url",
@@ -331,43 +348,47 @@ void bind_board(nb::module_& module) {
            })
       .def("time_s", &Board::time_s, Release())
       .def("failure", &Board::failure, Release(), "The assertion of the gateware that failed; empty while none has.")
-      .def("get",
-           [](PythonBoard& self, std::uint32_t address) {
-             BusReply reply;
-             {
-               const GilRelease released;
-               reply = self.get(address);
-             }
-             return value_of(reply);
-           },
-           nb::arg("address"))
-      .def("set",
-           [](PythonBoard& self, std::uint32_t address, std::uint32_t value) {
-             return self.set(address, value) == BusStatus::ok;
-           },
-           nb::arg("address"), nb::arg("value"), Release())
+      .def(
+          "get",
+          [](PythonBoard& self, std::uint32_t address) {
+            BusReply reply;
+            {
+              const GilRelease released;
+              reply = self.get(address);
+            }
+            return value_of(reply);
+          },
+          nb::arg("address"))
+      .def(
+          "set",
+          [](PythonBoard& self, std::uint32_t address, std::uint32_t value) {
+            return self.set(address, value) == BusStatus::ok;
+          },
+          nb::arg("address"), nb::arg("value"), Release())
       .def("set_event", &Board::set_event, nb::arg("group"), nb::arg("high"), Release())
       .def("pulse_event", &Board::pulse_event, nb::arg("group"), Release())
       .def("receive_error", &Board::receive_error, nb::arg("bits"), Release())
       .def("damage_cycle", &Board::damage_cycle, Release())
       .def("hang_up", &Board::hang_up, Release())
       .def("set_online", &Board::set_online, nb::arg("online"), Release())
-      .def("async_take",
-           [](PythonBoard& self) -> nb::object {
-             AsyncWord word;
-             bool taken = false;
-             {
-               const GilRelease released;
-               taken = self.async_take(word);
-             }
-             return taken ? nb::object(nb::make_tuple(word.node, word.data, word.last + 1)) : nb::none();
-           },
-           "(node, word, bytes in it) of the oldest word the PC sent through the asynchronous channel, or None.")
-      .def("async_give",
-           [](PythonBoard& self, std::uint8_t node, std::uint32_t data, std::uint8_t bytes) {
-             return self.async_give({data, static_cast<std::uint8_t>(bytes - 1), node});
-           },
-           nb::arg("node"), nb::arg("data"), nb::arg("bytes"), Release())
+      .def(
+          "async_take",
+          [](PythonBoard& self) -> nb::object {
+            AsyncWord word;
+            bool taken = false;
+            {
+              const GilRelease released;
+              taken = self.async_take(word);
+            }
+            return taken ? nb::object(nb::make_tuple(word.node, word.data, word.last + 1)) : nb::none();
+          },
+          "(node, word, bytes in it) of the oldest word the PC sent through the asynchronous channel, or None.")
+      .def(
+          "async_give",
+          [](PythonBoard& self, std::uint8_t node, std::uint32_t data, std::uint8_t bytes) {
+            return self.async_give({data, static_cast<std::uint8_t>(bytes - 1), node});
+          },
+          nb::arg("node"), nb::arg("data"), nb::arg("bytes"), Release())
       .def("statistics", [](PythonBoard& self) {
         BoardStatistics all;
         {

@@ -22,7 +22,9 @@ namespace {
 
 constexpr std::size_t receive_bytes_max = 65536;
 
-int milliseconds(double timeout_s) { return timeout_s <= 0 ? 0 : static_cast<int>(timeout_s < 3600 ? timeout_s * 1e3 + 0.999 : 3.6e6); }
+int milliseconds(double timeout_s) {
+  return timeout_s <= 0 ? 0 : static_cast<int>(timeout_s < 3600 ? timeout_s * 1e3 + 0.999 : 3.6e6);
+}
 
 std::unique_ptr<Driver> open(std::string_view text, double timeout_s) {
   Url url;
@@ -103,7 +105,8 @@ nb::bytes receive(Driver& driver, double timeout_s) {
 nb::list schemes_there() {
   nb::list rows;
   for (const Scheme* scheme : schemes()) {
-    rows.append(nb::make_tuple(std::string(scheme->name), std::string(scheme->form), std::string(scheme->what), scheme->stream, scheme->once));
+    rows.append(nb::make_tuple(std::string(scheme->name), std::string(scheme->form), std::string(scheme->what),
+                               scheme->stream, scheme->once));
   }
   return rows;
 }

@@ -23,13 +23,14 @@ nb::list profiles() {
   return result;
 }
 
-nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profile, bool framed, std::uint32_t clients, std::uint32_t window,
-             nb::handle configuration, nb::handle model) {
+nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profile, bool framed, std::uint32_t clients,
+             std::uint32_t window, nb::handle configuration, nb::handle model) {
   const auto chosen = faults::find_profile(profile);
   if (!chosen) {
     throw nb::key_error(("no profile " + std::string(profile)).c_str());
   }
-  faults::Plan plan{.seed = seed, .messages = messages, .profile = *chosen, .framed = framed, .clients = clients, .window = window};
+  faults::Plan plan{
+      .seed = seed, .messages = messages, .profile = *chosen, .framed = framed, .clients = clients, .window = window};
   std::unique_ptr<device::RtlDevice> gateware;
   if (!model.is_none()) {
     gateware = make_rtl_device(model, configuration_of(configuration));
@@ -64,8 +65,9 @@ nb::dict run(std::uint64_t seed, std::uint64_t messages, std::string_view profil
   return result;
 }
 
-nb::dict goodput(std::uint64_t seed, std::string_view kind, std::uint64_t words, double lose, std::uint32_t message_words, std::uint32_t window,
-                 std::uint64_t byte_ns, std::uint64_t delay_ns, std::uint64_t buffer_bytes) {
+nb::dict goodput(std::uint64_t seed, std::string_view kind, std::uint64_t words, double lose,
+                 std::uint32_t message_words, std::uint32_t window, std::uint64_t byte_ns, std::uint64_t delay_ns,
+                 std::uint64_t buffer_bytes) {
   const auto chosen = faults::find_traffic(kind);
   if (!chosen) {
     throw nb::key_error(("no traffic " + std::string(kind)).c_str());
@@ -96,12 +98,14 @@ nb::dict goodput(std::uint64_t seed, std::string_view kind, std::uint64_t words,
 
 void bind_faults(nb::module_& module) {
   module.def("fault_profiles", &profiles);
-  module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"), nb::arg("clients"),
-             nb::arg("window"), nb::arg("configuration").none() = nb::none(), nb::arg("model").none() = nb::none());
+  module.def("run_faults", &run, nb::arg("seed"), nb::arg("messages"), nb::arg("profile"), nb::arg("framed"),
+             nb::arg("clients"), nb::arg("window"), nb::arg("configuration").none() = nb::none(),
+             nb::arg("model").none() = nb::none());
   const faults::GoodputPlan usual;
   module.def("goodput", &goodput, nb::arg("seed"), nb::arg("kind"), nb::arg("words"), nb::arg("lose"),
-             nb::arg("message_words") = usual.message_words, nb::arg("window") = usual.window, nb::arg("byte_ns") = usual.byte_ns,
-             nb::arg("delay_ns") = usual.delay_ns, nb::arg("buffer_bytes") = usual.buffer_bytes);
+             nb::arg("message_words") = usual.message_words, nb::arg("window") = usual.window,
+             nb::arg("byte_ns") = usual.byte_ns, nb::arg("delay_ns") = usual.delay_ns,
+             nb::arg("buffer_bytes") = usual.buffer_bytes);
 }
 
 }  // namespace unitylink::python

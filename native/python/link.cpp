@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 2 for Python: NativeLink, and NativePending for asyncio. Every call that may take the link's mutex gives the GIL away first.
+// Layer 2 for Python: NativeLink, and NativePending for asyncio. Every call that may take the link's mutex gives the
+// GIL away first.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -79,10 +80,12 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
   raise_unless_ok(outcome);
 }
 
-nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
+nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat,
+                     nb::handle timeout_s) {
   const RequestOptions options = options_of(checked, repeat, timeout_s);
   const auto at_once = [&](auto words, auto values) { return !atomic && link.read_at_once(words, values); };
-  return read_words(addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); }, at_once);
+  return read_words(
+      addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); }, at_once);
 }
 
 nb::object read_each(Link& link, nb::handle addresses, nb::handle checked, bool repeat, nb::handle timeout_s) {
@@ -90,7 +93,8 @@ nb::object read_each(Link& link, nb::handle addresses, nb::handle checked, bool 
   return read_words(addresses, [&](auto words, auto values) { return link.read_each(words, values, options); });
 }
 
-void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle checked, bool repeat, nb::handle timeout_s) {
+void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle checked, bool repeat,
+                nb::handle timeout_s) {
   const std::vector<std::uint32_t> where = words_of(addresses, "address");
   const std::vector<std::uint32_t> what = words_of(values, "value");
   const RequestOptions options = options_of(checked, repeat, timeout_s);
@@ -102,8 +106,8 @@ void write_many(Link& link, nb::handle addresses, nb::handle values, nb::handle 
   raise_unless_ok(outcome);
 }
 
-std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify, nb::handle ring,
-                        nb::handle group) {
+std::uint32_t subscribe(Link& link, nb::handle addresses, nb::handle divisor, bool on_event, bool verify,
+                        nb::handle ring, nb::handle group) {
   const std::vector<std::uint32_t> words = words_of(addresses, "address");
   SubscriptionRequest request{words, word_of(divisor, "divisor"), on_event, verify, word_of(ring, "ring")};
   if (!group.is_none()) {
@@ -142,7 +146,8 @@ nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
   return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
 }
 
-// The publish that waits, where it is the only one, as (time_s, words): most often it is, and arrays for it cost more than all the rest.
+// The publish that waits, where it is the only one, as (time_s, words): most often it is, and arrays for it cost more
+// than all the rest.
 nb::object take_single(Link& link, std::uint32_t id, std::size_t words) {
   double time_s = 0;
   std::array<std::uint32_t, protocol::limits::group_size_max> room;
@@ -247,8 +252,9 @@ class Pending {
  public:
   Pending(std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket) : mailbox_(std::move(mailbox)), ticket_(ticket) {}
 
-  static std::shared_ptr<Pending> start(Link& link, std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket, nb::handle addresses,
-                                        nb::handle values, bool atomic, nb::handle checked, bool repeat, nb::handle timeout_s) {
+  static std::shared_ptr<Pending> start(Link& link, std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket,
+                                        nb::handle addresses, nb::handle values, bool atomic, nb::handle checked,
+                                        bool repeat, nb::handle timeout_s) {
     auto pending = std::make_shared<Pending>(std::move(mailbox), ticket);
     pending->addresses_ = words_of(addresses, "address");
     pending->writes_ = !values.is_none();
@@ -383,9 +389,14 @@ nb::dict configuration(const Link& link) {
 
 void bind_link(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<Mailbox>(module, "Mailbox").def_prop_ro("descriptor", &Mailbox::descriptor).def("collect", &Mailbox::collect).def("post", &Mailbox::post, "ticket"_a);
+  nb::class_<Mailbox>(module, "Mailbox")
+      .def_prop_ro("descriptor", &Mailbox::descriptor)
+      .def("collect", &Mailbox::collect)
+      .def("post", &Mailbox::post, "ticket"_a);
   module.def("mailbox", [] { return std::make_shared<Mailbox>(); });
-  nb::class_<Pending>(module, "Pending").def("result", &Pending::result, "link"_a).def("withdraw", &Pending::withdraw, "link"_a);
+  nb::class_<Pending>(module, "Pending")
+      .def("result", &Pending::result, "link"_a)
+      .def("withdraw", &Pending::withdraw, "link"_a);
   nb::class_<Link> link(module, "NativeLink");
   bind_framed(link);
   bind_line(link);
@@ -394,8 +405,8 @@ void bind_link(nb::module_& module) {
       .def("read_many", &read_many, "addresses"_a, "atomic"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("read_each", &read_each, "addresses"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("write_many", &write_many, "addresses"_a, "values"_a, "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
-      .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a, "checked"_a.none(),
-           "repeat"_a, "timeout_s"_a.none())
+      .def("start", &Pending::start, "mailbox"_a, "ticket"_a, "addresses"_a, "values"_a.none(), "atomic"_a,
+           "checked"_a.none(), "repeat"_a, "timeout_s"_a.none())
       .def("subscribe", &subscribe, "addresses"_a, "divisor"_a, "on_event"_a, "verify"_a, "ring"_a, "group"_a.none())
       .def("unsubscribe", &unsubscribe, "id"_a)
       .def("drain", &drain, "id"_a, "words"_a)

@@ -12,8 +12,9 @@ namespace {
 nb::object transfer(Link& link, nb::handle pairs, nb::handle addresses, bool atomic, nb::handle timeout_s) {
   const Writes writes = writes_of(pairs);
   const RequestOptions options = options_of(nb::none(), false, timeout_s);
-  return read_words(addresses,
-                    [&](auto words, auto values) { return link.transfer(writes.addresses, writes.values, words, values, atomic, options); });
+  return read_words(addresses, [&](auto words, auto values) {
+    return link.transfer(writes.addresses, writes.values, words, values, atomic, options);
+  });
 }
 
 void post(Link& link, nb::handle addresses, nb::handle values, nb::handle timeout_s) {
@@ -71,8 +72,8 @@ void done(nb::handle timeout_s, const Call& call) {
   raise_unless_ok(outcome);
 }
 
-nb::object do_list(Link& link, nb::handle operations, nb::handle addresses, nb::handle values, nb::handle masks, std::size_t reads, bool atomic,
-                nb::handle timeout_s) {
+nb::object do_list(Link& link, nb::handle operations, nb::handle addresses, nb::handle values, nb::handle masks,
+                   std::size_t reads, bool atomic, nb::handle timeout_s) {
   const std::vector<std::uint32_t> what = words_of(operations, "operation");
   const std::vector<std::uint32_t> where = words_of(addresses, "address");
   const std::vector<std::uint32_t> words = words_of(values, "value");
@@ -82,7 +83,8 @@ nb::object do_list(Link& link, nb::handle operations, nb::handle addresses, nb::
     steps.push_back({what[index], where[index], words[index], bits[index]});
   }
   auto read = std::make_unique<std::uint32_t[]>(reads);
-  done(timeout_s, [&](const RequestOptions& how) { return link.list(steps, std::span(read.get(), reads), atomic, how); });
+  done(timeout_s,
+       [&](const RequestOptions& how) { return link.list(steps, std::span(read.get(), reads), atomic, how); });
   return array_of(std::move(read), {reads});
 }
 
@@ -96,7 +98,8 @@ std::vector<ExchangeWord> layout_of(nb::handle addresses, nb::handle bytes) {
   return words;
 }
 
-std::uint32_t define_exchange(Link& link, nb::handle outputs, nb::handle output_bytes, nb::handle inputs, nb::handle input_bytes) {
+std::uint32_t define_exchange(Link& link, nb::handle outputs, nb::handle output_bytes, nb::handle inputs,
+                              nb::handle input_bytes) {
   const std::vector<ExchangeWord> out = layout_of(outputs, output_bytes);
   const std::vector<ExchangeWord> in = layout_of(inputs, input_bytes);
   std::uint32_t id = 0;
@@ -107,7 +110,8 @@ std::uint32_t define_exchange(Link& link, nb::handle outputs, nb::handle output_
 nb::object exchange(Link& link, std::uint32_t id, nb::handle outputs, std::size_t inputs, nb::handle timeout_s) {
   const std::vector<std::uint32_t> words = words_of(outputs, "value");
   auto values = std::make_unique<std::uint32_t[]>(inputs);
-  done(timeout_s, [&](const RequestOptions& how) { return link.exchange(id, words, std::span(values.get(), inputs), how); });
+  done(timeout_s,
+       [&](const RequestOptions& how) { return link.exchange(id, words, std::span(values.get(), inputs), how); });
   return array_of(std::move(values), {inputs});
 }
 
@@ -162,7 +166,8 @@ nb::tuple clock_state(Link& link) {
 void bind_framed(nb::class_<Link>& link) {
   using namespace nb::literals;
   link.def("transfer", &transfer, "writes"_a, "reads"_a, "atomic"_a, "timeout_s"_a.none())
-      .def("do_list", &do_list, "operations"_a, "addresses"_a, "values"_a, "masks"_a, "reads"_a, "atomic"_a, "timeout_s"_a.none())
+      .def("do_list", &do_list, "operations"_a, "addresses"_a, "values"_a, "masks"_a, "reads"_a, "atomic"_a,
+           "timeout_s"_a.none())
       .def("post", &post, "addresses"_a, "values"_a, "timeout_s"_a.none())
       .def("sync", &synchronise, "timeout_s"_a.none())
       .def("read_control", &read_control, "address"_a, "count"_a)

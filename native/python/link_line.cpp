@@ -49,7 +49,8 @@ nb::tuple events(Link& link, std::uint64_t from) {
   static constexpr const char* names[] = {"lost", "restarted", "back"};
   nb::list all;
   for (const LinkEvent& event : come) {
-    all.append(nb::make_tuple(names[static_cast<std::size_t>(event.kind)], static_cast<double>(event.time_ns) * 1e-9, event.text));
+    all.append(nb::make_tuple(names[static_cast<std::size_t>(event.kind)], static_cast<double>(event.time_ns) * 1e-9,
+                              event.text));
   }
   return nb::make_tuple(all, from);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 1 for Python: the decoder and the encoder by themselves. Events are tuples; layer1_stream.py gives them their types.
+// Layer 1 for Python: the decoder and the encoder by themselves. Events are tuples; layer1_stream.py gives them their
+// types.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -38,8 +39,8 @@ struct Collector {
   nb::list events;
   void on_message(const Message& message) {
     const std::string head = message.head == 0 ? std::string() : std::string(1, message.head);
-    events.append(nb::make_tuple(name_of(message.kind), head, message.letters, bytes_of(message.data), message.error, message.code,
-                                 message.fields));
+    events.append(nb::make_tuple(name_of(message.kind), head, message.letters, bytes_of(message.data), message.error,
+                                 message.code, message.fields));
   }
   void on_publish(const Publish& publish) {
     nb::list words;
@@ -82,8 +83,8 @@ nb::object configuration(std::string_view fields, std::optional<std::uint8_t> po
   if (!told) {
     return nb::none();
   }
-  return nb::make_tuple(told->address_bytes, told->data_bytes, told->read_many, told->publish_mode, told->base_hz, told->groups,
-                        told->group_size, told->rate_bytes);
+  return nb::make_tuple(told->address_bytes, told->data_bytes, told->read_many, told->publish_mode, told->base_hz,
+                        told->groups, told->group_size, told->rate_bytes);
 }
 
 }  // namespace

@@ -56,20 +56,24 @@ int abi_test(const char* url) {
   EXPECT(ul_wait_up(link, 0) == UL_OK && ul_wait_up(NULL, 0) == UL_ARGUMENT);
 
   addresses[0] = 0x20;
-  EXPECT(ul_transfer(link, addresses, values, 3, addresses, values, 3, 0, NULL) == UL_OK && values[0] == 1 && values[2] == 3);
+  EXPECT(ul_transfer(link, addresses, values, 3, addresses, values, 3, 0, NULL) == UL_OK && values[0] == 1 &&
+         values[2] == 3);
   EXPECT(ul_transfer(link, NULL, values, 3, addresses, values, 3, 0, NULL) == UL_ARGUMENT);
   values[1] = 77;
   EXPECT(ul_post(link, addresses, values, 3, NULL) == UL_OK && ul_sync(link, NULL) == UL_OK);
   EXPECT(ul_read(link, 0x11, &value, NULL) == UL_OK && value == 77);
   EXPECT(strcmp(ul_notice(NULL), "") == 0);
-  EXPECT((strcmp(ul_notice(link), "") == 0) == (strcmp(ul_protocol(link), "classic") != 0 || strstr(url, "protocol=classic") != NULL));
+  EXPECT((strcmp(ul_notice(link), "") == 0) ==
+         (strcmp(ul_protocol(link), "classic") != 0 || strstr(url, "protocol=classic") != NULL));
   if (strcmp(ul_protocol(link), "framed") == 0) {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_OK && value == 0x554C4652);
     EXPECT(ul_read_control(link, 0, &value, 0, NULL) == UL_RANGE);
     const uint64_t hash = 1;
     const char* unverified = NULL;
-    EXPECT(ul_check_spec(link, "arm.ul", &hash, 1, &unverified) == UL_OK && strstr(unverified, "without the hash of its spec") != NULL);
-    EXPECT(ul_check_spec(link, NULL, &hash, 1, NULL) == UL_ARGUMENT && ul_check_spec(link, "arm.ul", NULL, 1, NULL) == UL_ARGUMENT);
+    EXPECT(ul_check_spec(link, "arm.ul", &hash, 1, &unverified) == UL_OK &&
+           strstr(unverified, "without the hash of its spec") != NULL);
+    EXPECT(ul_check_spec(link, NULL, &hash, 1, NULL) == UL_ARGUMENT &&
+           ul_check_spec(link, "arm.ul", NULL, 1, NULL) == UL_ARGUMENT);
     EXPECT(ul_write_control(link, 0, 1, NULL) == UL_PROTOCOL_ERROR);
   } else {
     EXPECT(ul_read_control(link, 0, &value, 1, NULL) == UL_MISMATCH);

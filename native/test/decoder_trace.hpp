@@ -30,11 +30,13 @@ struct Trace {
   void on_message(const Message& message) {
     static constexpr const char* names[] = {"reply", "error", "datalink", "busy", "checksum", "malformed"};
     text += names[static_cast<int>(message.kind)];
-    text += std::string(" ") + (message.head == 0 ? '-' : message.head) + " " + std::string(message.letters) + " " + hex_of(message.data) +
-            std::string(message.fields) + " " + std::string(message.error) + " " + std::to_string(message.code) + "\n";
+    text += std::string(" ") + (message.head == 0 ? '-' : message.head) + " " + std::string(message.letters) + " " +
+            hex_of(message.data) + std::string(message.fields) + " " + std::string(message.error) + " " +
+            std::to_string(message.code) + "\n";
   }
   void on_publish(const Publish& publish) {
-    text += "publish " + std::to_string(publish.group) + " " + std::to_string(publish.count) + (publish.checked ? " checked" : " plain");
+    text += "publish " + std::to_string(publish.group) + " " + std::to_string(publish.count) +
+            (publish.checked ? " checked" : " plain");
     for (const std::uint32_t word : publish.words) {
       text += " " + std::to_string(word);
     }

@@ -128,15 +128,11 @@ void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
 void* __libc_realloc(void* place, std::size_t bytes);
 
-void* malloc(std::size_t bytes) noexcept {
-  return exhausted() ? nullptr : __libc_malloc(bytes);
-}
+void* malloc(std::size_t bytes) noexcept { return exhausted() ? nullptr : __libc_malloc(bytes); }
 void* calloc(std::size_t count, std::size_t bytes) noexcept {
   return exhausted() ? nullptr : __libc_calloc(count, bytes);
 }
-void* realloc(void* place, std::size_t bytes) noexcept {
-  return exhausted() ? nullptr : __libc_realloc(place, bytes);
-}
+void* realloc(void* place, std::size_t bytes) noexcept { return exhausted() ? nullptr : __libc_realloc(place, bytes); }
 
 #endif
 
@@ -213,7 +209,8 @@ void* mmap(void* place, std::size_t bytes, int may, int flags, int file, off_t o
 }
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*begin)(void*), void* argument) {
-  static auto* const own = system_own<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
+  static auto* const own =
+      system_own<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
   return refused() ? EAGAIN : own(thread, attributes, begin, argument);
 }
 
@@ -244,7 +241,8 @@ int ppoll(pollfd* files, nfds_t count, const timespec* time, const sigset_t* sig
 
 // Its deadline was made from that clock.
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
-  static auto* const own = system_own<int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*)>("pthread_cond_clockwait");
+  static auto* const own =
+      system_own<int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*)>("pthread_cond_clockwait");
   timespec real = *until;
   if (clock == CLOCK_MONOTONIC && Exempt::depth == 0) {
     real.tv_sec -= hour_s;
@@ -273,5 +271,4 @@ int clock_gettime(clockid_t clock, timespec* time) noexcept {
   }
   return result;
 }
-
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the system gives, and may refuse: the n-th allocation, the n-th call that moves bytes or waits, the n-th that opens something or sets it up, the n-th
-// look at the clock. This program's own malloc, read, open and so on are in front of the system's; until something is armed they pass all on.
+// What the system gives, and may refuse: the n-th allocation, the n-th call that moves bytes or waits, the n-th that
+// opens something or sets it up, the n-th look at the clock. This program's own malloc, read, open and so on are in
+// front of the system's; until something is armed they pass all on.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +10,21 @@ namespace unitylink::failing {
 
 enum class What : std::uint8_t {
   nothing,
-  allocation,  // malloc, calloc, realloc: also those of the C library itself (a sanitizer has its own malloc: there operator new)
+  allocation,  // malloc, calloc, realloc: also those of the C library itself (a sanitizer has its own malloc: there
+               // operator new)
   transfer,    // read, write, send, ppoll
-  opening,     // open, socket, connect, eventfd, fcntl, ioctl, flock, isatty, fstat, getsockopt, setsockopt, mmap of a file, a thread
+  opening,     // open, socket, connect, eventfd, fcntl, ioctl, flock, isatty, fstat, getsockopt, setsockopt, mmap of a
+               // file, a thread
   clock,
 };
 enum class How : std::uint8_t {
-  once,         // of allocations: that one; of the clock: it stands still for a hundred looks
-  from_then_on, // of allocations: each of the next hundred; of the clock: an hour has passed
-  interrupted,  // of transfers and openings: EINTR
-  again,        // EAGAIN
-  broken,       // EIO
-  none_left,    // EMFILE
-  nothing,      // 0, as at the end of a file
+  once,          // of allocations: that one; of the clock: it stands still for a hundred looks
+  from_then_on,  // of allocations: each of the next hundred; of the clock: an hour has passed
+  interrupted,   // of transfers and openings: EINTR
+  again,         // EAGAIN
+  broken,        // EIO
+  none_left,     // EMFILE
+  nothing,       // 0, as at the end of a file
   one_byte,
 };
 

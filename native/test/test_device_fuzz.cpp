@@ -16,9 +16,9 @@ std::string noise(std::mt19937& random, std::size_t size) {
   std::string text;
   while (text.size() < size) {
     if (random() % 8 == 0) {
-      static constexpr std::string_view whole[] = {
-          "#R:12\n", "$R:12*58\n", "#RM:021011\n", "#W:20DEADBEEF\n", "#WSA:00021112\n",
-          "#RLC\n",  "#R:F5\n",    "#RSI:00\n",    "#WIC:0001\n",     "#WSR:000001\n"};
+      static constexpr std::string_view whole[] = {"#R:12\n",         "$R:12*58\n",   "#RM:021011\n", "#W:20DEADBEEF\n",
+                                                   "#WSA:00021112\n", "#RLC\n",       "#R:F5\n",      "#RSI:00\n",
+                                                   "#WIC:0001\n",     "#WSR:000001\n"};
       text += whole[random() % std::size(whole)];
     } else {
       text.push_back(random() % 16 == 0 ? static_cast<char>(random()) : likely[random() % likely.size()]);
@@ -50,7 +50,7 @@ Sorted sorted(const std::string& output) {
 TEST_CASE("random bytes: one chunk and byte by byte agree, and the device lives on") {
   DeviceConfiguration configuration = bench();
   configuration.protocol = Protocol::classic;  // in a frame that has no end there is no answer
-  configuration.publish_mode = 0;  // publishes depend on when, these answers must not
+  configuration.publish_mode = 0;              // publishes depend on when, these answers must not
   std::mt19937 random(20120601);
   for (int round = 0; round < 300; ++round) {
     CAPTURE(round);

@@ -24,7 +24,6 @@ DeviceConfiguration slow_line() {
   return configuration;
 }
 
-
 }  // namespace
 
 TEST_CASE("with a line every byte takes its time, both ways") {

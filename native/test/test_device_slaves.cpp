@@ -146,7 +146,9 @@ TEST_CASE("TosNet: too many cycles without a commit halt the system, and only co
   DeviceConfiguration configuration = network();
   configuration.tosnet.max_skipped_writes = 10;
   DeviceBench device(configuration);
-  const auto halted = [&device] { return (std::stoul(device.ask("#R:0400\n", 200).substr(5), nullptr, 16) >> 28 & 1u) == 1; };
+  const auto halted = [&device] {
+    return (std::stoul(device.ask("#R:0400\n", 200).substr(5), nullptr, 16) >> 28 & 1u) == 1;
+  };
   for (int i = 0; i < 5; ++i) {
     device.ask("#W:040000000000\n", 8 * cycle);
     CHECK(!halted());

@@ -112,7 +112,8 @@ TEST_CASE("an error of the device ends its request and nothing else") {
 TEST_CASE("a timeout makes all in flight void; reads come again, writes are unknown, late answers match nothing") {
   EngineBench bench(1024);
   bench.begin();
-  Exchange first = reading(1), write = writing(2, 7), memory = writing(3, 8, true), last = reading(4), behind = reading(5);
+  Exchange first = reading(1), write = writing(2, 7), memory = writing(3, 8, true), last = reading(4),
+           behind = reading(5);
   for (Exchange* exchange : {&first, &write, &memory, &last}) {
     bench.submit(*exchange);
   }
@@ -156,7 +157,8 @@ TEST_CASE("answers count only when all requests in flight have theirs: one that 
 }
 
 TEST_CASE("bad replies, datalink errors and strange ones bring the fence at once") {
-  for (const char* bad : {"$S_R:40de1212*2e\n", "#S_R:40de1212\n", "$S_R:40de12*00\n", "$S_W*f4\n", "?f4\n", "$S_RM:40de1212*00\n", "$?E_XYZ\n"}) {
+  for (const char* bad : {"$S_R:40de1212*2e\n", "#S_R:40de1212\n", "$S_R:40de12*00\n", "$S_W*f4\n", "?f4\n",
+                          "$S_RM:40de1212*00\n", "$?E_XYZ\n"}) {
     CAPTURE(bad);
     EngineBench bench;
     bench.begin();
@@ -289,7 +291,9 @@ TEST_CASE("requests that are taken back end at once; the others in flight come a
   CHECK(later.value == 0x77);
 }
 
-TEST_CASE("requests that are withdrawn harm no other: unsent ones are never sent, one on its way is waited for but not repeated") {
+TEST_CASE(
+    "requests that are withdrawn harm no other: unsent ones are never sent, one on its way is waited for but not "
+    "repeated") {
   EngineBench bench;
   bench.begin();
   std::array<Exchange, 2> mine{reading(1), writing(2, 3)};

@@ -10,8 +10,9 @@
 using namespace unitylink;
 using namespace unitylink::test;
 
-// The promises, against a device that says what it executed: no wrong value is returned, a write that must not be repeated is
-// executed at most once, OK means executed, every request ends, and after the faults have stopped all goes well again.
+// The promises, against a device that says what it executed: no wrong value is returned, a write that must not be
+// repeated is executed at most once, OK means executed, every request ends, and after the faults have stopped all goes
+// well again.
 TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and delays") {
   std::uint64_t unknown = 0, failed = 0, good = 0;
   for (std::uint32_t seed = 1; seed <= 150; ++seed) {
@@ -20,7 +21,15 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
     const double rate = seed % 5 == 0 ? 0 : std::uniform_real_distribution<>(0, 0.25)(random);
     test::VirtualDevice device({rate, rate, seed % 3 == 0 ? rate / 4 : 0, seed % 2 == 0}, seed);
     EngineBench bench(seed % 4 == 0 ? 16 : 600, 1 + seed % 64);
-    bench.engine->configure({.address_bytes = 1, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16, .rate_bytes = 2, .discovered = true});
+    bench.engine->configure({.address_bytes = 1,
+                             .data_bytes = 4,
+                             .read_many = 32,
+                             .publish_mode = 2,
+                             .base_hz = 1000,
+                             .groups = 2,
+                             .group_size = 16,
+                             .rate_bytes = 2,
+                             .discovered = true});
     std::array<std::uint32_t, 8> addresses{};
     for (std::uint32_t index = 0; index < addresses.size(); ++index) {
       addresses[index] = 0x40 + index;
@@ -30,7 +39,9 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
     for (std::uint32_t index = 0; index < exchanges.size(); ++index) {
       Exchange& exchange = exchanges[index];
       const auto kind = random() % 4;
-      exchange = kind == 0 ? writing(0x20, index + 1, false) : kind == 1 ? writing(0x21, index + 1, true) : reading(random() % 256);
+      exchange = kind == 0   ? writing(0x20, index + 1, false)
+                 : kind == 1 ? writing(0x21, index + 1, true)
+                             : reading(random() % 256);
       exchange.checked = true;
       exchange.attempts_max = 4;
       if (kind == 3) {
@@ -42,7 +53,8 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
     std::size_t next = 0;
     std::size_t steps = 0;
     const auto all_done = [&] {
-      return next == exchanges.size() && std::all_of(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.done(); });
+      return next == exchanges.size() &&
+             std::all_of(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.done(); });
     };
     while (!all_done()) {
       REQUIRE(++steps < 200'000);
@@ -53,9 +65,10 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
         bench.submit(exchanges[next++]);
       }
       device.receive(bench.sent(), bench.now);
-      bench.now = std::max(bench.now, std::min(device.next_ns(), bench.engine->next_deadline_ns()) == ClassicEngine::no_deadline
-                                          ? bench.now
-                                          : std::min(device.next_ns(), bench.engine->next_deadline_ns()));
+      bench.now =
+          std::max(bench.now, std::min(device.next_ns(), bench.engine->next_deadline_ns()) == ClassicEngine::no_deadline
+                                  ? bench.now
+                                  : std::min(device.next_ns(), bench.engine->next_deadline_ns()));
       const std::string heard = device.take(bench.now);
       for (std::string_view rest = heard; !rest.empty();) {
         const std::size_t size = std::min<std::size_t>(rest.size(), 1 + random() % 30);

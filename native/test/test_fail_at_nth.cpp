@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For n = 1, 2, 3 …: the n-th allocation, transfer, opening or look at the clock of a session fails, and the promises hold all the same: nothing ends the program, each
-// call has a status, nothing is executed twice or told wrongly, and the link is usable afterwards, or closed with a reason.
+// For n = 1, 2, 3 …: the n-th allocation, transfer, opening or look at the clock of a session fails, and the promises
+// hold all the same: nothing ends the program, each call has a status, nothing is executed twice or told wrongly, and
+// the link is usable afterwards, or closed with a reason.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -98,7 +99,9 @@ class Rig {
   std::unique_ptr<device::Board> board_;
 };
 
-Told told_of(ul_status status) { return status == UL_OK ? Told::done : status == UL_UNKNOWN ? Told::perhaps : Told::not_done; }
+Told told_of(ul_status status) {
+  return status == UL_OK ? Told::done : status == UL_UNKNOWN ? Told::perhaps : Told::not_done;
+}
 
 // One life of a link. What its calls do may fail; what is here does not.
 class Session {
@@ -163,9 +166,13 @@ class Session {
     call([&] { return ul_read_many(link_, addresses_, word_count, got, 0, nullptr); });
     call([&] { return ul_read_each(link_, addresses_, word_count, got, nullptr); });
     const auto many = values(word_count);
-    told(many, of_several(call([&] { return ul_write_many(link_, addresses_, many.data(), word_count, nullptr); })), "writes");
+    told(many, of_several(call([&] { return ul_write_many(link_, addresses_, many.data(), word_count, nullptr); })),
+         "writes");
     const auto both = values(word_count);
-    told(both, of_several(call([&] { return ul_transfer(link_, addresses_, both.data(), word_count, addresses_, got, word_count, 0, nullptr); })), "transfer");
+    told(both, of_several(call([&] {
+           return ul_transfer(link_, addresses_, both.data(), word_count, addresses_, got, word_count, 0, nullptr);
+         })),
+         "transfer");
     const auto listed = values(1);
     const ul_list_word list[] = {{UL_WRITE, base, listed[0], 0}, {UL_READ, base, 0, 0}};
     told(listed, of_several(call([&] { return ul_list(link_, list, 2, got, 1, 0, nullptr); })), "list");
@@ -189,7 +196,8 @@ class Session {
       return;
     }
     const auto given = values(2);
-    told(given, of_several(call([&] { return ul_exchange(link_, group, given.data(), 2, got, 2, nullptr); })), "exchange");
+    told(given, of_several(call([&] { return ul_exchange(link_, group, given.data(), 2, got, 2, nullptr); })),
+         "exchange");
     call([&] { return ul_release_exchange(link_, group); });
   }
 
@@ -246,21 +254,26 @@ struct Place {
   bool cut = false;  // the line breaks in the middle
 };
 
-// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n. Each has a thread of its own, as a program's may be: what a thread
-// does only once is in all of them.
-std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride, Place place = {}) {
+// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n. Each has a thread of
+// its own, as a program's may be: what a thread does only once is in all of them.
+std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride,
+                       Place place = {}) {
   const Exempt exempt;
   Rig rig(place.endpoint);
   const bool cut = place.cut;
   const bool framed = std::string_view(options).find("framed") != std::string_view::npos;
-  const bool harmless = what == What::transfer && (how == How::interrupted || how == How::again || how == How::one_byte);  // asked again, nobody notices
+  // asked again, nobody notices
+  const bool harmless =
+      what == What::transfer && (how == How::interrupted || how == How::again || how == How::one_byte);
   // spin=0: how often a caller looks for its reply would depend on the machine
-  const std::string url = rig.url() + (harmless ? "?spin=0&timeout=2&attempts=3&" : "?spin=0&timeout=0.05&attempts=3&") + options;
+  const std::string url =
+      rig.url() + (harmless ? "?spin=0&timeout=2&attempts=3&" : "?spin=0&timeout=0.05&attempts=3&") + options;
   const std::size_t files = open_files();
   std::uint32_t nth = 1;
   for (int again = 0;;) {
     failing::arm(what, how, nth);
-    Session session(rig, std::string(place.endpoint) + ", " + options + ": " + name + " " + std::to_string(nth), framed);
+    Session session(rig, std::string(place.endpoint) + ", " + options + ": " + name + " " + std::to_string(nth),
+                    framed);
     std::uint32_t refused = 0;
     std::string failure;
     std::thread([&] {
@@ -273,7 +286,8 @@ std::uint32_t sessions(const char* options, What what, How how, const char* name
       CHECK((!harmless || !session.opened() || refused == 0));
       nth += stride;
       again = 0;
-    } else if (refused == 0 || (cut && session.opened()) || ++again == 1000) {  // else the board has not let the one before go yet
+    } else if (refused == 0 || (cut && session.opened()) || ++again == 1000) {
+      // else the board has not let the one before go yet
       CHECK((refused == 0 || cut));
       break;
     }
@@ -288,7 +302,8 @@ std::uint32_t stride_of(std::uint32_t usual) { return std::getenv("UNITYLINK_FAI
 
 constexpr std::uint32_t least = 15;  // that happen in a session
 
-constexpr const char* links[] = {"protocol=framed", "protocol=classic", "protocol=framed&reconnect=1", "protocol=classic&reconnect=1"};
+constexpr const char* links[] = {"protocol=framed", "protocol=classic", "protocol=framed&reconnect=1",
+                                 "protocol=classic&reconnect=1"};
 
 }  // namespace
 
@@ -296,12 +311,14 @@ TEST_CASE("the n-th allocation fails") {
   for (const char* options : links) {
     CHECK(sessions(options, What::allocation, How::once, "allocation", stride_of(1)) > least);
     CHECK(sessions(options, What::allocation, How::from_then_on, "a hundred allocations from", stride_of(9)) > least);
-    CHECK(sessions(options, What::allocation, How::once, "a broken line and allocation", stride_of(1), {.cut = true}) > least);
+    CHECK(sessions(options, What::allocation, How::once, "a broken line and allocation", stride_of(1), {.cut = true}) >
+          least);
   }
 }
 
 TEST_CASE("the n-th opening or setting up fails") {
-  constexpr std::pair<How, const char*> manners[] = {{How::broken, "EIO at opening"}, {How::none_left, "EMFILE at opening"}, {How::interrupted, "EINTR at opening"}};
+  constexpr std::pair<How, const char*> manners[] = {
+      {How::broken, "EIO at opening"}, {How::none_left, "EMFILE at opening"}, {How::interrupted, "EINTR at opening"}};
   constexpr std::uint32_t openings_least = 5;
   for (const char* options : links) {
     for (const auto& [how, name] : manners) {
@@ -316,12 +333,14 @@ TEST_CASE("the n-th opening or setting up fails") {
 TEST_CASE("a port that the system refuses says why, and leaves nothing open") {
   constexpr struct {
     const char* endpoint;
-    const char* scheme;       // in place of the board's
-    std::uint32_t borne;      // openings that a link can do without
-  } places[] = {{"tcp", "", 1},      // TCP_NODELAY
+    const char* scheme;          // in place of the board's
+    std::uint32_t borne;         // openings that a link can do without
+  } places[] = {{"tcp", "", 1},  // TCP_NODELAY
                 {"udp", "", 0},
-                {"pty", "serial", 3},   // TIOCEXCL, the latency of an adapter, the kind of terminal
-                {"pty", "rs485", 5}};   // and the direction of the transceiver; as this link closes within the call, TIOCNXCL
+                // TIOCEXCL, the latency of an adapter, the kind of terminal
+                {"pty", "serial", 3},
+                // and the direction of the transceiver; as this link closes within the call, TIOCNXCL
+                {"pty", "rs485", 5}};
   const Exempt exempt;
   for (const auto& place : places) {
     INFO(place.endpoint << ", " << place.scheme);
@@ -347,7 +366,8 @@ TEST_CASE("a port that the system refuses says why, and leaves nothing open") {
       }
       CAPTURE(nth);
       CAPTURE(why);
-      const bool said = why.find("Too many open files") != std::string::npos || why.find("no more threads") != std::string::npos;
+      const bool said =
+          why.find("Too many open files") != std::string::npos || why.find("no more threads") != std::string::npos;
       borne += status == UL_OK || (other && status == UL_TIMEOUT) ? 1 : 0;
       CHECK((said || status == UL_OK || (other && status == UL_TIMEOUT)));
     }
@@ -367,7 +387,10 @@ TEST_CASE("registers in memory: the n-th allocation, opening or mapping fails") 
     What what;
     How how;
     std::uint32_t least;
-  } manners[] = {{What::allocation, How::once, 20}, {What::allocation, How::from_then_on, 20}, {What::opening, How::none_left, 3}, {What::opening, How::broken, 3}};
+  } manners[] = {{What::allocation, How::once, 20},
+                 {What::allocation, How::from_then_on, 20},
+                 {What::opening, How::none_left, 3},
+                 {What::opening, How::broken, 3}};
   for (const auto& [what, how, least_times] : manners) {
     const std::size_t files = open_files();
     std::uint32_t nth = 1;
@@ -404,8 +427,11 @@ TEST_CASE("registers in memory: the n-th allocation, opening or mapping fails") 
 }
 
 TEST_CASE("the n-th read, write or wait fails") {
-  constexpr std::pair<How, const char*> manners[] = {
-      {How::interrupted, "EINTR at"}, {How::again, "EAGAIN at"}, {How::broken, "EIO at"}, {How::nothing, "0 bytes at"}, {How::one_byte, "1 byte at"}};
+  constexpr std::pair<How, const char*> manners[] = {{How::interrupted, "EINTR at"},
+                                                     {How::again, "EAGAIN at"},
+                                                     {How::broken, "EIO at"},
+                                                     {How::nothing, "0 bytes at"},
+                                                     {How::one_byte, "1 byte at"}};
   for (const char* options : links) {
     for (const auto& [how, name] : manners) {
       CHECK(sessions(options, What::transfer, how, name, stride_of(19)) > least);

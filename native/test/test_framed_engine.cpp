@@ -82,10 +82,11 @@ struct Wire {
   // An answer that the device has not given.
   Sent forged(std::uint32_t status, std::uint32_t id) const {
     Sent frame(32);
-    frame.resize(FrameEncoder(frame, static_cast<std::uint8_t>(protocol::device_kind::reply + status), {.epoch = engine.epoch()})
-                     .word(id, 2)
-                     .word(0, 2)
-                     .finish());
+    frame.resize(
+        FrameEncoder(frame, static_cast<std::uint8_t>(protocol::device_kind::reply + status), {.epoch = engine.epoch()})
+            .word(id, 2)
+            .word(0, 2)
+            .finish());
     return frame;
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Link and FramedEngine against the twin: reads, writes, transfers, posts, publishes, and what is told when something is refused.
+// Link and FramedEngine against the twin: reads, writes, transfers, posts, publishes, and what is told when something
+// is refused.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -21,7 +22,8 @@ struct Desk {
   explicit Desk(const std::string& options = "", device::DeviceConfiguration configuration = {})
       : board(configuration, device::make_endpoint("fd", "127.0.0.1")) {
     board.start();
-    const std::string url = board.url() + (board.url().find('?') == std::string::npos ? "?" : "&") + "timeout=2&" + options;
+    const std::string url =
+        board.url() + (board.url().find('?') == std::string::npos ? "?" : "&") + "timeout=2&" + options;
     outcome = Link::open(url.substr(0, url.find_last_not_of('&') + 1), link);
   }
   device::Board board;
@@ -78,7 +80,8 @@ TEST_CASE("words over frames, one message each way where they fit") {
   REQUIRE(link.transfer(scattered, counting(scattered.size(), 1), scattered, read, true, {}).ok());
   CHECK(read == counting(scattered.size(), 1));
   CHECK(link.statistics().requests == before + 1);
-  const Outcome outside = link.transfer(std::vector<std::uint32_t>{0x100}, std::vector<std::uint32_t>{1}, {}, {}, false, {});
+  const Outcome outside =
+      link.transfer(std::vector<std::uint32_t>{0x100}, std::vector<std::uint32_t>{1}, {}, {}, false, {});
   CHECK(outside.status == Status::range);
   CHECK(outside.address == 0x100);
 }
@@ -108,7 +111,8 @@ TEST_CASE("posts arrive in order, before what follows them, and sync tells those
   CHECK(value == 0x21);
   const Desk other("", configuration);
   REQUIRE(other.outcome.ok());
-  REQUIRE(other.link->post(std::vector<std::uint32_t>{0x20, 0x77, 0x21}, std::vector<std::uint32_t>{1, 2, 3}, {}).ok());  // one message
+  // one message
+  REQUIRE(other.link->post(std::vector<std::uint32_t>{0x20, 0x77, 0x21}, std::vector<std::uint32_t>{1, 2, 3}, {}).ok());
   const Outcome list = other.link->sync({});
   CHECK(list.status == Status::bus_error);
   CAPTURE(list.text);
@@ -170,7 +174,8 @@ TEST_CASE("whose gateware answers is known, not known, or overridden") {
   CHECK(unverified.empty());
   const Outcome refused = desk.link->check_spec("arm.ul", others, unverified);
   CHECK(refused.status == Status::mismatch);
-  CHECK(refused.text.find("another spec than arm.ul: its wire hash is 0000000000001234, and 0000000000001235") != std::string::npos);
+  CHECK(refused.text.find("another spec than arm.ul: its wire hash is 0000000000001234, and 0000000000001235") !=
+        std::string::npos);
   const Desk any("spec_hash=any", configuration);
   CHECK(any.link->check_spec("arm.ul", others, unverified).ok());
   CHECK(unverified.find("spec_hash=any goes on") != std::string::npos);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 1 of the framed protocol: what is sent, what is believed, and that neither chunks nor up to three flipped bits make a frame.
+// Layer 1 of the framed protocol: what is sent, what is believed, and that neither chunks nor up to three flipped bits
+// make a frame.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -34,7 +35,9 @@ struct Heard {
   std::vector<std::pair<std::uint8_t, Bytes>> frames;
   std::vector<Discard> discards;
   std::size_t discarded_bytes = 0;
-  void on_frame(const Frame& frame) { frames.emplace_back(frame.kind, Bytes(frame.payload.begin(), frame.payload.end())); }
+  void on_frame(const Frame& frame) {
+    frames.emplace_back(frame.kind, Bytes(frame.payload.begin(), frame.payload.end()));
+  }
   void on_discard(Discard why, std::uint8_t, std::size_t bytes) {
     discards.push_back(why);
     discarded_bytes += bytes;
@@ -96,8 +99,10 @@ TEST_CASE("a frame on the wire, byte for byte") {
   CHECK(frame[6] == (0x80 | (sum & 0x7F)));
   CHECK(frame[7] == (0x80 | (sum >> 7 & 0x7F)));
   CHECK(frame[8] == (0x80 | sum >> 14));
-  CHECK(hex_of(frame_of(protocol::request_kind::hello, {1, 1}, {.epoch = 0xBEEF, .always_long = true})).starts_with("80030101"));
-  CHECK(frame_of(protocol::request_kind::hello, {1, 1}) == frame_of(protocol::request_kind::hello, {1, 1}, {.epoch = 7, .always_long = true}));
+  CHECK(hex_of(frame_of(protocol::request_kind::hello, {1, 1}, {.epoch = 0xBEEF, .always_long = true}))
+            .starts_with("80030101"));
+  CHECK(frame_of(protocol::request_kind::hello, {1, 1}) ==
+        frame_of(protocol::request_kind::hello, {1, 1}, {.epoch = 7, .always_long = true}));
   std::array<std::uint8_t, 8> small{};
   CHECK(FrameEncoder(small, protocol::request_kind::read, key).word(1, 2).word(2, 2).finish() == 0);
   Bytes large(frame_bytes_max + 100);
@@ -206,8 +211,9 @@ TEST_CASE("what is no frame is discarded with a reason, and the next frame stand
   }
 }
 
-// Lengths that each kind can have whatever the device's widths. A frame outside a session and one inside start the CRC differently, so that
-// three flipped bits, one of them in the kind, can make the check of the one right for the other; then the length is wrong.
+// Lengths that each kind can have whatever the device's widths. A frame outside a session and one inside start the CRC
+// differently, so that three flipped bits, one of them in the kind, can make the check of the one right for the other;
+// then the length is wrong.
 bool has_length_of_kind(const Frame& frame) {
   const std::size_t size = frame.payload.size();
   switch (frame.kind) {
@@ -240,8 +246,8 @@ TEST_CASE("no error of one to three bits makes a frame") {
     std::size_t wrong = 0;
     void on_frame(const Frame& frame) {
       wrong += has_length_of_kind(frame) && std::none_of(said.begin(), said.end(), [&](const auto& one) {
-        return one.first == frame.kind && std::ranges::equal(one.second, frame.payload);
-      });
+                 return one.first == frame.kind && std::ranges::equal(one.second, frame.payload);
+               });
     }
     void on_discard(Discard, std::uint8_t, std::size_t) {}
   };
@@ -252,15 +258,18 @@ TEST_CASE("no error of one to three bits makes a frame") {
     Bytes wire = joined({before, frame, after});
     const Heard whole = heard(wire, session);
     REQUIRE(whole.frames.size() == 3);
-    const std::array<std::pair<std::uint8_t, std::span<const std::uint8_t>>, 3> said{{{whole.frames[0].first, whole.frames[0].second},
-                                                                                       {whole.frames[1].first, whole.frames[1].second},
-                                                                                       {whole.frames[2].first, whole.frames[2].second}}};
+    const std::array<std::pair<std::uint8_t, std::span<const std::uint8_t>>, 3> said{
+        {{whole.frames[0].first, whole.frames[0].second},
+         {whole.frames[1].first, whole.frames[1].second},
+         {whole.frames[2].first, whole.frames[2].second}}};
     Counting sink{said};
     FrameDecoder decoder;
     decoder.set_key(session);
     const std::size_t first = 8 * (before.size() - 1);
     const std::size_t last = 8 * (before.size() + frame.size());
-    const auto flip = [&](std::size_t bit) { wire[bit / 8] = static_cast<std::uint8_t>(wire[bit / 8] ^ 1u << bit % 8); };
+    const auto flip = [&](std::size_t bit) {
+      wire[bit / 8] = static_cast<std::uint8_t>(wire[bit / 8] ^ 1u << bit % 8);
+    };
     const auto listen = [&] {
       decoder.feed(wire, sink);
       decoder.reset();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What FTDI's chips want, against their data sheets and application notes. The driver as a whole: tests/unit/link/test_ftdi.py.
+// What FTDI's chips want, against their data sheets and application notes. The driver as a whole:
+// tests/unit/link/test_ftdi.py.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -31,15 +32,15 @@ TEST_CASE("status bytes stand at the head of every packet, short ones and empty 
 TEST_CASE("divisors are those of AN_120 and AN_232B-05") {
   const ftdi::Chip& r = *ftdi::chip_of(0x0600);
   const ftdi::Chip& h = *ftdi::chip_of(0x0700);
-  CHECK(ftdi::divisor_of(r, 9600).value == 0x4138);    // 312.5
-  CHECK(ftdi::divisor_of(r, 300).value == 0x2710);     // 10000
+  CHECK(ftdi::divisor_of(r, 9600).value == 0x4138);  // 312.5
+  CHECK(ftdi::divisor_of(r, 300).value == 0x2710);   // 10000
   CHECK(ftdi::divisor_of(r, 3'000'000).value == 0x0000);
   CHECK(ftdi::divisor_of(r, 2'000'000).value == 0x0001);
   CHECK(ftdi::divisor_of(r, 1'000'000).value == 0x0003);
   CHECK(ftdi::divisor_of(h, 12'000'000).value == 0x0000);
   CHECK(ftdi::divisor_of(h, 12'000'000).index == 0x0200);  // the 12 MHz clock, beside the channel
   CHECK(ftdi::divisor_of(h, 3'000'000).value == 0x0004);
-  CHECK(ftdi::divisor_of(h, 115'200).value == 0xC068);     // 104.125
+  CHECK(ftdi::divisor_of(h, 115'200).value == 0xC068);  // 104.125
   for (std::uint32_t baud_hz = 1000; baud_hz <= 1'000'000; baud_hz += 777) {
     for (const ftdi::Chip* chip : {&r, &h}) {
       CHECK(std::abs(static_cast<double>(ftdi::divisor_of(*chip, baud_hz).baud_hz) / baud_hz - 1) < 0.03);

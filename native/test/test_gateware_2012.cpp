@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin of the 2012 gateware, defects and all, and the host that has to live with them. What the recordings hold of the defects is
-// replayed by tests/conformance.
+// The twin of the 2012 gateware, defects and all, and the host that has to live with them. What the recordings hold of
+// the defects is replayed by tests/conformance.
 #include <array>
 #include <deque>
 #include <random>
@@ -31,7 +31,8 @@ DeviceConfiguration silent_at_0() {
 
 // An engine and a device that hand each other what they have, on the device's clock.
 struct OldWire {
-  explicit OldWire(const DeviceConfiguration& configuration, std::uint32_t fifo = 64, bool checksums = true) : device(configuration) {
+  explicit OldWire(const DeviceConfiguration& configuration, std::uint32_t fifo = 64, bool checksums = true)
+      : device(configuration) {
     EngineSettings settings;
     settings.receive_fifo_bytes = settings.transmit_fifo_bytes = fifo;
     settings.checksums = checksums;
@@ -85,7 +86,9 @@ struct OldWire {
   std::string sent;
 };
 
-std::string told(const Exchange& exchange) { return describe(exchange, {.address_bytes = 1, .last_answer_ns = 1, .reason = {}}).text; }
+std::string told(const Exchange& exchange) {
+  return describe(exchange, {.address_bytes = 1, .last_answer_ns = 1, .reason = {}}).text;
+}
 
 }  // namespace
 
@@ -127,7 +130,8 @@ TEST_CASE("2012: a rate of 0 leaves the publish that is pending") {
     DeviceConfiguration configuration = old ? gateware_2012() : device::test::bench();
     configuration.base_hz = 100'000;  // a strobe every 500 clocks
     unsigned published = 0;
-    for (device::Clock moment = 0; moment < 500; moment += 20) {  // at some of them one is due while the rate is written
+    // at some of them one is due while the rate is written
+    for (device::Clock moment = 0; moment < 500; moment += 20) {
       DeviceBench bench(configuration);
       CHECK(bench.ask("#WSA:000110\n#WSR:000001\n#EPS\n", 1000).starts_with("#S_WSA\n#S_WSR\n#S_EPS\n"));
       bench.wait(moment);
@@ -163,7 +167,8 @@ TEST_CASE("2012: the cycle of a bus timeout goes on") {
     CHECK(bench.ask("#R:F5\n#W:0500000007\n#R:05\n") == "#?E_BAT\n#S_W\n#S_R:40de0505\n");  // the write is lost
     CHECK(bench.ask("#W:F500000007\n#R:06\n#R:06\n").starts_with("#?E_BAT\n#S_R:"));
     CHECK(bench.ask("#R:06\n") == "#S_R:00000000\n");
-    CHECK(bench.ask("#W:F500000007\n#R:00\n#R:F5\n#W:0700000007\n#R:07\n") == "#?E_BAT\n#?E_BAT\n#?E_BAT\n#S_W\n#S_R:00000000\n");
+    CHECK(bench.ask("#W:F500000007\n#R:00\n#R:F5\n#W:0700000007\n#R:07\n") ==
+          "#?E_BAT\n#?E_BAT\n#?E_BAT\n#S_W\n#S_R:00000000\n");
   }
   SUBCASE("corrected gateware ends it") {
     DeviceConfiguration configuration = silent_at_0();
@@ -348,7 +353,8 @@ TEST_CASE("no request that succeeds is wrong on 2012 gateware whose address 0 is
         }
         used[address] = true;
         const bool repeat = random() % 2 == 0;
-        exchanges.push_back(random() % 2 == 0 ? reading(address, true, repeat) : writing(address, static_cast<std::uint32_t>(random()) | 1, repeat));
+        exchanges.push_back(random() % 2 == 0 ? reading(address, true, repeat)
+                                              : writing(address, static_cast<std::uint32_t>(random()) | 1, repeat));
         exchanges.back().checked = true;
         wire.submit(exchanges.back());
       }
@@ -363,7 +369,8 @@ TEST_CASE("no request that succeeds is wrong on 2012 gateware whose address 0 is
           REQUIRE(now == exchange.value);
           ++executed;
         }
-        named = named || (exchange.status == Status::bus_error && told(exchange).find("will write 0") != std::string::npos);
+        named =
+            named || (exchange.status == Status::bus_error && told(exchange).find("will write 0") != std::string::npos);
         if (!exchange.writes() && exchange.address < 0xE0 && !named) {
           REQUIRE(now == before[exchange.address]);
         }

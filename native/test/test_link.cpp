@@ -32,7 +32,8 @@ device::DeviceConfiguration plain_board() {
 }
 
 // Of the classic protocol only, which the link finds out by asking; test_framed_link.cpp has the other.
-std::unique_ptr<device::Board> board_on(const std::string& kind, device::DeviceConfiguration configuration = plain_board()) {
+std::unique_ptr<device::Board> board_on(const std::string& kind,
+                                        device::DeviceConfiguration configuration = plain_board()) {
   configuration.protocol = device::Protocol::classic;
   auto board = std::make_unique<device::Board>(configuration, device::make_endpoint(kind, "127.0.0.1"));
   board->start();
@@ -311,7 +312,8 @@ TEST_CASE("close wakes whoever waits; a silent device ends in a timeout that say
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) == 0);
   std::unique_ptr<Link> link;
   const std::string copy = std::to_string(::fcntl(ends[0], F_DUPFD_CLOEXEC, 0));
-  const Outcome silent = Link::open("fd:" + copy + "?timeout=0.1", link);  // long enough for a busy machine to make all attempts
+  // long enough for a busy machine to make all attempts
+  const Outcome silent = Link::open("fd:" + copy + "?timeout=0.1", link);
   CHECK(silent.status == Status::timeout);
   CHECK(silent.attempts == 3);
   CHECK(silent.text.find("never answered") != std::string::npos);
@@ -356,11 +358,36 @@ TEST_CASE("publishes that a serial line cannot carry are refused") {
 
 TEST_CASE("URLs that mean nothing say what was expected") {
   std::unique_ptr<Link> link;
-  for (const char* url : {"", "tcp", "tcp:", "tcp://host", "tcp://:1", "tcp://h:0", "tcp://h:70000", "fd:x", "fd:", "serial:", "http://x:1",
-                          "fd:0?x", "fd:0?crc", "fd:0?crc=2", "fd:0?crc=1&crc=1", "fd:0?timeout=0", "fd:0?timeout=nan", "fd:0?fifo=0",
-                          "fd:0?fifo=1,", "fd:0?polynomial=256", "fd:0?polynomial=none&crc=1",
-                          "fd:0?polynomial=none&protocol=framed", "fd:0?colour=red", "fd:0?window=0", "fd:0?gateware=new", "fd:0?baud=9600",
-                          "fd:0?attempts=0", "fd:0?data_bytes=5", "fd:0?spin=1", "fd:0?spin=-1"}) {
+  for (const char* url : {"",
+                          "tcp",
+                          "tcp:",
+                          "tcp://host",
+                          "tcp://:1",
+                          "tcp://h:0",
+                          "tcp://h:70000",
+                          "fd:x",
+                          "fd:",
+                          "serial:",
+                          "http://x:1",
+                          "fd:0?x",
+                          "fd:0?crc",
+                          "fd:0?crc=2",
+                          "fd:0?crc=1&crc=1",
+                          "fd:0?timeout=0",
+                          "fd:0?timeout=nan",
+                          "fd:0?fifo=0",
+                          "fd:0?fifo=1,",
+                          "fd:0?polynomial=256",
+                          "fd:0?polynomial=none&crc=1",
+                          "fd:0?polynomial=none&protocol=framed",
+                          "fd:0?colour=red",
+                          "fd:0?window=0",
+                          "fd:0?gateware=new",
+                          "fd:0?baud=9600",
+                          "fd:0?attempts=0",
+                          "fd:0?data_bytes=5",
+                          "fd:0?spin=1",
+                          "fd:0?spin=-1"}) {
     CAPTURE(url);
     const Outcome outcome = Link::open(url, link);
     CHECK(outcome.status == Status::bad_url);

@@ -46,7 +46,8 @@ TEST_CASE("a link that cannot begin ends its attempt in time, and its seldom suc
       std::unique_ptr<Link> link;
       const std::uint64_t begun_ns = VirtualPlace::clock_ns;
       const Outcome outcome = Link::open(std::make_unique<VirtualLine>(place), asked, link);
-      CHECK(VirtualPlace::clock_ns - begun_ns <= 4 * attempts_ns + 200 * ms + slack_ns);  // 200 ms is the farewell of a session
+      // 200 ms is the farewell of a session
+      CHECK(VirtualPlace::clock_ns - begun_ns <= 4 * attempts_ns + 200 * ms + slack_ns);
       CHECK(!outcome.ok());
       CHECK(!outcome.text.empty());
     }
@@ -57,11 +58,20 @@ TEST_CASE("no call waits for more than its attempts, however the device goes on"
   using Call = std::function<Outcome(Link&)>;
   const std::vector<std::uint32_t> many(100, 0x11);
   const std::vector<Call> calls{
-      [](Link& link) { std::uint32_t value = 0; return link.read(0x10, value, {}); },
+      [](Link& link) {
+        std::uint32_t value = 0;
+        return link.read(0x10, value, {});
+      },
       [](Link& link) { return link.write(0x10, 1, {}); },
       [&](Link& link) { return link.write_many(many, many, {}); },
-      [&](Link& link) { std::vector<std::uint32_t> values(100); return link.read_each(many, values, {}); },
-      [](Link& link) { std::array<std::uint32_t, 4> values{}; return link.read_control(0, values, {}); },
+      [&](Link& link) {
+        std::vector<std::uint32_t> values(100);
+        return link.read_each(many, values, {});
+      },
+      [](Link& link) {
+        std::array<std::uint32_t, 4> values{};
+        return link.read_control(0, values, {});
+      },
       [](Link& link) { return link.sync({}); },
       [&](Link& link) {
         const Outcome posted = link.post(many, many, {});
@@ -86,8 +96,7 @@ TEST_CASE("no call waits for more than its attempts, however the device goes on"
       }
     }
     place.liar.set(faults::Peer::honest);
-    for (int round = 0; round < 10 && !link->read(0x10, value, {}).ok(); ++round) {
-    }
+    for (int round = 0; round < 10 && !link->read(0x10, value, {}).ok(); ++round) {}
     const Outcome after = link->read(0x10, value, {});
     CAPTURE(after.text);
     CHECK(after.ok());
@@ -110,7 +119,9 @@ TEST_CASE("a device that tells no more lies is served again within four timeouts
       std::uint32_t value = 0;
       for (std::uint64_t call = 0; call < 1 + seed % 4; ++call) {
         const std::uint64_t until_ns = VirtualPlace::clock_ns + 1 * ms + place.random() % (150 * ms);
-        CHECK(!(call % 2 == 0 ? link->read(0x10, value, {.until_ns = until_ns}) : link->write(0x10, 1, {.until_ns = until_ns})).ok());
+        CHECK(!(call % 2 == 0 ? link->read(0x10, value, {.until_ns = until_ns})
+                              : link->write(0x10, 1, {.until_ns = until_ns}))
+                   .ok());
       }
       place.liar.set(faults::Peer::honest);
       const std::uint64_t honest_ns = VirtualPlace::clock_ns;
@@ -136,11 +147,13 @@ TEST_CASE("a device that sends the engine back to the beginning is not asked at 
     const std::uint64_t until_ns = begun_ns + 2000 * ms;
     std::uint32_t value = 0;
     std::uint64_t calls = 0;
-    for (; VirtualPlace::clock_ns < until_ns; ++calls) {  // refusals end a call at once: the next is the caller's own haste
+    // refusals end a call at once: the next is the caller's own haste
+    for (; VirtualPlace::clock_ns < until_ns; ++calls) {
       static_cast<void>(link->read(0x10, value, {.until_ns = until_ns}));
     }
     const std::uint64_t bytes = link->statistics().bytes_sent - sent;
-    // 100 pauses of a timeout, and those before it has doubled to that: each HELLO or OPEN and what is in flight, 40 bytes.
+    // 100 pauses of a timeout, and those before it has doubled to that: each HELLO or OPEN and what is in flight, 40
+    // bytes.
     CHECK(bytes <= (100 + 12) * 40 + calls * 200);
   }
 }
@@ -151,11 +164,13 @@ TEST_CASE("a device for which it is never a request's turn is not asked at the r
   LinkOptions asked = options();
   asked.attempts = 100;
   REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
-  const std::vector<std::uint32_t> words(200, 0x11);  // requests in a chain, where only the device knows whose turn it is
+  // Requests in a chain, where only the device knows whose turn it is.
+  const std::vector<std::uint32_t> words(200, 0x11);
   place.liar.set(faults::Peer::waiting);
   const std::uint64_t before = place.turns;
   CHECK(!link->write_many(words, words, {.until_ns = VirtualPlace::clock_ns + 2000 * ms}).ok());
-  CHECK(place.turns - before <= 2 * 100 + 2 * 16);  // each timeout a repeat and a greeting, and 16 repeats at once in front
+  // Each timeout a repeat and a greeting, and 16 repeats at once in front.
+  CHECK(place.turns - before <= 2 * 100 + 2 * 16);
 }
 
 TEST_CASE("a device with frames is never taken for a classic one, however much its line loses") {
@@ -194,9 +209,11 @@ TEST_CASE("what it costs to find out that a device is a classic one") {
     turns[framed] = place.turns;
     bytes[framed] = link->statistics().bytes_sent;
   }
-  CHECK(turns[0] == 1 + 8);  // the fence, and each HELLO with a classic question: the answer of 32 bytes is more than a FIFO of 16 takes, so one at a time
+  // the fence, and each HELLO with a classic question: the answer of 32 bytes is more than a FIFO of 16 takes, so one
+  // at a time
+  CHECK(turns[0] == 1 + 8);
   CHECK(turns[1] <= 5);
-  CHECK(bytes[0] < 150);     // 13 ms at 115,200 baud
+  CHECK(bytes[0] < 150);  // 13 ms at 115,200 baud
 }
 
 TEST_CASE("a classic device is found out on a bad line, too") {

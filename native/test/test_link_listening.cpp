@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who reads publishes: the thread that waits for them, else the reader; and that nobody is forgotten when they take turns.
+// Who reads publishes: the thread that waits for them, else the reader; and that nobody is forgotten when they take
+// turns.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -21,7 +22,8 @@ constexpr std::uint64_t patience_ns = 10'000'000'000;
 
 // Tells who has read last.
 struct WatchedDriver final : DescriptorDriver {
-  explicit WatchedDriver(int descriptor, std::atomic<std::thread::id>& reader) : DescriptorDriver(descriptor), reader_(reader) {}
+  explicit WatchedDriver(int descriptor, std::atomic<std::thread::id>& reader)
+      : DescriptorDriver(descriptor), reader_(reader) {}
   Transfer receive(std::span<std::uint8_t> room) noexcept override {
     reader_ = std::this_thread::get_id();
     return DescriptorDriver::receive(room);
@@ -65,8 +67,7 @@ TEST_CASE("who waits for publishes reads them, and the reader when nobody does")
       REQUIRE(real_ns() < until);
       REQUIRE(at.link->wait_publish(id, patience_ns));
       own = at.reader.load() == std::this_thread::get_id();
-      while (at.drained(id) > 0) {
-      }
+      while (at.drained(id) > 0) {}
     }
     for (const std::size_t before = at.link->available(id); at.link->available(id) < before + 3;) {
       REQUIRE(real_ns() < until);

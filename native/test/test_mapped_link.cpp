@@ -161,7 +161,8 @@ TEST_CASE("mapped memory: who calls all the time does not keep the groups from b
   std::uint32_t slow = 0;
   std::uint32_t fast = 0;
   REQUIRE(link->subscribe({.addresses = addresses, .divisor = 0xFFFFFFFF}, slow).ok());
-  REQUIRE(link->subscribe({.addresses = addresses, .divisor = 10}, fast).ok());  // the reader may sleep until `slow` is due
+  // the reader may sleep until `slow` is due
+  REQUIRE(link->subscribe({.addresses = addresses, .divisor = 10}, fast).ok());
   std::vector<std::uint32_t> values(1);
   const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (link->available(fast) < 5 && std::chrono::steady_clock::now() < limit) {

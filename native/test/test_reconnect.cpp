@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A line that comes back, under several threads: the board's own count says that no set-point was repeated, and no execution forgotten.
+// A line that comes back, under several threads: the board's own count says that no set-point was repeated, and no
+// execution forgotten.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -83,12 +84,16 @@ TEST_CASE("no set-point is repeated and no execution forgotten, however often th
     for (std::uint32_t first = 0; first < writers.size(); ++first) {
       const Writer& mine = writers[first];
       std::vector<std::uint32_t> written;
-      std::copy_if(all.begin(), all.end(), std::back_inserter(written), [&](std::uint32_t number) { return number % writers.size() == first; });
+      std::copy_if(all.begin(), all.end(), std::back_inserter(written),
+                   [&](std::uint32_t number) { return number % writers.size() == first; });
       CAPTURE(options);
-      CHECK(std::is_sorted(written.begin(), written.end()));                                 // none came late
-      CHECK(std::adjacent_find(written.begin(), written.end()) == written.end());            // none twice
-      CHECK(std::includes(written.begin(), written.end(), mine.done.begin(), mine.done.end()));  // what was confirmed was done
-      CHECK(std::none_of(mine.refused.begin(), mine.refused.end(), [&](std::uint32_t number) { return std::binary_search(written.begin(), written.end(), number); }));
+      CHECK(std::is_sorted(written.begin(), written.end()));                       // none came late
+      CHECK(std::adjacent_find(written.begin(), written.end()) == written.end());  // none twice
+      // what was confirmed was done
+      CHECK(std::includes(written.begin(), written.end(), mine.done.begin(), mine.done.end()));
+      CHECK(std::none_of(mine.refused.begin(), mine.refused.end(), [&](std::uint32_t number) {
+        return std::binary_search(written.begin(), written.end(), number);
+      }));
       CHECK(written.size() <= mine.done.size() + mine.unknown);
       unknown += mine.unknown;
     }

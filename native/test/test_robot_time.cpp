@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time of all virtual boards of a process: it waits for the slowest, but not for ever. The real time is given by hand.
+// The time of all virtual boards of a process: it waits for the slowest, but not for ever. The real time is given by
+// hand.
 #include <doctest/doctest.h>
 
 #include "layer0_driver/robot_time.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scheme is one row: `loop:` here, which no other file knows, is opened through Link and the C ABI, and told in every message.
+// A scheme is one row: `loop:` here, which no other file knows, is opened through Link and the C ABI, and told in every
+// message.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -18,7 +19,8 @@ namespace {
 // A driver that has its board within.
 class LoopDriver final : public DescriptorDriver {
  public:
-  LoopDriver(std::unique_ptr<device::Board> board, int descriptor) : DescriptorDriver(descriptor), board_(std::move(board)) {}
+  LoopDriver(std::unique_ptr<device::Board> board, int descriptor)
+      : DescriptorDriver(descriptor), board_(std::move(board)) {}
   ~LoopDriver() override { LoopDriver::close(); }
 
  private:
@@ -28,7 +30,8 @@ class LoopDriver final : public DescriptorDriver {
 Outcome open_loop(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
   CHECK(patience.timeout_ns == 2'000'000'000);  // timeout=1, twice
   std::uint64_t bits = 32;
-  if (const std::string* text = url.option("bits"); text != nullptr && (!parse_number(*text, 32, bits) || bits % 8 != 0)) {
+  if (const std::string* text = url.option("bits");
+      text != nullptr && (!parse_number(*text, 32, bits) || bits % 8 != 0)) {
     return {Status::bad_url, "link URL '" + url.text + "': bits=" + *text + " is none of 8, 16, 24 and 32"};
   }
   device::DeviceConfiguration configuration;
@@ -40,7 +43,12 @@ Outcome open_loop(const Url& url, const Patience& patience, std::unique_ptr<Driv
   return {};
 }
 
-const Scheme loop{.name = "loop", .form = "loop:NAME", .what = "a board in its own driver", .place = Place::name, .options = "bits spare", .open = &open_loop};
+const Scheme loop{.name = "loop",
+                  .form = "loop:NAME",
+                  .what = "a board in its own driver",
+                  .place = Place::name,
+                  .options = "bits spare",
+                  .open = &open_loop};
 const AddedScheme added(loop);
 
 std::string refused(const char* url) {
@@ -85,7 +93,7 @@ TEST_CASE("messages tell of every row") {
   CHECK(has(refused("loop:x?bits=7&timeout=1&attempts=2"), "bits=7 is none of 8, 16, 24 and 32"));
   CHECK(has(refused("loop:x?bit=7"), "no option 'bit'"));
   CHECK(has(refused("loop:x?bit=7"), ", bits and spare (loop)"));
-  CHECK(has(refused("loop:x?baud=9600"), "no option 'baud'"));      // of another scheme
+  CHECK(has(refused("loop:x?baud=9600"), "no option 'baud'"));  // of another scheme
   CHECK(has(refused("tcp://127.0.0.1:1?bits=8"), "no option 'bits'"));
   CHECK(has(refused("spi:"), "the device file is missing, as in spi:/dev/spidev0.0"));
   CHECK(has(refused("fd:seven"), "'seven' is not a descriptor number"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The serial driver on a pseudo-terminal. Its own file because the kernel's termios2 cannot be included beside <termios.h>.
+// The serial driver on a pseudo-terminal. Its own file because the kernel's termios2 cannot be included beside
+// <termios.h>.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may open a session: the one that hears the answers to HELLO. Somebody who sends in its name and hears nothing can only guess.
+// Who may open a session: the one that hears the answers to HELLO. Somebody who sends in its name and hears nothing can
+// only guess.
 #include <array>
 #include <random>
 #include <set>
@@ -24,13 +25,12 @@ std::string hello() {
 
 std::string opening(std::uint16_t nonce, std::uint16_t epoch) {
   std::array<std::uint8_t, 32> room{};
-  const std::size_t size = FrameEncoder(room, protocol::request_kind::open, FrameKey{}).word(nonce, 2).word(epoch, 2).word(0, 1).finish();
+  const std::size_t size =
+      FrameEncoder(room, protocol::request_kind::open, FrameKey{}).word(nonce, 2).word(epoch, 2).word(0, 1).finish();
   return std::string(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size));
 }
 
-bool says_open(std::string_view answer) {
-  return answer.find(static_cast<char>(protocol::device_kind::open)) == 0;
-}
+bool says_open(std::string_view answer) { return answer.find(static_cast<char>(protocol::device_kind::open)) == 0; }
 
 }  // namespace
 
@@ -85,7 +85,9 @@ TEST_CASE("forged datagrams take no session over, whatever they count on") {
     FrameDecoder decoder;
     struct {
       std::uint16_t nonce = 0;
-      void on_frame(const Frame& frame) { nonce = static_cast<std::uint16_t>(frame.payload[1] << 8 | frame.payload[2]); }
+      void on_frame(const Frame& frame) {
+        nonce = static_cast<std::uint16_t>(frame.payload[1] << 8 | frame.payload[2]);
+      }
       void on_discard(Discard, std::uint8_t, std::size_t) {}
     } told;
     decoder.feed(std::span(reinterpret_cast<const std::uint8_t*>(answer.data()), answer.size()), told);

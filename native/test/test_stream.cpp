@@ -62,8 +62,12 @@ TEST_CASE("replies, errors and publishes") {
   CHECK(decoded("$S_W*f4\n") == "reply $ S_W   0\n");
   CHECK(decoded("#S_RM:40de111140de1212?E_MAB\n") == "error # S_RM 40de111140de1212 E_MAB 0\n");
   CHECK(decoded("$?E_ICC\n") == "error $   E_ICC 0\n");
-  CHECK(decoded("?f3\n") == "datalink -   " " 243\n");
-  CHECK(decoded("?busy\n") == "busy -   " " 0\n");
+  CHECK(decoded("?f3\n") ==
+        "datalink -   "
+        " 243\n");
+  CHECK(decoded("?busy\n") ==
+        "busy -   "
+        " 0\n");
   CHECK(decoded("&PUB:000240de101040de1111*ba\n") == "publish 0 2 checked 1088294928 1088295185\n");
   CHECK(decoded("%PUB:000240de101040de1111\n") == "publish 0 2 plain 1088294928 1088295185\n");
   CHECK(decoded("%PUB:0002aabbccdd\n", 2) == "publish 0 2 plain 43707 52445\n");
@@ -71,9 +75,10 @@ TEST_CASE("replies, errors and publishes") {
 }
 
 TEST_CASE("no value comes from a message of wrong form or checksum") {
-  for (const char* line : {"$S_R:40de1212*2e\n", "$S_R:40de1212\n", "$S_R:40de1212*2\n", "$S_R:40de1212*2d0\n", "#S_R:40de1212*2d\n",
-                           "#S_R:40de121\n", "#S_R:40 de1212\n", "#S_R:40de1212 \n", "#S_R:40de1212\r\n", "#S_R:40de12:12\n",
-                           "#S_R:40de1212?E_XXX\n", "&PUB:0001aabbccdd*00\n", "&PUB:0001aabbccdd\n", "%PUB:0001aabbcc\n", "%PUB:00\n"}) {
+  for (const char* line :
+       {"$S_R:40de1212*2e\n", "$S_R:40de1212\n", "$S_R:40de1212*2\n", "$S_R:40de1212*2d0\n", "#S_R:40de1212*2d\n",
+        "#S_R:40de121\n", "#S_R:40 de1212\n", "#S_R:40de1212 \n", "#S_R:40de1212\r\n", "#S_R:40de12:12\n",
+        "#S_R:40de1212?E_XXX\n", "&PUB:0001aabbccdd*00\n", "&PUB:0001aabbccdd\n", "%PUB:0001aabbcc\n", "%PUB:00\n"}) {
     const std::string text = decoded(line);
     CAPTURE(line);
     CHECK((text.starts_with("malformed") || text.starts_with("checksum")));
@@ -97,8 +102,16 @@ TEST_CASE("a line without end is bounded") {
 
 TEST_CASE("one chunk and any other chunking agree") {
   std::mt19937 random(7);
-  const std::string pieces[] = {"$S_R:40de1212*2d\n", "&PUB:000240de101040de1111*ba\n", "?f4\n", "$CNF:01,04,20,02,03e8,02,10,02*a7\n",
-                                "#S_RM:40de1111?E_MAB\n", "\n", "&PUB:0001aabbccdd*00\n", "%PUB:0100\n", "?busy\n", "12*"};
+  const std::string pieces[] = {"$S_R:40de1212*2d\n",
+                                "&PUB:000240de101040de1111*ba\n",
+                                "?f4\n",
+                                "$CNF:01,04,20,02,03e8,02,10,02*a7\n",
+                                "#S_RM:40de1111?E_MAB\n",
+                                "\n",
+                                "&PUB:0001aabbccdd*00\n",
+                                "%PUB:0100\n",
+                                "?busy\n",
+                                "12*"};
   for (int run = 0; run < 300; ++run) {
     std::string text;
     for (int piece = 0; piece < 30; ++piece) {
@@ -146,9 +159,10 @@ TEST_CASE("configuration, with the defects of the 2012 gateware") {
   CHECK(parse_configuration("01,04,20,02,,,,02,10,02", sum, {})->base_hz == 0x2C2C);
   CHECK(parse_configuration("01,04,20,02,00,02,10,02", sum, {})->base_hz == 256);
   CHECK(parse_configuration("01,04,20,02,0000,02,10,02", sum, {})->base_hz == 65536);
-  for (const char* wrong : {"", ",", "01,04,20,02,03e8,02,10", "01,04,20,02,03e8,02,10,02,", "00,04,20,02,03e8,02,10,02",
-                            "01,05,20,02,03e8,02,10,02", "01,04,20,03,03e8,02,10,02", "01,04,20,02,3e8,02,10,02",
-                            "01,04,20,02,03e8,02,10,00", "01,04,20,02,,02,10,02x", "0104200203e8021002"}) {
+  for (const char* wrong :
+       {"", ",", "01,04,20,02,03e8,02,10", "01,04,20,02,03e8,02,10,02,", "00,04,20,02,03e8,02,10,02",
+        "01,05,20,02,03e8,02,10,02", "01,04,20,03,03e8,02,10,02", "01,04,20,02,3e8,02,10,02",
+        "01,04,20,02,03e8,02,10,00", "01,04,20,02,,02,10,02x", "0104200203e8021002"}) {
     CAPTURE(wrong);
     CHECK_FALSE(parse_configuration(wrong, sum, {}));
   }

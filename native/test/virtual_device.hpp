@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A classic device on a virtual clock, with a wire that loses, damages and delays: small enough to be obviously right about what it
-// executed, which is what the engine's promises are measured against. 8-bit addresses, 32-bit words, checked requests only.
+// A classic device on a virtual clock, with a wire that loses, damages and delays: small enough to be obviously right
+// about what it executed, which is what the engine's promises are measured against. 8-bit addresses, 32-bit words,
+// checked requests only.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@
 namespace unitylink::test {
 
 struct Faults {
-  double request = 0;   // chance that a message to the device suffers one fault
-  double reply = 0;     // the same for messages from it
-  double stall = 0;     // chance that a reply, and all behind it, comes after the timeout
+  double request = 0;  // chance that a message to the device suffers one fault
+  double reply = 0;    // the same for messages from it
+  double stall = 0;    // chance that a reply, and all behind it, comes after the timeout
   bool publishing = false;
 };
 
@@ -29,7 +30,7 @@ class VirtualDevice {
 
   std::map<std::uint32_t, int> executed;  // by value written
   bool silent = false;
-  std::size_t most_buffered = 0;          // bytes of complete requests seen at once, if more than one
+  std::size_t most_buffered = 0;  // bytes of complete requests seen at once, if more than one
 
   static std::uint32_t value_at(std::uint32_t address) { return 0x9E3779B9u * (address + 1); }
 
@@ -133,7 +134,9 @@ class VirtualDevice {
     const std::size_t star = text.find('*');
     const std::size_t colon = text.find(':');
     const std::string letters = text.substr(1, std::min(star, colon) - 1);
-    const std::string data = colon == std::string::npos || star == std::string::npos || colon > star ? "" : text.substr(colon + 1, star - colon - 1);
+    const std::string data = colon == std::string::npos || star == std::string::npos || colon > star
+                                 ? ""
+                                 : text.substr(colon + 1, star - colon - 1);
     for (const char digit : data) {
       if (std::string_view("0123456789ABCDEF").find(digit) == std::string_view::npos) {
         return datalink_error("f3", now_ns);
@@ -159,7 +162,9 @@ class VirtualDevice {
     if (faults_.publishing) {
       send(message('&', "PUB", "0001" + word(7)), now_ns);
     }
-    const auto byte = [&](std::size_t index) { return static_cast<std::uint32_t>(std::stoul(data.substr(2 * index, 2), nullptr, 16)); };
+    const auto byte = [&](std::size_t index) {
+      return static_cast<std::uint32_t>(std::stoul(data.substr(2 * index, 2), nullptr, 16));
+    };
     if (letters == "RLC") {
       send("$CNF:01,04,20,02,03e8,02,10,02*a7\n", now_ns);
     } else if (letters == "R" && data.size() == 2) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A driver for Link with the twin at its other end, a wire that may lose messages and a mouth that may lie, on a clock of its own: a second of
-// silence takes a millisecond, and the same seed gives the same history. One at a time in a thread.
+// A driver for Link with the twin at its other end, a wire that may lose messages and a mouth that may lie, on a clock
+// of its own: a second of silence takes a millisecond, and the same seed gives the same history. One at a time in a
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,11 @@ namespace unitylink::test {
 // What a test does with the line while a link has it.
 struct VirtualPlace {
   explicit VirtualPlace(std::uint64_t seed = 1, device::DeviceConfiguration configuration = {})
-      : random(seed), device(configuration), there(random, 0, 833, 125'000), back(random, 0, 833, 125'000), liar(random, true) {}
+      : random(seed),
+        device(configuration),
+        there(random, 0, 833, 125'000),
+        back(random, 0, 833, 125'000),
+        liar(random, true) {}
 
   void lose(double share) {
     there.set({.lose = share});
@@ -58,7 +63,8 @@ struct Messages {
 
 class VirtualLine final : public Driver {
  public:
-  explicit VirtualLine(VirtualPlace& place) : place_(place), readable_(::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)), begun_ns_(now()) {}
+  explicit VirtualLine(VirtualPlace& place)
+      : place_(place), readable_(::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)), begun_ns_(now()) {}
   ~VirtualLine() override { VirtualLine::close(); }
 
   Transfer send(std::span<const std::uint8_t> bytes) noexcept override {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The generated plug-in of ros2_control in the loop of a controller manager: `control_loop URL`. Each line of standard input is a
-// position for all joints; the answer is the positions read, and how often read() and write() have allocated or locked.
+// The generated plug-in of ros2_control in the loop of a controller manager: `control_loop URL`. Each line of standard
+// input is a position for all joints; the answer is the positions read, and how often read() and write() have allocated
+// or locked.
 #include <dlfcn.h>
 #include <pthread.h>
 

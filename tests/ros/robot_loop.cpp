@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a generated C++ node stands on, without ROS: `robot_loop URL` does what each line of standard input says, as the thread of a node would, and answers with a
-// line; what the robot says comes as lines that begin with `say`. `robot_loop` alone knows the values only.
+// What a generated C++ node stands on, without ROS: `robot_loop URL` does what each line of standard input says, as the
+// thread of a node would, and answers with a line; what the robot says comes as lines that begin with `say`.
+// `robot_loop` alone knows the values only.
 //   set NAME NUMBER · hang SECONDS · health · number INDEX RAW · encode INDEX NUMBER
 #include <poll.h>
 
@@ -59,7 +60,8 @@ int main(int argc, char** argv) {
       tell(text);
     } else if (what == "encode") {
       std::uint64_t raw = 0;
-      tell(unitylink::encode(values[std::stoul(name)], std::strtod(number.c_str(), nullptr), raw) ? std::to_string(raw) : "none");
+      tell(unitylink::encode(values[std::stoul(name)], std::strtod(number.c_str(), nullptr), raw) ? std::to_string(raw)
+                                                                                                  : "none");
     }
   }
   if (robot) robot->rest();

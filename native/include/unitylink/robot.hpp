@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A robot on a link that may be lost and come back. For nodes and controllers in C++: publishes come in, set-points go out, and the newest values
-// win.
+// A robot on a link that may be lost and come back. For nodes and controllers in C++: publishes come in, set-points go
+// out, and the newest values win.
 //
 //     unitylink::Robot robot(table, options, on_publish, say);
 //     robot.set(values, numbers, count);      // from any thread: all are written soon and together, or none is
 //
 // Header-only on the C ABI (unitylink.h), C++17.
-// Threads: one keeps the link and writes, one per published group receives, and one checks that these work. read_newest(), write_newest() and alive()
-// are for one real-time thread: they never allocate, lock, wait or throw.
-// Loss: without a link no publishes come, set() is refused, and the gateware's dead-man makes the outputs safe if it has one. Layer 2 opens the line
-// again (reconnect=1). When the device is back, its safe values are written before anything else.
-// Life: a program that calls alive() must call it again within a second, until rest(). If it does not, or if a thread of the robot hangs, the
-// dead-man trips.
+// Threads: one keeps the link and writes, one per published group receives, and one checks that these work.
+// read_newest(), write_newest() and alive() are for one real-time thread: they never allocate, lock, wait or throw.
+// Loss: without a link no publishes come, set() is refused, and the gateware's dead-man makes the outputs safe if it
+// has one. Layer 2 opens the line again (reconnect=1). When the device is back, its safe values are written before
+// anything else.
+// Life: a program that calls alive() must call it again within a second, until rest(). If it does not, or if a thread
+// of the robot hangs, the dead-man trips.
 #pragma once
 
 #include <unitylink.h>
@@ -44,8 +45,14 @@ class Robot {
   using Say = std::function<void(int level, const std::string& message)>;  // 0 information, 1 warning, 2 error
 
   Robot(const Table& table, RobotOptions options, OnPublish on_publish, Say say)
-      : table_(table), options_(std::move(options)), say_(std::move(say)), armed(options_.armed),
-        wanted_(table.value_count), written_(table.value_count), outputs_(table), publishes_(table, std::move(on_publish), life_) {
+      : table_(table),
+        options_(std::move(options)),
+        say_(std::move(say)),
+        armed(options_.armed),
+        wanted_(table.value_count),
+        written_(table.value_count),
+        outputs_(table),
+        publishes_(table, std::move(on_publish), life_) {
     sem_init(&wake_, 0, 0);
     life_.start();
     keeper_ = std::thread([this] { keep(); });
@@ -74,7 +81,8 @@ class Robot {
     std::vector<std::uint64_t> raws(count);
     for (std::size_t i = 0; i < count; ++i) {
       if (!encode(table_.values[values[i]], numbers[i], raws[i])) {
-        why = std::string(table_.values[values[i]].path) + ": " + shown(numbers[i]) + " is not one of its values, or is out of its limits; nothing was written";
+        why = std::string(table_.values[values[i]].path) + ": " + shown(numbers[i]) +
+              " is not one of its values, or is out of its limits; nothing was written";
         ++refused;
         return false;
       }
@@ -101,7 +109,8 @@ class Robot {
     return true;
   }
 
-  // Gets the newest published numbers of the values. Those of one group are of one moment. Returns false while the link is down.
+  // Gets the newest published numbers of the values. Those of one group are of one moment. Returns false while the link
+  // is down.
   bool read_newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     publishes_.newest(values, numbers, count);
     return up;
@@ -152,8 +161,9 @@ class Robot {
   // Returns 0 if all is well, 1 if something was refused or failed, 2 without a link. `facts` gets the diagnostics.
   int health(Facts& facts) {
     const std::pair<const char*, std::uint64_t> counted[] = {
-        {"commands accepted", accepted}, {"commands refused", refused}, {"writes", writes}, {"writes failed", failed},
-        {"publishes taken", publishes()},  {"links lost", losses},        {"armed", armed ? 1 : 0}};
+        {"commands accepted", accepted}, {"commands refused", refused},    {"writes", writes},
+        {"writes failed", failed},       {"publishes taken", publishes()}, {"links lost", losses},
+        {"armed", armed ? 1 : 0}};
     for (const auto& [name, count] : counted) facts.emplace_back(name, std::to_string(count));
     if (!up || hanging_) return 2;
     const std::lock_guard<std::mutex> lock(link_mutex_);
@@ -195,7 +205,8 @@ class Robot {
   bool ready(std::string& why) {
     if (up && armed && !hanging_) return true;
     ++refused;
-    why = up && !hanging_ ? "a command was not taken: the robot is not armed (service arm)" : "a command was not taken: " + state();
+    why = up && !hanging_ ? "a command was not taken: the robot is not armed (service arm)"
+                          : "a command was not taken: " + state();
     return false;
   }
   const Value* find(const std::string& path, std::string& why) const {
@@ -221,7 +232,8 @@ class Robot {
       trouble_ = trouble;
     }
     hanging_ = !trouble.empty();
-    say_(hanging_ ? 2 : 1, hanging_ ? trouble + ": no commands are taken, and the dead-man may trip" : "all threads work again");
+    say_(hanging_ ? 2 : 1,
+         hanging_ ? trouble + ": no commands are taken, and the dead-man may trip" : "all threads work again");
   }
 
   // ---- the link
@@ -276,16 +288,19 @@ class Robot {
     ul_configuration configuration{};
     configuration.size = sizeof configuration;
     ul_get_configuration(link_, &configuration);
-    if (configuration.data_bytes * 8 != table_.data_bits) return "the device has words of another width: this is not the board the spec is for";
+    if (configuration.data_bytes * 8 != table_.data_bits)
+      return "the device has words of another width: this is not the board the spec is for";
     if (const std::string notice = ul_notice(link_); !notice.empty()) {
       if (*table_.asks_for_frames != '\0') {
-        return std::string(table_.asks_for_frames) + ", which needs the framed protocol, but " + options_.url + " has fallen back to the classic one: " + notice +
+        return std::string(table_.asks_for_frames) + ", which needs the framed protocol, but " + options_.url +
+               " has fallen back to the classic one: " + notice +
                ". Use gateware with the framed protocol, or add protocol=classic to the URL if you want that";
       }
       say_(1, notice);
     }
     const char* unverified = "";
-    if (ul_check_spec(link_, table_.spec, table_.gateware, table_.gateware_count, &unverified) != UL_OK) return failure();
+    if (ul_check_spec(link_, table_.spec, table_.gateware, table_.gateware_count, &unverified) != UL_OK)
+      return failure();
     gateware_ = *unverified == '\0' ? "verified" : std::string("not verified: ") + unverified;
     if (*unverified != '\0') say_(1, gateware_);
     bool writable = false, safe = false;
@@ -296,15 +311,18 @@ class Robot {
     if (!device_.open(link_, options_.deadman_s, safe)) return failure();
     if (std::string trouble = make_fit(again); !trouble.empty()) return trouble;
     if (!device_.tripped() && !again && writable && !device_.lacking().empty()) {
-      say_(0, device_.lacking() + ": outputs keep their values when the link is lost, and are made safe when it is back");
+      say_(0,
+           device_.lacking() + ": outputs keep their values when the link is lost, and are made safe when it is back");
     }
     if (!publishes_.start(link_)) return failure();
-    if (const ul_status watched = life_.serve(link_); watched != UL_OK && watched != UL_MISMATCH) return failure();  // memory has no line
+    // memory has no line
+    if (const ul_status watched = life_.serve(link_); watched != UL_OK && watched != UL_MISMATCH) return failure();
     rise();
     return "";
   }
 
-  // Arms a gateware that has tripped, if the robot is armed. Then writes the safe values of a device that is `old`, because its values are old, too.
+  // Arms a gateware that has tripped, if the robot is armed. Then writes the safe values of a device that is `old`,
+  // because its values are old, too.
   std::string make_fit(bool old) {
     outputs_.open(link_);
     forget();
@@ -323,7 +341,8 @@ class Robot {
     return "";
   }
 
-  // The keeper's thread while there is a link: it writes the wanted values, and watches the line. Returns why the link has ended.
+  // The keeper's thread while there is a link: it writes the wanted values, and watches the line. Returns why the link
+  // has ended.
   std::string serve() {
     double checked_s = now_s(), silent_s = 0.0;
     bool made_safe = false;
@@ -342,7 +361,8 @@ class Robot {
         continue;
       }
       const double now = now_s();
-      if (up && hanging_ && !made_safe && !device_.tripped()) {  // while the link still works: not all gateware has a dead-man
+      // while the link still works: not all gateware has a dead-man
+      if (up && hanging_ && !made_safe && !device_.tripped()) {
         std::string said;
         made_safe = outputs_.write_safe(said);
         forget();
@@ -350,7 +370,8 @@ class Robot {
       made_safe = made_safe && hanging_;
       const bool look = now - checked_s > 0.1;
       checked_s = look ? now : checked_s;
-      if (up && (device_.generation() != generation_ || (look && device_.has_tripped()))) fall("the device has lost the values that were written to it");
+      if (up && (device_.generation() != generation_ || (look && device_.has_tripped())))
+        fall("the device has lost the values that were written to it");
       if (!up) {
         silent_s = 0.0;
         if (!look) continue;
@@ -397,11 +418,12 @@ class Robot {
     for (int tries = 0; tries < 3 && !stop_; ++tries) {  // while the link is up, and the values are still wanted
       if (outputs_.burst(changed)) return true;
       ++failed;
-      if (device_.generation() != generation_ || ul_wait_up(link_, 0) != UL_OK) return false;  // values from before a loss are not written after it
+      // values from before a loss are not written after it
+      if (device_.generation() != generation_ || ul_wait_up(link_, 0) != UL_OK) return false;
     }
     return false;
   }
-  TripleBuffer<Wanted> wanted_;           // what is set, for the keeper
+  TripleBuffer<Wanted> wanted_;  // what is set, for the keeper
   std::vector<Wanted> setting_copy_ = std::vector<Wanted>(table_.value_count);
   std::vector<std::uint64_t> written_;
   Outputs outputs_;

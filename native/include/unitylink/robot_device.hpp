@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A node's requests to the device itself: the dead-man, the counters, and whether it still holds the written values. On classic gateware only the
-// last.
+// A node's requests to the device itself: the dead-man, the counters, and whether it still holds the written values. On
+// classic gateware only the last.
 #pragma once
 
 #include <unitylink.h>
@@ -21,8 +21,9 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 // For one thread at a time.
 class Device {
  public:
-  // Takes a new link. If the device has a dead-man and there is something to make `safe`, the dead-man trips after `silence_s` without a sign of life
-  // from this program. A deadman= in the link's URL has priority. False: see ul_last_error_text().
+  // Takes a new link. If the device has a dead-man and there is something to make `safe`, the dead-man trips after
+  // `silence_s` without a sign of life from this program. A deadman= in the link's URL has priority. False: see
+  // ul_last_error_text().
   bool open(ul_link* link, double silence_s, bool safe) {
     link_ = link;
     wanted_s_ = silence_s;
@@ -71,10 +72,13 @@ class Device {
   void tell(Facts& facts) {
     char after[48];
     std::snprintf(after, sizeof after, "trips after %g s", silence_s_);
-    facts.emplace_back("dead-man", tripped_ ? "tripped: the outputs are safe, call arm" : lacking_.empty() ? after : lacking_);
-    static constexpr const char* names[] = {"frames",      "discarded check", "discarded kind", "discarded session", "discarded stale",  "discarded long",
-                                            "duplicates",  "posts",           "posts ahead",    "posts old",         "post errors",      "bus errors",
-                                            "bus timeouts", "publishes",      "publish overruns", "receive overruns", "refused",         "deadman trips"};
+    facts.emplace_back("dead-man", tripped_           ? "tripped: the outputs are safe, call arm"
+                                   : lacking_.empty() ? after
+                                                      : lacking_);
+    static constexpr const char* names[] = {
+        "frames",       "discarded check", "discarded kind",   "discarded session", "discarded stale", "discarded long",
+        "duplicates",   "posts",           "posts ahead",      "posts old",         "post errors",     "bus errors",
+        "bus timeouts", "publishes",       "publish overruns", "receive overruns",  "refused",         "deadman trips"};
     static_assert(sizeof names / sizeof *names == protocol::control::deadman_trips - protocol::control::frames + 1);
     std::uint32_t address = protocol::control::frames;
     for (const char* name : names) {
@@ -98,9 +102,12 @@ class Device {
     ul_get_configuration(link_, &configuration);
     silence_s_ = running ? static_cast<double>(ticks) / static_cast<double>(configuration.base_hz) : wanted_s_;
     lacking_ = silence_s_ <= 0 ? "the dead-man is off" : safe_ ? "" : "the spec gives no SAFE values for a dead-man";
-    return running || !lacking_.empty() || ul_set_dead_man(link_, static_cast<std::uint64_t>(1e9 * silence_s_), nullptr) == UL_OK;
+    return running || !lacking_.empty() ||
+           ul_set_dead_man(link_, static_cast<std::uint64_t>(1e9 * silence_s_), nullptr) == UL_OK;
   }
-  bool control(std::uint32_t address, std::uint32_t& value) { return ul_read_control(link_, address, &value, 1, nullptr) == UL_OK; }
+  bool control(std::uint32_t address, std::uint32_t& value) {
+    return ul_read_control(link_, address, &value, 1, nullptr) == UL_OK;
+  }
 
   ul_link* link_ = nullptr;
   bool framed_ = false, has_one_ = false, tripped_ = false, safe_ = false;

@@ -40,12 +40,13 @@ class Sign {
   std::atomic<double> since_s_{0.0};
 };
 
-// While all signs are fresh, a thread that waits for nothing else tells the link that the program works. `hangs(why)` is called when a sign is late,
-// and with "" when all are fresh again.
+// While all signs are fresh, a thread that waits for nothing else tells the link that the program works. `hangs(why)`
+// is called when a sign is late, and with "" when all are fresh again.
 class Life {
  public:
   static constexpr double patience_s = 1.0;  // for a thread without signs
-  static constexpr double device_s = 10.0;   // for a thread that waits for the device: the link ends such a wait earlier
+  // for a thread that waits for the device: the link ends such a wait earlier
+  static constexpr double device_s = 10.0;
 
   explicit Life(std::function<void(const std::string&)> hangs) : hangs_(std::move(hangs)) {}
   Life(const Life&) = delete;
@@ -62,7 +63,9 @@ class Life {
 
   // All calls come before start().
   Sign& expect(const char* what, double most_s) { return signs_.emplace_back(what, most_s); }
-  void start() { thread_ = std::thread([this] { look(); }); }
+  void start() {
+    thread_ = std::thread([this] { look(); });
+  }
 
   // Sets the link to be told from now on. nullptr: none.
   ul_status serve(ul_link* link) {

@@ -16,7 +16,8 @@ struct RobotOptions {
 
   // The URL with reconnect=1, unless it says otherwise. A device that cannot be opened again is opened as a new link.
   [[nodiscard]] std::string lasting_url() const {
-    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0) return url;
+    if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0)
+      return url;
     return url + (url.find('?') == std::string::npos ? "?" : "&") + "reconnect=1";
   }
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The wanted values of a robot's outputs, and how they are written: plain words in one burst, memory that needs a commit as a whole.
+// The wanted values of a robot's outputs, and how they are written: plain words in one burst, memory that needs a
+// commit as a whole.
 #pragma once
 
 #include <unitylink.h>
@@ -51,7 +52,8 @@ class Outputs {
     }
     if (said.empty()) said = "the spec gives no SAFE values, so its outputs stay as they are";
     if (burst(changed)) return true;
-    said = *ul_last_error_text() != 0 ? ul_last_error_text() : "the network behind the gateware is down, or has dropped the commit";
+    said = *ul_last_error_text() != 0 ? ul_last_error_text()
+                                      : "the network behind the gateware is down, or has dropped the commit";
     return false;
   }
   // Writes the wanted values: plain words in one burst, then for each unit all its outputs and one commit.
@@ -87,7 +89,8 @@ class Outputs {
     for (unsigned part = 0; part < value.words; ++part) addresses[part] = value.address + part;
     if (ul_read_many(link_, addresses, value.words, words, value.words > 1 ? 1 : 0, nullptr) != UL_OK) return false;
     raw = 0;
-    for (unsigned part = 0; part < value.words; ++part) raw |= static_cast<std::uint64_t>(words[part]) << part * table_.data_bits;
+    for (unsigned part = 0; part < value.words; ++part)
+      raw |= static_cast<std::uint64_t>(words[part]) << part * table_.data_bits;
     return true;
   }
 
@@ -106,7 +109,8 @@ class Outputs {
     options.size = sizeof options;
     options.checked = -1;
     options.repeat = repeat;
-    return addresses.empty() || ul_write_many(link_, addresses.data(), words.data(), addresses.size(), &options) == UL_OK;
+    return addresses.empty() ||
+           ul_write_many(link_, addresses.data(), words.data(), addresses.size(), &options) == UL_OK;
   }
   // Waits until no commit is pending. After a commit of our own it checks that the commit was not dropped.
   bool settle(const Unit& unit, bool committed) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The publishes of a robot. A thread per group drains, decodes and passes on. The newest values are kept for one real-time thread.
+// The publishes of a robot. A thread per group drains, decodes and passes on. The newest values are kept for one
+// real-time thread.
 #pragma once
 
 #include <unitylink.h>
@@ -24,8 +25,10 @@ class Publishes {
   // `raws` are the values of the group, in order. `time_s` is a time of CLOCK_MONOTONIC.
   using OnPublish = std::function<void(std::size_t group, double time_s, const std::uint64_t* raws)>;
 
-  Publishes(const Table& table, OnPublish on_publish, Life& life) : table_(table), on_publish_(std::move(on_publish)), newest_(table.value_count) {
-    for (std::size_t group = 0; group < table.group_count; ++group) signs_.push_back(&life.expect("a thread that publishes", Life::patience_s));
+  Publishes(const Table& table, OnPublish on_publish, Life& life)
+      : table_(table), on_publish_(std::move(on_publish)), newest_(table.value_count) {
+    for (std::size_t group = 0; group < table.group_count; ++group)
+      signs_.push_back(&life.expect("a thread that publishes", Life::patience_s));
   }
 
   // Subscribes all groups. The line may be lost and come back. False: see ul_last_error_text().
@@ -51,7 +54,9 @@ class Publishes {
         options.ring = 4096;
         if (ul_subscribe(link, addresses.data(), addresses.size(), &options, &subscription) != UL_OK) return false;
       }
-      readers_.emplace_back([this, link, group, addresses, subscription, base_hz] { follow(link, group, addresses, subscription, base_hz); });
+      readers_.emplace_back([this, link, group, addresses, subscription, base_hz] {
+        follow(link, group, addresses, subscription, base_hz);
+      });
     }
     return true;
   }
@@ -61,7 +66,8 @@ class Publishes {
     readers_.clear();
   }
 
-  // Gets the newest published numbers of the values. Those of one group are of one moment. Never allocates, locks, waits or throws.
+  // Gets the newest published numbers of the values. Those of one group are of one moment. Never allocates, locks,
+  // waits or throws.
   void newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     newest_.update();
     const auto& raws = newest_.front();
@@ -72,7 +78,8 @@ class Publishes {
 
  private:
   // The thread of a group: it drains, decodes and passes on.
-  void follow(ul_link* link, std::size_t group, const std::vector<std::uint32_t>& addresses, std::uint32_t subscription, double base_hz) {
+  void follow(ul_link* link, std::size_t group, const std::vector<std::uint32_t>& addresses, std::uint32_t subscription,
+              double base_hz) {
     const auto& wanted = table_.groups[group];
     std::vector<double> times(64);
     std::vector<std::uint32_t> words(times.size() * addresses.size());
@@ -96,7 +103,8 @@ class Publishes {
         for (std::size_t k = 0; k < wanted.count; ++k) {
           const auto& value = table_.values[wanted.values[k]];
           raws[k] = 0;
-          for (unsigned part = 0; part < value.words; ++part) raws[k] |= static_cast<std::uint64_t>(*word++) << part * table_.data_bits;
+          for (unsigned part = 0; part < value.words; ++part)
+            raws[k] |= static_cast<std::uint64_t>(*word++) << part * table_.data_bits;
         }
         {
           const std::lock_guard<std::mutex> lock(mutex_);

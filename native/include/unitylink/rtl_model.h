@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * The seam between the board and gateware compiled by Verilator: a shared library that exports `unitylink_rtl_model`.
- * Every input goes through a register of the model, so that it takes effect in the clock after the one it is given in. */
+ * Every input goes through a register of the model, so that it takes effect in the clock after the one it is given in.
+ */
 #ifndef UNITYLINK_RTL_MODEL_H
 #define UNITYLINK_RTL_MODEL_H
 
@@ -27,24 +28,24 @@ typedef struct unitylink_rtl_pins {
 } unitylink_rtl_pins;
 
 typedef struct unitylink_rtl {
-  uint32_t abi;         /* UNITYLINK_RTL_ABI */
-  uint32_t read_words;  /* words the PC reads, as many as `set_word` takes */
-  uint32_t write_words; /* words the PC writes, as many as `get_word` gives */
-  uint32_t groups;      /* event lines */
-  void *(*create)(void); /* NULL without memory */
-  void (*destroy)(void *model);
-  void (*clock)(void *model, unitylink_rtl_pins *pins);
-  void (*set_word)(void *model, uint32_t index, uint32_t value);
-  uint32_t (*get_word)(const void *model, uint32_t index);
-  uint32_t (*was_written)(const void *model, uint32_t index); /* 1 in the first clock of a new word */
-  void (*set_event)(void *model, uint32_t group, uint32_t high);
-  const char *(*failure)(const void *model); /* the assertion of the gateware that failed, "" while none has */
+  uint32_t abi;          /* UNITYLINK_RTL_ABI */
+  uint32_t read_words;   /* words the PC reads, as many as `set_word` takes */
+  uint32_t write_words;  /* words the PC writes, as many as `get_word` gives */
+  uint32_t groups;       /* event lines */
+  void* (*create)(void); /* NULL without memory */
+  void (*destroy)(void* model);
+  void (*clock)(void* model, unitylink_rtl_pins* pins);
+  void (*set_word)(void* model, uint32_t index, uint32_t value);
+  uint32_t (*get_word)(const void* model, uint32_t index);
+  uint32_t (*was_written)(const void* model, uint32_t index); /* 1 in the first clock of a new word */
+  void (*set_event)(void* model, uint32_t group, uint32_t high);
+  const char* (*failure)(const void* model); /* the assertion of the gateware that failed, "" while none has */
 } unitylink_rtl;
 
-const unitylink_rtl *unitylink_rtl_model(void);
+const unitylink_rtl* unitylink_rtl_model(void);
 
 /* Within the model: an assertion at `place` ("fifo.vhd:73") has failed. */
-void unitylink_failed(const char *place);
+void unitylink_failed(const char* place);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The newest of a stream of vectors, passed from one thread to another. Neither thread ever waits, allocates, or sees a half vector.
+// The newest of a stream of vectors, passed from one thread to another. Neither thread ever waits, allocates, or sees a
+// half vector.
 #pragma once
 
 #include <array>
@@ -13,7 +14,8 @@ namespace unitylink {
 template <typename T>
 class TripleBuffer {
  public:
-  explicit TripleBuffer(std::size_t size) : buffers_{{std::vector<T>(size), std::vector<T>(size), std::vector<T>(size)}} {}
+  explicit TripleBuffer(std::size_t size)
+      : buffers_{{std::vector<T>(size), std::vector<T>(size), std::vector<T>(size)}} {}
 
   // For the writer: fill it, then call publish().
   std::vector<T>& back() noexcept { return buffers_[back_]; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each call of the C ABI needs: its arguments are checked, what is thrown becomes a status, and the failure is kept.
+// What each call of the C ABI needs: its arguments are checked, what is thrown becomes a status, and the failure is
+// kept.
 #pragma once
 
 #include <exception>

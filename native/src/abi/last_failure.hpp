@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the last failure of a thread was. It needs no memory, for there may be none; and nothing at the end of its thread, for where the
-// C library has no memory to note that, it ends the program.
+// What the last failure of a thread was. It needs no memory, for there may be none; and nothing at the end of its
+// thread, for where the C library has no memory to note that, it ends the program.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,8 @@ class LastFailure {
     std::size_t bytes = text.size();
     if (bytes > text_bytes_max) {
       bytes = text_bytes_max - more.size();
-      while (bytes > 0 && (static_cast<std::uint8_t>(text[bytes]) & 0xC0) == 0x80) {  // not in the middle of a character
+      // not in the middle of a character
+      while (bytes > 0 && (static_cast<std::uint8_t>(text[bytes]) & 0xC0) == 0x80) {
         --bytes;
       }
     }

@@ -107,29 +107,29 @@ ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
   return guarded([&] {
     const Statistics has = link->link->statistics();
     const ul_statistics all = {statistics->size,
-                   0,
-                   has.requests,
-                   has.replies,
-                   has.device_errors,
-                   has.retries,
-                   has.timeouts,
-                   has.fences,
-                   has.checksum_errors,
-                   has.malformed_messages,
-                   has.datalink_errors,
-                   has.stale_replies,
-                   has.garbage_bytes,
-                   has.publishes,
-                   has.unclaimed_publishes,
-                   has.mismatched_publishes,
-                   has.overruns,
-                   has.bytes_sent,
-                   has.bytes_received,
-                   has.posts,
-                   has.missing_publishes,
-                   has.sessions,
-                   has.restarts,
-                   has.reconnections};
+                               0,
+                               has.requests,
+                               has.replies,
+                               has.device_errors,
+                               has.retries,
+                               has.timeouts,
+                               has.fences,
+                               has.checksum_errors,
+                               has.malformed_messages,
+                               has.datalink_errors,
+                               has.stale_replies,
+                               has.garbage_bytes,
+                               has.publishes,
+                               has.unclaimed_publishes,
+                               has.mismatched_publishes,
+                               has.overruns,
+                               has.bytes_sent,
+                               has.bytes_received,
+                               has.posts,
+                               has.missing_publishes,
+                               has.sessions,
+                               has.restarts,
+                               has.reconnections};
     std::memcpy(statistics, &all, statistics->size);
     return ul_status{UL_OK};
   });
@@ -154,23 +154,28 @@ ul_status ul_write(ul_link* link, uint32_t address, uint32_t value, const ul_opt
 ul_status ul_read_many(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, int32_t atomic,
                        const ul_options* options) {
   RequestOptions how;
-  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, true, how)) {
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) ||
+      !request_options(options, true, how)) {
     return bad_argument(null_pointer);
   }
   return guarded([&] { return told(link->link->read_many({addresses, count}, {values, count}, atomic != 0, how)); });
 }
 
-ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values, const ul_options* options) {
+ul_status ul_read_each(ul_link* link, const uint32_t* addresses, size_t count, uint32_t* values,
+                       const ul_options* options) {
   RequestOptions how;
-  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, true, how)) {
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) ||
+      !request_options(options, true, how)) {
     return bad_argument(null_pointer);
   }
   return guarded([&] { return told(link->link->read_each({addresses, count}, {values, count}, how)); });
 }
 
-ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options) {
+ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
+                        const ul_options* options) {
   RequestOptions how;
-  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, false, how)) {
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) ||
+      !request_options(options, false, how)) {
     return bad_argument(null_pointer);
   }
   return guarded([&] { return told(link->link->write_many({addresses, count}, {values, count}, how)); });
@@ -179,7 +184,8 @@ ul_status ul_write_many(ul_link* link, const uint32_t* addresses, const uint32_t
 const char* ul_protocol(ul_link* link) { return link != nullptr ? link->link->protocol() : "classic"; }
 const char* ul_notice(ul_link* link) { return link != nullptr ? link->link->notice().c_str() : ""; }
 
-ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count, const char** unverified) {
+ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes, size_t count,
+                        const char** unverified) {
   if (link == nullptr || spec == nullptr || (count > 0 && hashes == nullptr)) {
     return bad_argument(null_pointer);
   }
@@ -192,8 +198,9 @@ ul_status ul_check_spec(ul_link* link, const char* spec, const uint64_t* hashes,
   });
 }
 
-ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes, const uint32_t* addresses,
-                      uint32_t* values, size_t reads, int32_t atomic, const ul_options* options) {
+ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint32_t* write_values, size_t writes,
+                      const uint32_t* addresses, uint32_t* values, size_t reads, int32_t atomic,
+                      const ul_options* options) {
   RequestOptions how;
   const bool missing = (writes > 0 && (write_addresses == nullptr || write_values == nullptr)) ||
                        (reads > 0 && (addresses == nullptr || values == nullptr));
@@ -201,7 +208,8 @@ ul_status ul_transfer(ul_link* link, const uint32_t* write_addresses, const uint
     return bad_argument(link == nullptr || missing ? null_pointer : unknown_size);
   }
   return guarded([&] {
-    return told(link->link->transfer({write_addresses, writes}, {write_values, writes}, {addresses, reads}, {values, reads}, atomic != 0, how));
+    return told(link->link->transfer({write_addresses, writes}, {write_values, writes}, {addresses, reads},
+                                     {values, reads}, atomic != 0, how));
   });
 }
 
@@ -221,9 +229,11 @@ ul_status ul_list(ul_link* link, const ul_list_word* words, size_t count, uint32
   });
 }
 
-ul_status ul_post(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count, const ul_options* options) {
+ul_status ul_post(ul_link* link, const uint32_t* addresses, const uint32_t* values, size_t count,
+                  const ul_options* options) {
   RequestOptions how;
-  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) || !request_options(options, false, how)) {
+  if (link == nullptr || (count > 0 && (addresses == nullptr || values == nullptr)) ||
+      !request_options(options, false, how)) {
     return bad_argument(null_pointer);
   }
   return guarded([&] { return told(link->link->post({addresses, count}, {values, count}, how)); });
@@ -253,9 +263,10 @@ ul_status ul_write_control(ul_link* link, uint32_t address, uint32_t value, cons
   return guarded([&] { return told(link->link->write_control(address, value, how)); });
 }
 
-ul_status ul_define_exchange(ul_link* link, const ul_exchange_word* outputs, size_t output_count, const ul_exchange_word* inputs,
-                             size_t input_count, uint32_t* group) {
-  if (link == nullptr || group == nullptr || (output_count > 0 && outputs == nullptr) || (input_count > 0 && inputs == nullptr)) {
+ul_status ul_define_exchange(ul_link* link, const ul_exchange_word* outputs, size_t output_count,
+                             const ul_exchange_word* inputs, size_t input_count, uint32_t* group) {
+  if (link == nullptr || group == nullptr || (output_count > 0 && outputs == nullptr) ||
+      (input_count > 0 && inputs == nullptr)) {
     return bad_argument(null_pointer);
   }
   return guarded([&] {
@@ -270,14 +281,15 @@ ul_status ul_define_exchange(ul_link* link, const ul_exchange_word* outputs, siz
   });
 }
 
-ul_status ul_exchange(ul_link* link, uint32_t group, const uint32_t* outputs, size_t output_count, uint32_t* inputs, size_t input_count,
-                      const ul_options* options) {
+ul_status ul_exchange(ul_link* link, uint32_t group, const uint32_t* outputs, size_t output_count, uint32_t* inputs,
+                      size_t input_count, const ul_options* options) {
   RequestOptions how;
   const bool missing = (output_count > 0 && outputs == nullptr) || (input_count > 0 && inputs == nullptr);
   if (link == nullptr || missing || !request_options(options, false, how)) {
     return bad_argument(link == nullptr || missing ? null_pointer : unknown_size);
   }
-  return guarded([&] { return told(link->link->exchange(group, {outputs, output_count}, {inputs, input_count}, how)); });
+  return guarded(
+      [&] { return told(link->link->exchange(group, {outputs, output_count}, {inputs, input_count}, how)); });
 }
 
 ul_status ul_release_exchange(ul_link* link, uint32_t group) {
@@ -319,12 +331,14 @@ void ul_alive(ul_link* link) {
   }
 }
 
-ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options, uint32_t* subscription) {
+ul_status ul_subscribe(ul_link* link, const uint32_t* addresses, size_t count, const ul_subscription_options* options,
+                       uint32_t* subscription) {
   if (link == nullptr || addresses == nullptr || subscription == nullptr || !known(options)) {
     return bad_argument(known(options) ? null_pointer : unknown_size);
   }
   return guarded([&] {
-    const SubscriptionRequest request{{addresses, count}, options->divisor, options->on_event != 0, options->verify != 0, options->ring};
+    const SubscriptionRequest request{
+        {addresses, count}, options->divisor, options->on_event != 0, options->verify != 0, options->ring};
     return told(link->link->subscribe(request, *subscription));
   });
 }
@@ -336,7 +350,8 @@ ul_status ul_unsubscribe(ul_link* link, uint32_t subscription) {
   return guarded([&] { return told(link->link->unsubscribe(subscription)); });
 }
 
-ul_status ul_drain(ul_link* link, uint32_t subscription, double* times_s, uint32_t* values, size_t room, size_t* taken) {
+ul_status ul_drain(ul_link* link, uint32_t subscription, double* times_s, uint32_t* values, size_t room,
+                   size_t* taken) {
   if (link == nullptr || times_s == nullptr || values == nullptr || taken == nullptr) {
     return bad_argument(null_pointer);
   }
@@ -355,7 +370,8 @@ ul_status ul_wait_publish(ul_link* link, uint32_t subscription, uint64_t timeout
       return ul_status{UL_OK};
     }
     const bool over = link->link->closed() || !link->link->subscribed(subscription);
-    return told({over ? Status::closed : Status::timeout, over ? "the link or the subscription has ended" : "no publish came in time"});
+    return told({over ? Status::closed : Status::timeout,
+                 over ? "the link or the subscription has ended" : "no publish came in time"});
   });
 }
 

@@ -76,7 +76,8 @@ BusStatus AddressMap::write(std::uint32_t address, std::uint32_t value, Clock no
   const std::uint32_t word = value & data_mask_;
   BusStatus status = BusStatus::ok;
   if (among(flags_, address)) {
-    status = at.slave->write(address - at.range.first, at.slave->read(address - at.range.first, now).value & ~word, now);
+    status =
+        at.slave->write(address - at.range.first, at.slave->read(address - at.range.first, now).value & ~word, now);
   } else if (!among(strobes_, address)) {
     status = at.slave->write(address - at.range.first, word, now);
   }

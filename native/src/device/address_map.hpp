@@ -25,7 +25,9 @@ class AddressMap final : public Bus {
   BusReply get(std::uint32_t address, Clock now) override;
   BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override;
 
-  void observe(std::function<void(std::uint32_t address, std::uint32_t value)> observer) { observer_ = std::move(observer); }
+  void observe(std::function<void(std::uint32_t address, std::uint32_t value)> observer) {
+    observer_ = std::move(observer);
+  }
 
   [[nodiscard]] Clock next_clock() const noexcept override;
   void advance(Clock now) override;

@@ -88,15 +88,9 @@ void Application::step(Clock now) {
       }
       break;
     }
-    case State::emit:
-      emit();
-      break;
-    case State::single_access:
-      access_single();
-      break;
-    case State::block_access:
-      access_block();
-      break;
+    case State::emit: emit(); break;
+    case State::single_access: access_single(); break;
+    case State::block_access: access_block(); break;
   }
 }
 
@@ -189,15 +183,9 @@ void Application::emit() {
   sent_ = 0;
   held_from_ = never_held;
   switch (after_emit_) {
-    case State::single_access:
-      schedule_access(address_, State::single_access);
-      break;
-    case State::block_access:
-      next_block_word();
-      break;
-    default:
-      finish();
-      break;
+    case State::single_access: schedule_access(address_, State::single_access); break;
+    case State::block_access: next_block_word(); break;
+    default: finish(); break;
   }
 }
 
@@ -208,7 +196,8 @@ void Application::schedule_access(std::uint32_t address, State state) {
 }
 
 void Application::next_block_word() {
-  if (configuration_.published_2012 && !request_ && next_address_ == addresses_.size() && block_words_ == configuration_.group_size) {
+  if (configuration_.published_2012 && !request_ && next_address_ == addresses_.size() &&
+      block_words_ == configuration_.group_size) {
     next_address_ = 0;  // its counter of addresses is one bit too short for the end of a full group
   }
   if (next_address_ < addresses_.size()) {

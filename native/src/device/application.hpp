@@ -15,8 +15,8 @@
 
 namespace unitylink::device {
 
-// One state machine, as in the gateware. It does one thing at a time. It chooses between a request and a publish only between
-// messages. Its clock is the time of the next step, and it stops while the transmit FIFO is full.
+// One state machine, as in the gateware. It does one thing at a time. It chooses between a request and a publish only
+// between messages. Its clock is the time of the next step, and it stops while the transmit FIFO is full.
 class Application {
  public:
   Application(const DeviceConfiguration& configuration, DatalinkReceiver& receiver, SubscriptionManager& subscriptions,
@@ -63,7 +63,8 @@ class Application {
   void value(std::uint32_t value, std::uint32_t bytes);
   void success(std::string_view reply);  // the whole reply, which has no data
   void refuse(std::string_view error);
-  void refuse_missing(std::string_view error);  // bytes of the request are missing; while it is open they may still come
+  // bytes of the request are missing; while it is open they may still come
+  void refuse_missing(std::string_view error);
   bool refuse_access(BusStatus status, std::string_view error);
   void schedule_access(std::uint32_t address, State state);
 
@@ -77,18 +78,18 @@ class Application {
 
   State state_ = State::idle;
   State after_emit_ = State::idle;
-  Clock at_ = 0;               // when the next step is due, or when the machine became idle
-  Clock decision_ = 0;         // clock of the decode in progress
+  Clock at_ = 0;        // when the next step is due, or when the machine became idle
+  Clock decision_ = 0;  // clock of the decode in progress
   bool yielding_ = false;
-  bool blocked_ = false;       // waits for room in the transmit FIFO
-  bool request_ = false;       // the message in hand is a request, not a publish
+  bool blocked_ = false;  // waits for room in the transmit FIFO
+  bool request_ = false;  // the message in hand is a request, not a publish
   bool checked_publish_ = false;
   bool write_ = false;
   std::uint32_t address_ = 0;
   std::uint32_t write_value_ = 0;
   std::vector<Word> pending_;  // words that go into the transmit FIFO
   std::size_t sent_ = 0;
-  std::size_t held_from_ = never_held;  // words from here on wait for the end of the request
+  std::size_t held_from_ = never_held;    // words from here on wait for the end of the request
   std::vector<std::uint32_t> addresses_;  // of the block being read
   std::size_t next_address_ = 0;
   std::uint32_t group_ = 0;        // the published group

@@ -108,7 +108,8 @@ void Application::read_configuration() {
                                                             {configuration_.read_many, 1},
                                                             {configuration_.publish_mode, 1},
                                                             {configuration_.base_hz, frequency_bytes},
-                                                            {configuration_.groups, 1},  // one byte: 256 groups are sent as 00
+                                                            // one byte: 256 groups are sent as 00
+                                                            {configuration_.groups, 1},
                                                             {configuration_.group_size, 1},
                                                             {configuration_.rate_bytes, 1}}};
   char separator = bytes::data_mark;
@@ -116,7 +117,7 @@ void Application::read_configuration() {
     mark(separator);
     for (std::uint32_t byte = width; byte-- > 0;) {
       const auto part = static_cast<std::uint8_t>(content >> (8 * byte));
-      old && part == bytes::field_separator ? mark(bytes::field_separator) : value(part, 1);
+      old&& part == bytes::field_separator ? mark(bytes::field_separator) : value(part, 1);
     }
     separator = bytes::field_separator;
   }

@@ -20,8 +20,10 @@ constexpr std::uint64_t second_ns = 1'000'000'000;
 constexpr std::uint64_t lead_ns = 200'000;
 constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can give it work
 constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a readable descriptor
-constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;  // beyond this the others do not wait any longer, and the device clock is delayed
-constexpr std::uint64_t linger_ns = 500'000'000;   // for the answers to a client that sends nothing more but still reads
+// beyond this the others do not wait any longer, and the device clock is delayed
+constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;
+// for the answers to a client that sends nothing more but still reads
+constexpr std::uint64_t linger_ns = 500'000'000;
 constexpr std::size_t chunk = 16384;
 
 // In two parts: clock_hz times nanoseconds overflows within a day.
@@ -74,7 +76,9 @@ void Board::wake() {
   [[maybe_unused]] const ssize_t written = ::write(wake_, &one, sizeof one);
 }
 
-Clock Board::clock_now() const noexcept { return clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_; }
+Clock Board::clock_now() const noexcept {
+  return clocks(RobotTime::here().now_ns() - start_ns_, configuration().clock_hz) - slip_;
+}
 
 std::uint64_t Board::due_ns(Clock clock) const noexcept {
   return clock == never ? RobotTime::idle : start_ns_ + nanoseconds(clock + slip_, configuration().clock_hz);
@@ -363,7 +367,8 @@ BoardStatistics Board::statistics() {
   BoardStatistics told = statistics_;
   const std::uint64_t real = real_ns();
   const std::uint64_t robot = RobotTime::here().now_ns(real) - start_ns_;
-  told.time_slipped_s += static_cast<double>(real - started_ns_ - std::min(real - started_ns_, robot)) / static_cast<double>(second_ns);
+  told.time_slipped_s +=
+      static_cast<double>(real - started_ns_ - std::min(real - started_ns_, robot)) / static_cast<double>(second_ns);
   return told;
 }
 

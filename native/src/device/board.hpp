@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A running device: a thread serves it on an endpoint. Its clock follows the common time of all virtual boards in this process.
+// A running device: a thread serves it on an endpoint. Its clock follows the common time of all virtual boards in this
+// process.
 #pragma once
 
 #include <atomic>
@@ -17,8 +18,8 @@
 
 namespace unitylink::device {
 
-// The simulated machine behind the registers. The board's thread calls `step` without its lock, every `period_s` of device time.
-// If it returns false, the stepping ends, and the board continues to serve.
+// The simulated machine behind the registers. The board's thread calls `step` without its lock, every `period_s` of
+// device time. If it returns false, the stepping ends, and the board continues to serve.
 struct PlantHook {
   double period_s = 0;
   std::function<bool(double time_s)> step;
@@ -29,11 +30,12 @@ struct BoardStatistics {
   std::uint64_t clients = 0;        // clients so far
   std::uint64_t bytes_dropped = 0;  // bytes published without a client
   std::uint64_t plant_steps = 0;
-  double time_slipped_s = 0;        // how late the device clock is because the machine was too busy
+  double time_slipped_s = 0;  // how late the device clock is because the machine was too busy
 };
 
-// A client that leaves frees the board, and its settings stay. Publishing continues without a client, as on a real board. A
-// client that does not read fills the transmit FIFO, and the device stops, as gateware does. All calls may come from any thread.
+// A client that leaves frees the board, and its settings stay. Publishing continues without a client, as on a real
+// board. A client that does not read fills the transmit FIFO, and the device stops, as gateware does. All calls may
+// come from any thread.
 class Board {
  public:
   Board(std::unique_ptr<ServedDevice> device, std::unique_ptr<Endpoint> endpoint);
@@ -65,11 +67,12 @@ class Board {
   [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_->configuration(); }
 
  private:
-  // A call from outside. A mutex gives itself first to the thread that asks first, so a caller in a tight loop could keep the
-  // board's thread waiting. So callers let the board's thread go first.
+  // A call from outside. A mutex gives itself first to the thread that asks first, so a caller in a tight loop could
+  // keep the board's thread waiting. So callers let the board's thread go first.
   [[nodiscard]] std::unique_lock<std::mutex> enter();
   void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
-  void let_in(std::unique_lock<std::mutex>& lock);     // lets callers in, while the board's thread has no pause of its own
+  // lets callers in, while the board's thread has no pause of its own
+  void let_in(std::unique_lock<std::mutex>& lock);
 
   void serve();
   [[nodiscard]] Clock in_time(Clock target);
@@ -96,14 +99,14 @@ class Board {
   std::vector<std::uint8_t> output_;  // taken from the device and not yet sent
   std::size_t output_sent_ = 0;
   bool output_blocked_ = false;
-  bool fed_ = false;                  // the device has just got bytes
-  bool at_rest_ = true;               // the last byte sent ended a message
-  std::uint64_t start_ns_ = 0;       // robot time
-  std::uint64_t started_ns_ = 0;     // real time
+  bool fed_ = false;              // the device has just got bytes
+  bool at_rest_ = true;           // the last byte sent ended a message
+  std::uint64_t start_ns_ = 0;    // robot time
+  std::uint64_t started_ns_ = 0;  // real time
   RobotTime::Follower follower_{RobotTime::here()};
   Clock slip_ = 0;
   Clock lead_ = 0;
-  Clock linger_until_ = 0;            // when a client that sends nothing more is dismissed
+  Clock linger_until_ = 0;  // when a client that sends nothing more is dismissed
   int wake_ = -1;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -16,8 +16,8 @@ struct BusReply {
   std::uint32_t value = 0;
 };
 
-// Addresses are relative to the slave. The link uses `read`, `write` and `block`. The FPGA's own side of the same words is `get`
-// and `set`, and plants use them.
+// Addresses are relative to the slave. The link uses `read`, `write` and `block`. The FPGA's own side of the same words
+// is `get` and `set`, and plants use them.
 class Bus {
  public:
   virtual ~Bus() = default;

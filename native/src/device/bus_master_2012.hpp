@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bus master of the gateware of 2012, with its defects (docs/classic-protocol.md, section 7). A twin with it tests hosts.
+// The bus master of the gateware of 2012, with its defects (docs/classic-protocol.md, section 7). A twin with it tests
+// hosts.
 //
-// - A request without an acknowledge in time ends in E_BAT, but its cycle goes on at address 0. A read reads there, and a write
-//   writes 0 there. If no slave answers at 0 either, the cycle waits for the next access and takes its address, but keeps its own
-//   direction. So a write that timed out writes 0 where the next request reads, and a read that timed out reads where it writes.
-// - The word of a write is taken from the wrong end of 32 bits: 32 bits are right, 24 bits keep their top 16, and 16 or fewer are
-//   0.
+// - A request without an acknowledge in time ends in E_BAT, but its cycle goes on at address 0. A read reads there, and
+//   a write writes 0 there. If no slave answers at 0 either, the cycle waits for the next access and takes its address,
+//   but keeps its own direction. So a write that timed out writes 0 where the next request reads, and a read that timed
+//   out reads where it writes.
+// - The word of a write is taken from the wrong end of 32 bits: 32 bits are right, 24 bits keep their top 16, and 16 or
+//   fewer are 0.
 #pragma once
 
 #include "device/bus.hpp"
@@ -22,7 +24,9 @@ class BusMaster2012 final : public Bus {
   }
   void block(bool held, Clock now) override { bus_.block(held, now); }
   BusReply get(std::uint32_t address, Clock now) override { return bus_.get(address, now); }
-  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override { return bus_.set(address, value, now); }
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override {
+    return bus_.set(address, value, now);
+  }
 
  private:
   enum class Cycle : std::uint8_t { none, read, write };
@@ -34,7 +38,8 @@ class BusMaster2012 final : public Bus {
   BusReply access(std::uint32_t address, Cycle wanted, std::uint32_t value, Clock now) {
     const Cycle done = left_ != Cycle::none ? left_ : wanted;
     const BusReply reply = cycle(done, address, left_ != Cycle::none ? 0 : value, now);
-    left_ = reply.status == BusStatus::silent && cycle(done, 0, 0, now).status == BusStatus::silent ? done : Cycle::none;
+    left_ =
+        reply.status == BusStatus::silent && cycle(done, 0, 0, now).status == BusStatus::silent ? done : Cycle::none;
     return reply;
   }
 

@@ -10,9 +10,7 @@ namespace unitylink::device {
 
 namespace {
 
-constexpr std::uint32_t ones(std::uint32_t bits) noexcept {
-  return bits >= 32 ? 0xFFFFFFFFu : (1u << bits) - 1u;
-}
+constexpr std::uint32_t ones(std::uint32_t bits) noexcept { return bits >= 32 ? 0xFFFFFFFFu : (1u << bits) - 1u; }
 
 struct Slave {
   std::string name;
@@ -62,8 +60,8 @@ std::string DeviceConfiguration::problem() const {
   }
   const std::uint32_t payload_max = long_frames ? std::uint32_t{frame_payload_max} : protocol::frame::short_payload_max;
   if (std::max(request_max, reply_max) > payload_max) {
-    return "request_max and reply_max are " + std::to_string(request_max) + " and " + std::to_string(reply_max) + "; choose at most " +
-           std::to_string(payload_max);
+    return "request_max and reply_max are " + std::to_string(request_max) + " and " + std::to_string(reply_max) +
+           "; choose at most " + std::to_string(payload_max);
   }
   if (!std::has_single_bit(window)) {
     return "window is " + std::to_string(window) + "; choose a power of two";
@@ -112,8 +110,8 @@ std::string DeviceConfiguration::problem() const {
   }
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     if (slaves[i].first + slaves[i].size - 1 > address_mask()) {
-      return slaves[i].name + " at " + std::to_string(slaves[i].first) + " does not fit " + std::to_string(address_bits) +
-             " address bits; give more address bits";
+      return slaves[i].name + " at " + std::to_string(slaves[i].first) + " does not fit " +
+             std::to_string(address_bits) + " address bits; give more address bits";
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (slaves[i].first < slaves[j].first + slaves[j].size && slaves[j].first < slaves[i].first + slaves[i].size) {

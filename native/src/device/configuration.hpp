@@ -28,18 +28,19 @@ struct TosnetNode {
 struct TosnetConfiguration {
   bool present = false;
   std::uint32_t base = 0;
-  std::uint8_t master_id = 1;               // the PC's own node
+  std::uint8_t master_id = 1;  // the PC's own node
   std::uint8_t master_registers = 0xFF;
-  std::uint32_t cycle_clocks = 5000;        // one network cycle: 100 us at 50 MHz
-  std::uint32_t max_skipped_writes = 0;     // so many cycles without a commit halt the system; 0: never
+  std::uint32_t cycle_clocks = 5000;     // one network cycle: 100 us at 50 MHz
+  std::uint32_t max_skipped_writes = 0;  // so many cycles without a commit halt the system; 0: never
   std::vector<TosnetNode> nodes;
 };
 
 struct FifoConfiguration {
   std::uint32_t base = 0;
   std::uint32_t depth = 16;  // words in each direction
-  std::optional<std::uint32_t> event_group = std::nullopt;  // the group whose event input is the FIFO's event line; by edge
-  std::uint32_t remind_clocks = 1u << 20;    // the event rises again if nothing was taken for so long
+  // the group whose event input is the FIFO's event line; by edge
+  std::optional<std::uint32_t> event_group = std::nullopt;
+  std::uint32_t remind_clocks = 1u << 20;  // the event rises again if nothing was taken for so long
 };
 
 struct DoubleBufferConfiguration {
@@ -55,11 +56,13 @@ struct SafeValue {
 
 // The settings (protocol/protocol.toml), the parts around the core, and the tables of the spec.
 struct DeviceConfiguration : Settings {
-  std::uint16_t offers = 0;           // number of earlier HELLO answers; a reset keeps it
-  std::uint64_t offer_secret = 0;     // 0: the nonces count, as in the gateware; otherwise nobody can guess the next one (session_offer.hpp)
+  std::uint16_t offers = 0;  // number of earlier HELLO answers; a reset keeps it
+  // 0: the nonces count, as in the gateware; otherwise nobody can guess the next one (session_offer.hpp)
+  std::uint64_t offer_secret = 0;
   std::vector<SafeValue> safe_words;
-  std::vector<std::uint32_t> flag_words;    // in rising order: a write of the PC clears these bits (W1C)
-  std::vector<std::uint32_t> strobe_words;  // in rising order: a write of the PC is a PULSE, and does not change what the PC reads there
+  std::vector<std::uint32_t> flag_words;  // in rising order: a write of the PC clears these bits (W1C)
+  // in rising order: a write of the PC is a PULSE, and does not change what the PC reads there
+  std::vector<std::uint32_t> strobe_words;
   std::vector<AddressRange> bus_error_ranges;  // answered with a bus error
   std::vector<AddressRange> silent_ranges;     // not answered at all
   TosnetConfiguration tosnet;
@@ -68,7 +71,8 @@ struct DeviceConfiguration : Settings {
 
   [[nodiscard]] bool has_classic() const noexcept { return protocol != Protocol::framed; }
   [[nodiscard]] bool has_framed() const noexcept { return protocol != Protocol::classic; }
-  // Clock cycles of a byte on the line (start, eight data and stop bit). 0: there is no line, and bytes are flow-controlled.
+  // Clock cycles of a byte on the line (start, eight data and stop bit). 0: there is no line, and bytes are
+  // flow-controlled.
   [[nodiscard]] std::uint32_t byte_clocks() const noexcept {
     return baud_hz > 0 ? static_cast<std::uint32_t>(std::uint64_t{clock_hz} * 10 / baud_hz) : 0;
   }
@@ -78,7 +82,9 @@ struct DeviceConfiguration : Settings {
   [[nodiscard]] bool has_checksum() const noexcept { return datalink == Datalink::full && checksum != Checksum::none; }
   [[nodiscard]] std::uint32_t address_mask() const noexcept;
   [[nodiscard]] std::uint32_t data_mask() const noexcept;
-  [[nodiscard]] bool edge_event(std::uint32_t group) const noexcept { return group < edge_events.size() && edge_events[group]; }
+  [[nodiscard]] bool edge_event(std::uint32_t group) const noexcept {
+    return group < edge_events.size() && edge_events[group];
+  }
   // The features that HELLO reports for the framed side.
   [[nodiscard]] std::uint32_t features() const noexcept;
   // The most entries of a received message: head, letters, colon, data bytes and tail.

@@ -13,7 +13,8 @@ namespace datalink_error = protocol::datalink_error;
 
 DatalinkReceiver::DatalinkReceiver(const DeviceConfiguration& configuration)
     : configuration_(configuration),
-      checksum_(configuration.checksum == Checksum::crc8 ? Crc8(static_cast<std::uint8_t>(configuration.polynomial)) : Crc8::exclusive_or()),
+      checksum_(configuration.checksum == Checksum::crc8 ? Crc8(static_cast<std::uint8_t>(configuration.polynomial))
+                                                         : Crc8::exclusive_or()),
       entries_most_(configuration.message_entries()) {
   for (Message& message : messages_) {
     message.letters.reserve(entries_most_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Turns bytes into messages: the ASCII decoder, its checks and its error codes. For the smaller datalinks only parts of it.
+// Turns bytes into messages: the ASCII decoder, its checks and its error codes. For the smaller datalinks only parts of
+// it.
 #pragma once
 
 #include <array>
@@ -52,9 +53,10 @@ class DatalinkReceiver {
   std::size_t complete_ = 0;
 
   bool receiving_ = false;
-  bool broken_ = false;           // lite: a character was not a digit; the message that was passed on stays open until the next head
+  // lite: a character was not a digit; the message that was passed on stays open until the next head
+  bool broken_ = false;
   bool star_ = false;
-  bool half_ = false;             // the first digit of a pair has come
+  bool half_ = false;  // the first digit of a pair has come
   std::uint8_t first_digit_ = 0;
   std::uint8_t sum_ = 0;
   std::uint32_t checksum_bytes_ = 0;

@@ -18,7 +18,8 @@ constexpr std::size_t characters_most = 4;  // a tail with its checksum, or a wh
 DatalinkTransmitter::DatalinkTransmitter(const DeviceConfiguration& configuration, PhysicalTransmitter& physical)
     : physical_(physical),
       digits_(configuration.datalink != Datalink::none),
-      checksum_(configuration.checksum == Checksum::crc8 ? Crc8(static_cast<std::uint8_t>(configuration.polynomial)) : Crc8::exclusive_or()) {}
+      checksum_(configuration.checksum == Checksum::crc8 ? Crc8(static_cast<std::uint8_t>(configuration.polynomial))
+                                                         : Crc8::exclusive_or()) {}
 
 Clock DatalinkTransmitter::word_clock() const noexcept {
   return words_.empty() ? never : std::max(words_.front().at + timing::transmit_latency, free_at_);
@@ -78,9 +79,7 @@ void DatalinkTransmitter::send_word() noexcept {
       sum_ = checksum_.update(sum_, word.value);
       character(static_cast<char>(word.value));
       break;
-    case Word::Kind::mark:
-      character(static_cast<char>(word.value));
-      break;
+    case Word::Kind::mark: character(static_cast<char>(word.value)); break;
     case Word::Kind::data:
       sum_ = checksum_.update(sum_, word.value);
       hex(word.value);

@@ -30,12 +30,14 @@ Device::Device(const DeviceConfiguration& configuration)
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
 void Device::receive_error(std::uint8_t bits) {
-  if (configuration_.published_2012 && receiver_.has_message()) {  // it answers received requests before it reports the error
+  // it answers received requests before it reports the error
+  if (configuration_.published_2012 && receiver_.has_message()) {
     unheard_errors_ |= bits;
     return;
   }
   if ((bits & 7u) != 0 && configuration_.datalink == Datalink::full) {
-    report(static_cast<std::uint8_t>(protocol::datalink_error::physical + (bits & 7u)), clock_ + timing::physical_error);
+    report(static_cast<std::uint8_t>(protocol::datalink_error::physical + (bits & 7u)),
+           clock_ + timing::physical_error);
   }
 }
 
@@ -115,7 +117,8 @@ void Device::take_bytes(Clock limit) {
 // After an error of form or checksum, the decoder of 2012 has already taken the next byte, if there was one.
 void Device::swallow(const DatalinkReceiver::Taken& failed) {
   namespace error = protocol::datalink_error;
-  const bool takes_one_more = failed.error == error::format || failed.error == error::odd_digits || failed.error == error::checksum;
+  const bool takes_one_more =
+      failed.error == error::format || failed.error == error::odd_digits || failed.error == error::checksum;
   if (configuration_.published_2012 && takes_one_more && input_.readable() <= failed.next) {
     input_.pop();
     ++statistics_.bytes_received;
@@ -125,8 +128,8 @@ void Device::swallow(const DatalinkReceiver::Taken& failed) {
 Clock Device::next_event() const noexcept { return std::min({next_beside_frames(), receiver_clock(), framed_clock()}); }
 
 Clock Device::next_beside_frames() const noexcept {
-  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(), subscriptions_.next_clock(),
-                   bus_.next_clock()});
+  return std::min({input_.next_arrival(), output_.next_departure(), transmitter_clock(), application_clock(),
+                   subscriptions_.next_clock(), bus_.next_clock()});
 }
 
 void Device::run_until(Clock clock) {

@@ -5,8 +5,8 @@
 //                                                 are seen from the next block on)
 //   +size          write: commit, the banks swap  read: number of commits so far
 //
-// Hazard, as in the 2012 library: the swap does not copy. A word that is not rewritten before a commit has its value of two
-// commits ago. `get` and `set`, on the FPGA's side, use the visible bank.
+// Hazard, as in the 2012 library: the swap does not copy. A word that is not rewritten before a commit has its value of
+// two commits ago. `get` and `set`, on the FPGA's side, use the visible bank.
 #pragma once
 
 #include <vector>

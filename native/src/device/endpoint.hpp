@@ -20,7 +20,8 @@ class EndpointError : public std::runtime_error {
 // After construction, only the board's thread uses it. Nothing here blocks.
 class Endpoint {
  public:
-  enum class Result : std::uint8_t { done, nothing, gone };  // gone: the client has left, and the endpoint is free again
+  // gone: the client has left, and the endpoint is free again
+  enum class Result : std::uint8_t { done, nothing, gone };
   struct Transfer {
     Result result = Result::nothing;
     std::size_t bytes = 0;
@@ -49,7 +50,8 @@ class Endpoint {
   virtual Transfer send(std::span<const std::uint8_t> bytes) = 0;
 };
 
-// `kind` is "fd", "pty[:PATH]", "tcp[:PORT]" or "udp[:PORT]". `bind` is the local address for the last two. Throws EndpointError.
+// `kind` is "fd", "pty[:PATH]", "tcp[:PORT]" or "udp[:PORT]". `bind` is the local address for the last two. Throws
+// EndpointError.
 std::unique_ptr<Endpoint> make_endpoint(const std::string& kind, const std::string& bind);
 
 }  // namespace unitylink::device

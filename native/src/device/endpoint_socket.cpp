@@ -39,7 +39,8 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
   addrinfo* found = nullptr;
   const int unknown = ::getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found);
   if (unknown != 0) {
-    throw EndpointError(wanted + ": " + ::gai_strerror(unknown) + "; give an address of this machine, such as 127.0.0.1");
+    throw EndpointError(wanted + ": " + ::gai_strerror(unknown) +
+                        "; give an address of this machine, such as 127.0.0.1");
   }
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> keeper(found, &::freeaddrinfo);
   Descriptor socket(::socket(found->ai_family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -47,8 +48,10 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
   if (type == SOCK_STREAM) {
     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   } else {
-    ::setsockopt(socket.get(), found->ai_family == AF_INET6 ? static_cast<int>(IPPROTO_IPV6) : static_cast<int>(IPPROTO_IP),
-                 found->ai_family == AF_INET6 ? IPV6_RECVERR : IP_RECVERR, &on, sizeof on);  // reports when the client has left
+    ::setsockopt(socket.get(),
+                 found->ai_family == AF_INET6 ? static_cast<int>(IPPROTO_IPV6) : static_cast<int>(IPPROTO_IP),
+                 // reports when the client has left
+                 found->ai_family == AF_INET6 ? IPV6_RECVERR : IP_RECVERR, &on, sizeof on);
   }
   if (!socket.open() || ::bind(socket.get(), found->ai_addr, found->ai_addrlen) != 0 ||
       (type == SOCK_STREAM && ::listen(socket.get(), 8) != 0)) {
@@ -65,8 +68,8 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
   return {std::move(socket), host + ":" + std::to_string(chosen)};
 }
 
-// For links in this process. A link takes over the host's end. When it closes this end, the board knows that the link has left, and makes a new
-// one for the next link.
+// For links in this process. A link takes over the host's end. When it closes this end, the board knows that the link
+// has left, and makes a new one for the next link.
 class DescriptorEndpoint final : public StreamEndpoint {
  public:
   std::string url() override {
@@ -161,8 +164,8 @@ class UdpEndpoint final : public Endpoint {
 
   Transfer send(std::span<const std::uint8_t> bytes) override {
     constexpr std::size_t datagram_most = 1400;
-    const Transfer sent = outcome(::sendto(socket_.get(), bytes.data(), std::min(bytes.size(), datagram_most), MSG_NOSIGNAL,
-                                           reinterpret_cast<sockaddr*>(&peer_), peer_size_),
+    const Transfer sent = outcome(::sendto(socket_.get(), bytes.data(), std::min(bytes.size(), datagram_most),
+                                           MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&peer_), peer_size_),
                                   false);
     return sent.result == Result::gone ? leave() : sent;
   }
@@ -186,7 +189,8 @@ class UdpEndpoint final : public Endpoint {
       probe();
     }
     if (!known && has_client()) {
-      ::sendto(socket_.get(), busy_line.data(), busy_line.size(), MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&from), size);
+      ::sendto(socket_.get(), busy_line.data(), busy_line.size(), MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&from),
+               size);
       return {Result::nothing, 0};
     }
     if (!known) {
@@ -204,14 +208,13 @@ class UdpEndpoint final : public Endpoint {
     iovec vector{scratch, sizeof scratch};
     message.msg_iov = &vector;
     message.msg_iovlen = 1;
-    while (::recvmsg(socket_.get(), &message, MSG_ERRQUEUE | MSG_DONTWAIT) >= 0) {
-    }
+    while (::recvmsg(socket_.get(), &message, MSG_ERRQUEUE | MSG_DONTWAIT) >= 0) {}
     peer_size_ = 0;
     return {Result::gone, 0};
   }
 
-  // A client that left without such an end is noticed only when another one wants to connect. Then it is sent an empty line. If its port is
-  // closed, the system reports it.
+  // A client that left without such an end is noticed only when another one wants to connect. Then it is sent an empty
+  // line. If its port is closed, the system reports it.
   void probe() {
     const char line = '\n';
     for (int attempt = 0; attempt < 2; ++attempt) {  // the second call reports the first refusal

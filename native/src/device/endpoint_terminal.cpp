@@ -18,7 +18,8 @@ namespace {
 // The lock of the serial driver keeps a second program out. A terminal cannot answer it.
 class TerminalEndpoint final : public Endpoint {
  public:
-  explicit TerminalEndpoint(const std::string& path) : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+  explicit TerminalEndpoint(const std::string& path)
+      : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
     char name[128];
     if (!master_.open() || ::grantpt(master_.get()) != 0 || ::unlockpt(master_.get()) != 0 ||
         ::ptsname_r(master_.get(), name, sizeof name) != 0) {
@@ -73,7 +74,7 @@ class TerminalEndpoint final : public Endpoint {
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
       return {Result::nothing, 0};
     }
-    open_ = false;  // EIO: no program has the other side open
+    open_ = false;                        // EIO: no program has the other side open
     ::tcflush(master_.get(), TCIOFLUSH);  // bytes that the last client did not read are not for the next
     return {Result::gone, 0};
   }
@@ -91,15 +92,16 @@ class TerminalEndpoint final : public Endpoint {
   bool open_ = false;
 };
 
-// Whether the terminal behind a link is newer than the link. Then the board's terminal is gone, and another one got its number.
+// Whether the terminal behind a link is newer than the link. Then the board's terminal is gone, and another one got its
+// number.
 bool younger(const struct stat& terminal, const struct stat& link) {
-  return S_ISCHR(terminal.st_mode) &&
-         std::pair(terminal.st_ctim.tv_sec, terminal.st_ctim.tv_nsec) > std::pair(link.st_ctim.tv_sec, link.st_ctim.tv_nsec);
+  return S_ISCHR(terminal.st_mode) && std::pair(terminal.st_ctim.tv_sec, terminal.st_ctim.tv_nsec) >
+                                          std::pair(link.st_ctim.tv_sec, link.st_ctim.tv_nsec);
 }
 
 // A board that was killed leaves a link to a terminal that is gone. The next terminal may get the same number.
 void make_way(const std::string& path) {
-  struct stat link {}, target {};
+  struct stat link{}, target{};
   if (::lstat(path.c_str(), &link) == 0) {
     if (!S_ISLNK(link.st_mode)) {
       throw EndpointError("pty:" + path + ": the file exists; choose another name or remove it");

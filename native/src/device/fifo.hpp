@@ -5,8 +5,8 @@
 //       write: one word to the FPGA; bus error when there is no room
 //   +1  read: words from the FPGA that wait        +2  read: words the FPGA still has room for
 //
-// Event: high while words wait. It is low for a moment after a word was taken, or when no word was taken for remind_clocks. So an
-// edge event input requests each word once.
+// Event: high while words wait. It is low for a moment after a word was taken, or when no word was taken for
+// remind_clocks. So an edge event input requests each word once.
 //
 // On the FPGA's side, `set(+0)` queues a word for the PC, and `get(+0)` takes a word from the PC.
 #pragma once
@@ -36,10 +36,8 @@ class Fifo final : public Bus {
         remind(now);
         return reply;
       }
-      case 1:
-        return {BusStatus::ok, static_cast<std::uint32_t>(to_pc_.size())};
-      default:
-        return {BusStatus::ok, static_cast<std::uint32_t>(from_pc_.free())};
+      case 1: return {BusStatus::ok, static_cast<std::uint32_t>(to_pc_.size())};
+      default: return {BusStatus::ok, static_cast<std::uint32_t>(from_pc_.free())};
     }
   }
 
@@ -49,12 +47,9 @@ class Fifo final : public Bus {
 
   BusReply get(std::uint32_t address, Clock) override {
     switch (address) {
-      case 0:
-        return take(from_pc_);
-      case 1:
-        return {BusStatus::ok, static_cast<std::uint32_t>(from_pc_.size())};
-      default:
-        return {BusStatus::ok, static_cast<std::uint32_t>(to_pc_.free())};
+      case 0: return take(from_pc_);
+      case 1: return {BusStatus::ok, static_cast<std::uint32_t>(from_pc_.size())};
+      default: return {BusStatus::ok, static_cast<std::uint32_t>(to_pc_.free())};
     }
   }
 

@@ -11,8 +11,8 @@
 
 namespace unitylink::device {
 
-// A page is allocated at its first write, so a 32-bit address space uses only the memory that is needed. Beyond `pages_most` (64
-// MiB) a write to a new page is a bus error, so that a host cannot use up the memory of the machine.
+// A page is allocated at its first write, so a 32-bit address space uses only the memory that is needed. Beyond
+// `pages_most` (64 MiB) a write to a new page is a bus error, so that a host cannot use up the memory of the machine.
 class Memory final : public Bus {
  public:
   static constexpr std::size_t page_words = 1024;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The data between the datalink and the application layer: received messages in one direction, single words in the other.
+// The data between the datalink and the application layer: received messages in one direction, single words in the
+// other.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@ namespace unitylink::device {
 struct Message {
   bool checked = false;
   bool colon = false;
-  bool open = false;   // a lite datalink passes it on before its end
-  Clock ready_at = 0;  // when the application may start
-  Clock free_at = 0;   // when the buffer may be filled again
-  std::vector<char> letters;       // upper case
+  bool open = false;          // a lite datalink passes it on before its end
+  Clock ready_at = 0;         // when the application may start
+  Clock free_at = 0;          // when the buffer may be filled again
+  std::vector<char> letters;  // upper case
   std::vector<std::uint8_t> data;
 };
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The physical layer: a byte FIFO in each direction. With a baud rate there is also a line, which needs time for each byte.
+// The physical layer: a byte FIFO in each direction. With a baud rate there is also a line, which needs time for each
+// byte.
 //
-// With a line, as for a UART, a byte that arrives at a full receive FIFO is lost (overrun). Without a line, as for USB or TCP,
-// the FIFO takes only bytes for which it has room. The others wait at the host.
+// With a line, as for a UART, a byte that arrives at a full receive FIFO is lost (overrun). Without a line, as for USB
+// or TCP, the FIFO takes only bytes for which it has room. The others wait at the host.
 #pragma once
 
 #include <algorithm>

@@ -28,7 +28,7 @@ namespace unitylink::device {
 
 // The number of bytes after the colon of a request, as far as the received bytes say.
 [[nodiscard]] inline std::size_t data_bytes_needed(const DeviceConfiguration& configuration, std::string_view letters,
-                                                      std::span<const std::uint8_t> data) noexcept {
+                                                   std::span<const std::uint8_t> data) noexcept {
   namespace command = protocol::command;
   const std::size_t address = configuration.address_bytes();
   if (!has_command(configuration, letters)) {

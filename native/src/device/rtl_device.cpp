@@ -28,8 +28,9 @@ const unitylink_rtl* load(const std::string& library, const RtlWords& words, std
   const bool has_events = model->groups > 0;  // a user's design may have none
   if (model->read_words != words.read.size() || model->write_words != words.write.size() ||
       (has_events && model->groups != groups)) {
-    throw RtlError(library + ": compiled from another design (" + std::to_string(model->read_words) + " words to read, " +
-                   std::to_string(model->write_words) + " to write, " + std::to_string(model->groups) + " groups)");
+    throw RtlError(library + ": compiled from another design (" + std::to_string(model->read_words) +
+                   " words to read, " + std::to_string(model->write_words) + " to write, " +
+                   std::to_string(model->groups) + " groups)");
   }
   return model;
 }
@@ -187,7 +188,8 @@ bool RtlDevice::take(TimedByte& byte) noexcept {
 
 BusReply RtlDevice::get(std::uint32_t address) {
   if (const auto place = read_index_.find(address); place != read_index_.end()) {
-    return {BusStatus::ok, given_[place->second]};  // of a word with both sides: the value that the PC reads, as on the twin
+    // of a word with both sides: the value that the PC reads, as on the twin
+    return {BusStatus::ok, given_[place->second]};
   }
   if (const auto place = write_index_.find(address); place != write_index_.end()) {
     return {BusStatus::ok, model_->get_word(state_.get(), place->second)};

@@ -27,8 +27,8 @@ struct RtlWords {
   std::vector<std::uint32_t> write;  // addresses that the PC writes: `get` reads them
 };
 
-// Unlike the twin, it does not know what comes next. So every clock is run, and next_event() is only a time to look again. After
-// a failed assertion of the gateware it stops, and failure() names the assertion.
+// Unlike the twin, it does not know what comes next. So every clock is run, and next_event() is only a time to look
+// again. After a failed assertion of the gateware it stops, and failure() names the assertion.
 class RtlDevice final : public ServedDevice {
  public:
   // Throws RtlError.
@@ -79,7 +79,7 @@ class RtlDevice final : public ServedDevice {
   std::vector<Flags> flags_;
   std::vector<std::uint32_t> write_addresses_;
   std::function<void(std::uint32_t, std::uint32_t)> on_change_;
-  std::vector<std::uint32_t> seen_;   // with an observer: the words that the PC writes
+  std::vector<std::uint32_t> seen_;  // with an observer: the words that the PC writes
   PhysicalReceiver input_;
   PhysicalTransmitter output_;
   unitylink_rtl_pins pins_{};

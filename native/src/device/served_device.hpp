@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that a board can serve: the twin, or gateware compiled by Verilator. Bytes and events in, bytes out, on the board's
-// clock.
+// A device that a board can serve: the twin, or gateware compiled by Verilator. Bytes and events in, bytes out, on the
+// board's clock.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ namespace unitylink::device {
 class Tosnet;
 
 struct DeviceStatistics {
-  std::uint64_t bytes_received = 0;   // taken by the datalink
-  std::uint64_t bytes_sent = 0;       // given to the host
-  std::uint64_t overruns = 0;         // bytes lost at a full receive FIFO
+  std::uint64_t bytes_received = 0;  // taken by the datalink
+  std::uint64_t bytes_sent = 0;      // given to the host
+  std::uint64_t overruns = 0;        // bytes lost at a full receive FIFO
   std::uint64_t datalink_errors = 0;
 };
 

@@ -6,7 +6,9 @@
 namespace unitylink::device {
 
 SubscriptionManager::SubscriptionManager(const DeviceConfiguration& configuration)
-    : groups_(configuration.groups), published_2012_(configuration.published_2012), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
+    : groups_(configuration.groups),
+      published_2012_(configuration.published_2012),
+      period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     groups_[g].addresses.resize(configuration.group_size);
     groups_[g].edge = configuration.edge_event(static_cast<std::uint32_t>(g));
@@ -26,7 +28,8 @@ void SubscriptionManager::set_addresses(std::uint32_t group, std::span<const std
   set_part(group, static_cast<std::uint32_t>(addresses.size()), addresses, now);
 }
 
-void SubscriptionManager::set_part(std::uint32_t group, std::uint32_t count, std::span<const std::uint32_t> addresses, Clock now) {
+void SubscriptionManager::set_part(std::uint32_t group, std::uint32_t count, std::span<const std::uint32_t> addresses,
+                                   Clock now) {
   count_strobes(now);
   std::copy(addresses.begin(), addresses.end(), groups_[group].addresses.begin());
   groups_[group].count = count;

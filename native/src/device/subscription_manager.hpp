@@ -11,8 +11,8 @@
 
 namespace unitylink::device {
 
-// Requests of one group are merged and never queue: there is one flag per cause. After publishing was disabled, rates continue
-// from the same point. Publishes that were pending come as soon as it is enabled again.
+// Requests of one group are merged and never queue: there is one flag per cause. After publishing was disabled, rates
+// continue from the same point. Publishes that were pending come as soon as it is enabled again.
 class SubscriptionManager {
  public:
   explicit SubscriptionManager(const DeviceConfiguration& configuration);

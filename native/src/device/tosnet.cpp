@@ -11,8 +11,11 @@ namespace {
 
 constexpr std::uint32_t bit(bool set, std::uint32_t position) noexcept { return (set ? 1u : 0u) << position; }
 
-// The destination of a word of the asynchronous channel, and its number of valid bytes, as in its status and control registers.
-constexpr std::uint32_t place(const AsyncWord& word) noexcept { return static_cast<std::uint32_t>(word.last) << 4 | word.node; }
+// The destination of a word of the asynchronous channel, and its number of valid bytes, as in its status and control
+// registers.
+constexpr std::uint32_t place(const AsyncWord& word) noexcept {
+  return static_cast<std::uint32_t>(word.last) << 4 | word.node;
+}
 
 }  // namespace
 
@@ -92,16 +95,11 @@ BusReply Tosnet::read(std::uint32_t address, Clock now) {
     return {BusStatus::ok, network_register(address - map::network_registers)};
   }
   switch (address) {
-    case map::status:
-      return {BusStatus::ok, status()};
-    case map::packet_counter:
-      return {BusStatus::ok, packets_};
-    case map::reset_counter:
-      return {BusStatus::ok, resets_};
-    case map::error_counter:
-      return {BusStatus::ok, errors_};
-    case map::async_tx_status:
-      return {BusStatus::ok, bit(to_nodes_.full(), 6) | place(async_control_)};
+    case map::status: return {BusStatus::ok, status()};
+    case map::packet_counter: return {BusStatus::ok, packets_};
+    case map::reset_counter: return {BusStatus::ok, resets_};
+    case map::error_counter: return {BusStatus::ok, errors_};
+    case map::async_tx_status: return {BusStatus::ok, bit(to_nodes_.full(), 6) | place(async_control_)};
     case map::async_rx_status: {
       const bool arrived = from_nodes_.arrived();
       return {BusStatus::ok, arrived ? bit(true, 6) | place(from_nodes_.front()) : bit(true, 7)};
@@ -111,8 +109,7 @@ BusReply Tosnet::read(std::uint32_t address, Clock now) {
         return {BusStatus::ok, from_nodes_.take().data};
       }
       break;
-    default:
-      break;
+    default: break;
   }
   read_refused_ = true;
   return {BusStatus::error, 0};
@@ -143,8 +140,7 @@ BusStatus Tosnet::write(std::uint32_t address, std::uint32_t value, Clock now) {
         return BusStatus::ok;
       }
       break;
-    default:
-      break;
+    default: break;
   }
   write_refused_ = true;
   return BusStatus::error;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bus slave of a TosNet network, as its master sees it: 11-bit word map, mirrored memory, commits, asynchronous channel.
+// The bus slave of a TosNet network, as its master sees it: 11-bit word map, mirrored memory, commits, asynchronous
+// channel.
 //
-// Time is the network cycle. At the strobe that begins a cycle, a pending commit takes effect. The outputs of the nodes then
-// appear in the memory that the PC reads, or at the end of the block that the PC is reading. Two hazards are those of the
-// original, on purpose:
-//   - the banks swap without a copy: a word that is not rewritten before a commit returns to its value of two commits ago;
+// Time is the network cycle. At the strobe that begins a cycle, a pending commit takes effect. The outputs of the nodes
+// then appear in the memory that the PC reads, or at the end of the block that the PC is reading. Two hazards are those
+// of the original, on purpose:
+//   - the banks swap without a copy: a word that is not rewritten before a commit returns to its value of two commits
+//     ago;
 //   - a write while a commit is pending (CWP) aborts the commit (CWA), and is still written to the bank.
 #pragma once
 
@@ -33,7 +35,8 @@ class TosnetChannel {
   bool put(const AsyncWord& word) noexcept { return queue_.push(word); }
   [[nodiscard]] bool full() const noexcept { return queue_.full(); }
   void travel(std::uint64_t cycles) noexcept {
-    arrived_ = std::min<std::uint64_t>(queue_.size(), arrived_ + std::min<std::uint64_t>(cycles, depth) * words_a_cycle);
+    arrived_ =
+        std::min<std::uint64_t>(queue_.size(), arrived_ + std::min<std::uint64_t>(cycles, depth) * words_a_cycle);
   }
   [[nodiscard]] bool arrived() const noexcept { return arrived_ > 0; }
   // With arrived().
@@ -82,9 +85,9 @@ class Tosnet final : public Bus {
   [[nodiscard]] std::uint32_t network_register(std::uint32_t index) const noexcept;
 
   TosnetConfiguration configuration_;
-  std::array<Bank, 2> banks_{};   // written by the PC; banks_[write_bank_] is the hidden one
-  Bank outputs_{};                // the OUT words of the nodes
-  Bank seen_{};                   // … and as the PC reads them
+  std::array<Bank, 2> banks_{};  // written by the PC; banks_[write_bank_] is the hidden one
+  Bank outputs_{};               // the OUT words of the nodes
+  Bank seen_{};                  // … and as the PC reads them
   std::uint32_t write_bank_ = 0;
   std::uint32_t shown_bank_ = 1;  // the bank that the PC reads
   Clock cycles_ = 0;              // strobes since reset, also those of an offline network
@@ -100,7 +103,7 @@ class Tosnet final : public Bus {
   bool read_refused_ = false;
   bool write_refused_ = false;
   bool held_ = false;
-  bool stale_ = false;            // a cycle ended within a block, and its words are not shown yet
+  bool stale_ = false;  // a cycle ended within a block, and its words are not shown yet
   AsyncWord async_control_{};
   TosnetChannel to_nodes_;
   TosnetChannel from_nodes_;

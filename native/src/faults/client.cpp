@@ -23,8 +23,8 @@ Journal::Told told_of(Status status) noexcept {
 
 }  // namespace
 
-Client::Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally, std::uint64_t timeout_ns,
-               std::uint32_t attempts)
+Client::Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally,
+               std::uint64_t timeout_ns, std::uint32_t attempts)
     : engine_(engine),
       framed_(framed),
       random_(random),
@@ -38,7 +38,8 @@ bool Client::step(std::uint64_t now_ns) {
     begin(now_ns);
     return begun_;
   }
-  if (!std::all_of(exchanges_.begin(), exchanges_.begin() + static_cast<std::ptrdiff_t>(used_), [](const Exchange& e) { return e.done(); })) {
+  if (!std::all_of(exchanges_.begin(), exchanges_.begin() + static_cast<std::ptrdiff_t>(used_),
+                   [](const Exchange& e) { return e.done(); })) {
     return false;
   }
   judge();
@@ -56,7 +57,8 @@ Exchange& Client::add(Operation operation) {
   exchange.attempts_max = attempts_;
   exchange.owner = &tally_;
   exchange.on_done = [](Exchange& done) noexcept {
-    const bool answered = done.status == Status::ok || done.status == Status::protocol_error || done.status == Status::denied;
+    const bool answered =
+        done.status == Status::ok || done.status == Status::protocol_error || done.status == Status::denied;
     Tally& tally = *static_cast<Tally*>(done.owner);
     tally.answered_ns = answered ? done.ended_ns : tally.answered_ns;
   };
@@ -163,10 +165,12 @@ void Client::judge() {
       journal_.accuse(std::string("an operation ended with: ") + status_text(status));
     }
     if (tally_.lied_to && status != Status::ok && begun_ns_ >= tally_.trusted_ns) {
-      journal_.accuse(std::string("an operation that began after the device's last false answer ended with: ") + status_text(status));
+      journal_.accuse(std::string("an operation that began after the device's last false answer ended with: ") +
+                      status_text(status));
     }
   }
-  // The request after posts is answered only when they were executed. Otherwise, and in another session, the result is unknown.
+  // The request after posts is answered only when they were executed. Otherwise, and in another session, the result is
+  // unknown.
   const bool confirmed = last == Status::ok && posts_ > 0 && framed_->sessions() == session_;
   for (std::size_t index = 0; index < posts_; ++index) {
     journal_.settle(confirmed ? Journal::Told::executed : Journal::Told::unknown);
@@ -203,8 +207,8 @@ void Client::judge_reads(const Exchange& exchange, const std::uint32_t* addresse
     const std::uint32_t truth = journal_.truth(addresses[index]);
     if (read_values_[index] != truth) {
       char text[160];
-      std::snprintf(text, sizeof text, "read %08x at %04x, where %08x stands (attempt %u)", read_values_[index], addresses[index], truth,
-                    exchange.attempts);
+      std::snprintf(text, sizeof text, "read %08x at %04x, where %08x stands (attempt %u)", read_values_[index],
+                    addresses[index], truth, exchange.attempts);
       journal_.accuse(text, true);
     }
   }

@@ -25,9 +25,9 @@ struct Tally {
   std::uint64_t good = 0;
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
-  std::uint32_t nonce = 0;     // the last value written by any client
-  std::uint64_t answered_ns = 0;  // when any client's request was last answered
-  bool lied_to = false;        // errors may be reported although the request could have been repeated
+  std::uint32_t nonce = 0;                       // the last value written by any client
+  std::uint64_t answered_ns = 0;                 // when any client's request was last answered
+  bool lied_to = false;                          // errors may be reported although the request could have been repeated
   std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on no longer
 };
 
@@ -36,8 +36,8 @@ class Client {
   static constexpr std::uint32_t words = 8;
 
   // `framed` is the engine, if it is a framed one.
-  Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally, std::uint64_t timeout_ns,
-         std::uint32_t attempts);
+  Client(std::uint32_t number, Engine& engine, FramedEngine* framed, Random& random, Tally& tally,
+         std::uint64_t timeout_ns, std::uint32_t attempts);
 
   [[nodiscard]] Journal& journal() noexcept { return journal_; }
   [[nodiscard]] bool busy() const noexcept { return begun_; }

@@ -53,7 +53,8 @@ void FaultyWire::carry(const Bytes& message, std::uint64_t now_ns) {
 
 void FaultyWire::damage(Bytes& message) {
   // One random number decides whether anything happens to a whole message, so that quiet wires are quick.
-  const double each = faults_.flip + faults_.burst + faults_.lose_byte + faults_.double_byte + faults_.swap_bytes + faults_.insert_byte;
+  const double each =
+      faults_.flip + faults_.burst + faults_.lose_byte + faults_.double_byte + faults_.swap_bytes + faults_.insert_byte;
   if (each <= 0) {
     return;
   }

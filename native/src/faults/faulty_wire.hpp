@@ -62,8 +62,8 @@ class FaultyWire {
   WireFaults faults_;
   std::uint64_t count_ = 0;
   std::uint64_t free_ns_ = 0;
-  std::uint64_t held_ns_ = 0;     // nothing arrives before this time
-  Bytes open_;                    // a message whose end was not yet sent
+  std::uint64_t held_ns_ = 0;  // nothing arrives before this time
+  Bytes open_;                 // a message whose end was not yet sent
   std::deque<Arrival> arriving_;
 };
 

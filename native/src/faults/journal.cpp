@@ -25,7 +25,8 @@ void Journal::on_write(std::uint32_t address, std::uint32_t value) {
     if (++wished->times > 1) {
       accuse_write("executed twice", address, value);
     }
-    if (std::any_of(wished + 1, wishes_.end(), [](const Wish& later) { return later.times > 0; }) && wished->times == 1) {
+    if (std::any_of(wished + 1, wishes_.end(), [](const Wish& later) { return later.times > 0; }) &&
+        wished->times == 1) {
       accuse_write("executed after a later one", address, value);
     }
     return;
@@ -49,7 +50,8 @@ void Journal::settle(Told told, const char* status) {
   if (told == Told::executed && wish.times == 0) {
     accuse_write("reported as executed, but it was not", wish.address, wish.value, true);
   } else if (told == Told::not_executed && wish.times > 0) {
-    accuse_write((std::string("reported as not executed, but it was (") + status + ")").c_str(), wish.address, wish.value);
+    accuse_write((std::string("reported as not executed, but it was (") + status + ")").c_str(), wish.address,
+                 wish.value);
   }
   if (told == Told::executed) {
     told_[wish.address - first_] = wish.number;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The oracle: it compares the writes on the device's bus with the writes that were allowed. Every value is written once in a run,
-// so an execution names its request.
+// The oracle: it compares the writes on the device's bus with the writes that were allowed. Every value is written once
+// in a run, so an execution names its request.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,8 @@ struct Wish {
 // A broken promise.
 struct Violation {
   std::string text;
-  bool damage = false;  // a wrong value was read, or written instead of another: the effect of a checksum that misses an error
+  // a wrong value was read, or written instead of another: the effect of a checksum that misses an error
+  bool damage = false;
 };
 
 // The words of one client, and its wishes in the order in which they must be executed.

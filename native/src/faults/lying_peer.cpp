@@ -18,8 +18,9 @@ constexpr std::uint8_t reply_last = device_kind::reply + reply_status::no_group;
 
 LyingPeer::Bytes text(std::string_view line) { return LyingPeer::Bytes(line.begin(), line.end()); }
 
-constexpr std::array refusals{reply_status::behind, reply_status::order,    reply_status::invalid,    reply_status::denied,
-                              reply_status::too_long, reply_status::no_group, reply_status::bad_address};
+constexpr std::array refusals{reply_status::behind,     reply_status::order,    reply_status::invalid,
+                              reply_status::denied,     reply_status::too_long, reply_status::no_group,
+                              reply_status::bad_address};
 
 LyingPeer::Bytes frame_of(std::uint8_t kind, std::span<const std::uint8_t> payload, const FrameKey& key = {}) {
   LyingPeer::Bytes frame(2 * payload.size() + 16, 0);
@@ -96,8 +97,10 @@ LyingPeer::Bytes LyingPeer::instead_of_frame(const Bytes& message) {
   switch (peer_) {
     case Peer::half_dead: return replies ? Bytes{} : message;
     case Peer::closing: return replies ? frame_of(device_kind::closed, {}) : message;
-    case Peer::renewing: return replies ? frame_of(device_kind::closed, {}) : kind == device_kind::hello ? greeting() : Bytes{};
-    case Peer::refusing: return replies ? refusal(message, static_cast<std::uint8_t>(refusals[random_() % refusals.size()])) : message;
+    case Peer::renewing:
+      return replies ? frame_of(device_kind::closed, {}) : kind == device_kind::hello ? greeting() : Bytes{};
+    case Peer::refusing:
+      return replies ? refusal(message, static_cast<std::uint8_t>(refusals[random_() % refusals.size()])) : message;
     case Peer::waiting: return replies ? refusal(message, static_cast<std::uint8_t>(reply_status::order)) : message;
     default: return message;
   }
@@ -121,7 +124,8 @@ LyingPeer::Bytes LyingPeer::refusal(const Bytes& message, std::uint8_t status) {
   if (payload.size() < frame_head::reply) {
     return {};
   }
-  return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(frame_head::reply), key_);
+  return frame_of(static_cast<std::uint8_t>(device_kind::reply + status), std::span(payload).first(frame_head::reply),
+                  key_);
 }
 
 // Another nonce each time, and no open session.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that is half dead, or lies. It stands between the twin and the wire, and changes what passes. It never reports
-// something as done that was not done.
+// A device that is half dead, or lies. It stands between the twin and the wire, and changes what passes. It never
+// reports something as done that was not done.
 #pragma once
 
 #include <cstdint>

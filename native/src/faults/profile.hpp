@@ -11,11 +11,11 @@ namespace unitylink::faults {
 
 // Each number is a chance, per byte or per message.
 struct WireFaults {
-  double flip = 0;            // of a byte: one to three of its bits are wrong
-  double burst = 0;           // of a byte: a burst of 4 to 64 wrong bits begins in it
+  double flip = 0;   // of a byte: one to three of its bits are wrong
+  double burst = 0;  // of a byte: a burst of 4 to 64 wrong bits begins in it
   double lose_byte = 0;
   double double_byte = 0;
-  double swap_bytes = 0;      // with the next byte
+  double swap_bytes = 0;  // with the next byte
   double insert_byte = 0;
   double lose = 0;            // of a message: all of it is lost
   double repeat = 0;          // it comes twice
@@ -25,10 +25,10 @@ struct WireFaults {
   double overtake = 0;        // of a message: it comes late, and later ones do not wait (datagrams)
 
   // Bytes change, so a checksum must detect it.
-  [[nodiscard]] bool damages() const noexcept { return flip + burst + lose_byte + double_byte + swap_bytes + insert_byte > 0; }
-  [[nodiscard]] bool any() const noexcept {
-    return damages() || lose + repeat + cut + late + overtake > 0;
+  [[nodiscard]] bool damages() const noexcept {
+    return flip + burst + lose_byte + double_byte + swap_bytes + insert_byte > 0;
   }
+  [[nodiscard]] bool any() const noexcept { return damages() || lose + repeat + cut + late + overtake > 0; }
 };
 
 // The behaviour of the device. All but the first answer HELLO, OPEN and the classic question, unless stated otherwise.
@@ -45,12 +45,12 @@ enum class Peer : std::uint8_t {
 struct Profile {
   std::string_view name;
   std::string_view meaning;
-  WireFaults wire;            // in both directions
+  WireFaults wire;  // in both directions
   Peer peer = Peer::honest;
-  double reset = 0;           // of a message: the FPGA is reset
-  double pause = 0;           // of a message: the host does nothing for up to pause_ns
+  double reset = 0;  // of a message: the FPGA is reset
+  double pause = 0;  // of a message: the host does nothing for up to pause_ns
   std::uint64_t pause_ns = 0;
-  bool drawn = false;         // each run draws its own rates
+  bool drawn = false;  // each run draws its own rates
 };
 
 // "mixed" is all faults at once, drawn again for each seed.

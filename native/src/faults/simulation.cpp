@@ -20,12 +20,13 @@ using device::Device;
 using device::DeviceConfiguration;
 
 constexpr std::uint64_t ms = 1'000'000;
-constexpr std::uint64_t recovery_ns = 50 * ms;    // after the last fault all must be as before
-constexpr std::uint64_t recovery_timeouts = 4;    // after a device that lies: HELLO and OPEN wait for so many more
-constexpr std::uint64_t line_ns = 10 * ms;        // extra time for the bytes of a request and its answer
+constexpr std::uint64_t recovery_ns = 50 * ms;  // after the last fault all must be as before
+constexpr std::uint64_t recovery_timeouts = 4;  // after a device that lies: HELLO and OPEN wait for so many more
+constexpr std::uint64_t line_ns = 10 * ms;      // extra time for the bytes of a request and its answer
 constexpr std::size_t violations_most = 20;
 constexpr std::uint32_t device_fifo = 2048;
-constexpr std::uint32_t turns_most = 1000;       // turns in a row that are asked for at once: an engine that uses none of them would ask for ever
+// turns in a row that are asked for at once: an engine that uses none of them would ask for ever
+constexpr std::uint32_t turns_most = 1000;
 
 class Simulation {
  public:
@@ -58,7 +59,8 @@ class Simulation {
     }
     make_device();
     for (std::uint32_t number = 0; number < plan.clients; ++number) {
-      clients_.push_back(std::make_unique<Client>(number, *engine_, framed_, random_, tally_, timeout_ns(), plan.framed ? 6u : 4u));
+      clients_.push_back(
+          std::make_unique<Client>(number, *engine_, framed_, random_, tally_, timeout_ns(), plan.framed ? 6u : 4u));
     }
   }
 
@@ -67,7 +69,9 @@ class Simulation {
     std::uint64_t phase_begun = now_;
     std::uint64_t phase_messages = 0;
     enum class Phase { calm, faulty, recovering, recovered } phase = Phase::calm;
-    const auto rate = [&] { return now_ > phase_begun ? double(tally_.messages - phase_messages) * 1e9 / double(now_ - phase_begun) : 0; };
+    const auto rate = [&] {
+      return now_ > phase_begun ? double(tally_.messages - phase_messages) * 1e9 / double(now_ - phase_begun) : 0;
+    };
     const auto enter = [&](Phase next) {
       phase = next;
       phase_begun = now_;
@@ -98,28 +102,41 @@ class Simulation {
     }
     set_faults(false);
     draining_ = true;  // every operation must end
-    while (report_.violations.empty() && busy() && step()) {
-    }
+    while (report_.violations.empty() && busy() && step()) {}
     collect();
     return report_;
   }
 
  private:
   [[nodiscard]] std::uint8_t border() const noexcept {
-    return static_cast<std::uint8_t>(plan_.framed ? protocol::frame::delimiter : static_cast<std::uint32_t>(protocol::bytes::line_feed));
+    return static_cast<std::uint8_t>(plan_.framed ? protocol::frame::delimiter
+                                                  : static_cast<std::uint32_t>(protocol::bytes::line_feed));
   }
   [[nodiscard]] static std::uint64_t byte_ns() noexcept { return 833; }       // 12 MBd
   [[nodiscard]] static std::uint64_t delay_ns() noexcept { return 125'000; }  // a USB microframe
   [[nodiscard]] static std::uint64_t timeout_ns() noexcept { return 20 * ms; }
-  [[nodiscard]] std::uint64_t patience_ns() const noexcept { return tally_.lied_to ? recovery_timeouts * timeout_ns() : 0; }
+  [[nodiscard]] std::uint64_t patience_ns() const noexcept {
+    return tally_.lied_to ? recovery_timeouts * timeout_ns() : 0;
+  }
 
   void draw() {
     const auto rate = [this](double most) {
-      return random_() % 3 == 0 ? 0 : most * static_cast<double>(random_() % 1000) / 1000 * static_cast<double>(random_() % 1000) / 1000;
+      return random_() % 3 == 0
+                 ? 0
+                 : most * static_cast<double>(random_() % 1000) / 1000 * static_cast<double>(random_() % 1000) / 1000;
     };
-    faults_.wire = {.flip = rate(0.01), .burst = rate(0.005), .lose_byte = rate(0.005), .double_byte = rate(0.005), .swap_bytes = rate(0.005),
-                    .insert_byte = rate(0.005), .lose = rate(0.3), .repeat = rate(0.5), .cut = rate(0.1), .late = rate(0.01),
-                    .late_ns = 1 * ms + random_() % (100 * ms), .overtake = plan_.framed ? rate(0.2) : 0};
+    faults_.wire = {.flip = rate(0.01),
+                    .burst = rate(0.005),
+                    .lose_byte = rate(0.005),
+                    .double_byte = rate(0.005),
+                    .swap_bytes = rate(0.005),
+                    .insert_byte = rate(0.005),
+                    .lose = rate(0.3),
+                    .repeat = rate(0.5),
+                    .cut = rate(0.1),
+                    .late = rate(0.01),
+                    .late_ns = 1 * ms + random_() % (100 * ms),
+                    .overtake = plan_.framed ? rate(0.2) : 0};
     faults_.reset = random_() % 4 == 0 ? rate(0.003) : 0;
     faults_.pause = rate(0.001);
     faults_.pause_ns = 500 * ms;
@@ -171,13 +188,19 @@ class Simulation {
     exchange.timeout_ns = timeout_ns();
     exchange.attempts_max = 5;
     engine_->submit(exchange, now_);
-    while (!exchange.done() && step()) {
-    }
+    while (!exchange.done() && step()) {}
     if (exchange.status != Status::ok) {
       report_.violations.push_back("the device could not be greeted");
     }
-    engine_->configure({.address_bytes = (device_->configuration().address_bits + 7) / 8, .data_bytes = 4, .read_many = 32, .publish_mode = 2, .base_hz = 1000, .groups = 2, .group_size = 16,
-                        .rate_bytes = 2, .discovered = true});
+    engine_->configure({.address_bytes = (device_->configuration().address_bits + 7) / 8,
+                        .data_bytes = 4,
+                        .read_many = 32,
+                        .publish_mode = 2,
+                        .base_hz = 1000,
+                        .groups = 2,
+                        .group_size = 16,
+                        .rate_bytes = 2,
+                        .discovered = true});
     greeted_ = true;
   }
 
@@ -291,8 +314,9 @@ class Simulation {
       tally_.answered_ns = now_;
     }
     const std::uint64_t slack_ns = line_ns + (plan_.framed ? 0 : timeout_ns());
-    return std::any_of(clients_.begin(), clients_.end(),
-                       [&](const auto& client) { return client->busy() && now_ > client->limit_ns(tally_.answered_ns) + slack_ns; });
+    return std::any_of(clients_.begin(), clients_.end(), [&](const auto& client) {
+      return client->busy() && now_ > client->limit_ns(tally_.answered_ns) + slack_ns;
+    });
   }
 
   std::uint64_t next_ns(bool host) {
@@ -354,10 +378,10 @@ class Simulation {
   std::unique_ptr<Engine> engine_;
   FramedEngine* framed_ = nullptr;
   std::unique_ptr<device::ServedDevice> device_;
-  Device* twin_ = nullptr;             // it is one of these
+  Device* twin_ = nullptr;  // it is one of these
   device::RtlDevice* rtl_ = nullptr;
   std::uint64_t device_begun_ = 0;
-  std::uint64_t clock_ns_ = 20;        // of the device
+  std::uint64_t clock_ns_ = 20;  // of the device
   Tally tally_;
   std::vector<std::unique_ptr<Client>> clients_;
   Report report_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One history: an engine, a faulty wire and the twin, until so many messages were sent. The same seed gives the same history, on every
-// machine and however busy it is. `digest` shows it.
+// One history: an engine, a faulty wire and the twin, until so many messages were sent. The same seed gives the same
+// history, on every machine and however busy it is. `digest` shows it.
 #pragma once
 
 #include <cstdint>
@@ -24,27 +24,29 @@ struct Plan {
   bool framed = true;
   std::uint32_t clients = 16;
   std::uint32_t window = 32;  // requests in flight, a power of two
-  // Compiled gateware instead of the twin, with a READWRITE word that begins at 0 for each of a client's words. An execution is
-  // seen only as a change of a word, so a write that is executed twice without another in between is not detected.
+  // Compiled gateware instead of the twin, with a READWRITE word that begins at 0 for each of a client's words. An
+  // execution is seen only as a change of a word, so a write that is executed twice without another in between is not
+  // detected.
   std::function<std::unique_ptr<device::RtlDevice>()> gateware = {};
 };
 
 struct Report {
-  std::uint64_t messages = 0;        // requests and posts of the clients
+  std::uint64_t messages = 0;  // requests and posts of the clients
   std::uint64_t good = 0;
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
-  std::uint64_t faults = 0;          // of the wire, resets and pauses
+  std::uint64_t faults = 0;  // of the wire, resets and pauses
   std::uint64_t resets = 0;
-  std::uint64_t sessions = 0;        // framed: sessions opened
+  std::uint64_t sessions = 0;  // framed: sessions opened
   std::uint64_t retries = 0;
-  std::uint64_t bus_writes = 0;      // writes that the device executed
-  std::uint64_t undetected = 0;      // classic: damage that the eight-bit checksum missed; not a violation, because more is not promised
-  std::uint64_t digest = 0;          // of all bytes on the wire with their times, and of the device's writes
+  std::uint64_t bus_writes = 0;  // writes that the device executed
+  // classic: damage that the eight-bit checksum missed; not a violation, because more is not promised
+  std::uint64_t undetected = 0;
+  std::uint64_t digest = 0;  // of all bytes on the wire with their times, and of the device's writes
   double virtual_s = 0;
-  double calm_rate_hz = 0;           // messages per second before the faults
+  double calm_rate_hz = 0;  // messages per second before the faults
   double faulty_rate_hz = 0;
-  double recovered_rate_hz = 0;      // messages per second from 50 ms after the last fault on
+  double recovered_rate_hz = 0;  // messages per second from 50 ms after the last fault on
   std::vector<std::string> violations;
 };
 

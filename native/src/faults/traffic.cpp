@@ -9,7 +9,7 @@ namespace unitylink::faults {
 namespace {
 
 constexpr std::uint32_t addresses = 256;
-constexpr std::uint32_t attempts_max = 100;    // a run ends by its time, not by its attempts
+constexpr std::uint32_t attempts_max = 100;     // a run ends by its time, not by its attempts
 constexpr std::uint32_t first_value = 0x10000;  // of the words to be read
 
 // Word n is written to n mod 256, and its value is n. So its order and its number are seen at once.
@@ -152,8 +152,8 @@ std::optional<TrafficKind> find_traffic(std::string_view name) {
   return name == "reads" ? std::optional(TrafficKind::reads) : std::nullopt;
 }
 
-std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine,
-                                      device::Device& device) {
+std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window,
+                                      FramedEngine& engine, device::Device& device) {
   if (kind == TrafficKind::posts) {
     return std::make_unique<Posts>(message_words, engine);
   }

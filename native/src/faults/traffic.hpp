@@ -33,7 +33,7 @@ class Traffic {
 };
 
 // Each message carries `message_words`. The device's memory is filled with the words to be read.
-[[nodiscard]] std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine,
-                                                    device::Device& device);
+[[nodiscard]] std::unique_ptr<Traffic> make_traffic(TrafficKind kind, std::uint32_t message_words, std::uint32_t window,
+                                                    FramedEngine& engine, device::Device& device);
 
 }  // namespace unitylink::faults

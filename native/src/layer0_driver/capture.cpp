@@ -21,7 +21,8 @@ constexpr std::size_t packet_overhead = 28 + 12 + 4;  // head, options, length b
 constexpr std::uint32_t section_header = 0x0A0D0D0A, interface_description = 1, enhanced_packet = 6;
 constexpr std::uint32_t byte_order_magic = 0x1A2B3C4D;
 constexpr std::uint16_t link_type_user0 = 147;
-constexpr std::uint16_t option_end = 0, option_comment = 1, option_application = 4, option_time_resolution = 9, option_flags = 2;
+constexpr std::uint16_t option_end = 0, option_comment = 1, option_application = 4, option_time_resolution = 9,
+                        option_flags = 2;
 
 constexpr std::size_t padded(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
 
@@ -63,7 +64,7 @@ Bytes head(std::string_view comment) {
   body.clear();
   put(body, link_type_user0);
   put(body, std::uint16_t{0});
-  put(body, std::uint32_t{0});  // packets are never cut
+  put(body, std::uint32_t{0});                       // packets are never cut
   put_option(body, option_time_resolution, "\x09");  // nanoseconds
   put_option(body, option_end, {});
   put_block(file, interface_description, body);
@@ -74,14 +75,17 @@ Bytes head(std::string_view comment) {
 
 std::uint64_t Capture::now_ns() noexcept {
   return static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count());
 }
 
 Outcome Capture::create(const std::string& path, std::string_view comment, std::unique_ptr<Capture>& capture) {
-  // As output_file.py: a capture is not written over a file, nor through a link to one; a pipe or device that is there is opened.
-  struct stat there {};
+  // As output_file.py: a capture is not written over a file, nor through a link to one; a pipe or device that is there
+  // is opened.
+  struct stat there{};
   const bool stream = ::stat(path.c_str(), &there) == 0 && (S_ISFIFO(there.st_mode) || S_ISCHR(there.st_mode));
-  const int descriptor = ::open(path.c_str(), stream ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const int descriptor =
+      ::open(path.c_str(), stream ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0 && errno == EEXIST) {
     return {Status::permission, "trace=" + path + ": this file exists already; name another one, or remove it"};
   }
@@ -101,7 +105,8 @@ Outcome Capture::create(const std::string& path, std::string_view comment, std::
   return {};
 }
 
-Capture::Capture(int descriptor, std::string path, bool made) : descriptor_(descriptor), path_(std::move(path)), made_(made) {}
+Capture::Capture(int descriptor, std::string path, bool made)
+    : descriptor_(descriptor), path_(std::move(path)), made_(made) {}
 
 Capture::~Capture() { close(); }
 
@@ -116,10 +121,15 @@ void Capture::add(std::uint64_t time_ns, Direction direction, std::span<const st
       flush();
     }
     const auto count = static_cast<std::uint32_t>(piece.size());
-    const std::array<std::uint32_t, 7> before = {enhanced_packet, static_cast<std::uint32_t>(length), 0,
-                                                 static_cast<std::uint32_t>(time_ns >> 32), static_cast<std::uint32_t>(time_ns), count, count};
-    const std::array<std::uint32_t, 4> behind = {option_flags | 4u << 16, static_cast<std::uint32_t>(direction), option_end,
-                                                 static_cast<std::uint32_t>(length)};
+    const std::array<std::uint32_t, 7> before = {enhanced_packet,
+                                                 static_cast<std::uint32_t>(length),
+                                                 0,
+                                                 static_cast<std::uint32_t>(time_ns >> 32),
+                                                 static_cast<std::uint32_t>(time_ns),
+                                                 count,
+                                                 count};
+    const std::array<std::uint32_t, 4> behind = {option_flags | 4u << 16, static_cast<std::uint32_t>(direction),
+                                                 option_end, static_cast<std::uint32_t>(length)};
     // Within the reserve: no allocation. The file is in this machine's byte order, which the section header tells.
     const std::size_t at = buffer_.size();
     buffer_.resize(at + length);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What went over the wire, in a pcapng file: a packet a transfer, with its time (ns) and direction. Wireshark and `unitylink decode` read it.
+// What went over the wire, in a pcapng file: a packet a transfer, with its time (ns) and direction. Wireshark and
+// `unitylink decode` read it.
 //
-// Source of the block layouts: IETF draft-ietf-opsawg-pcapng. The link type is USER0; tools/wireshark/ has a dissector for it.
+// Source of the block layouts: IETF draft-ietf-opsawg-pcapng. The link type is USER0; tools/wireshark/ has a dissector
+// for it.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +23,16 @@ class Capture {
   enum class Direction : std::uint32_t { received = 1, sent = 2 };  // epb_flags: inbound, outbound
 
   // Makes the file; refuses one that is there. `comment` goes into its head: the URL of the link.
-  [[nodiscard]] static Outcome create(const std::string& path, std::string_view comment, std::unique_ptr<Capture>& capture);
+  [[nodiscard]] static Outcome create(const std::string& path, std::string_view comment,
+                                      std::unique_ptr<Capture>& capture);
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
   ~Capture();
 
   // When something happens now, for add(); ns since 1970.
   [[nodiscard]] static std::uint64_t now_ns() noexcept;
-  // From any thread, so not always in the order of the times. Bytes are buffered, and in the file a quarter of a second later at the latest if more follow, else at close().
+  // From any thread, so not always in the order of the times. Bytes are buffered, and in the file a quarter of a second
+  // later at the latest if more follow, else at close().
   void add(std::uint64_t time_ns, Direction direction, std::span<const std::uint8_t> bytes) noexcept;
   void close() noexcept;
   // Whether no byte went over the wire yet; and: closes, and takes the file away where create() made it.

@@ -16,7 +16,8 @@ class CapturingDriver final : public Driver {
       : driver_(std::move(driver)), capture_(std::move(capture)) {}
 
   Transfer send(std::span<const std::uint8_t> bytes) noexcept override {
-    const std::uint64_t time_ns = Capture::now_ns();  // before: another thread may have the answer before this one goes on
+    // before: another thread may have the answer before this one goes on
+    const std::uint64_t time_ns = Capture::now_ns();
     const Transfer transfer = driver_->send(bytes);
     capture_->add(time_ns, Capture::Direction::sent, bytes.first(transfer.count));
     return transfer;

@@ -8,13 +8,14 @@
 
 namespace unitylink {
 
-// Why the device file of the port `name` cannot be opened; `missing` and `forbidden` are the remedies for two of the reasons.
+// Why the device file of the port `name` cannot be opened; `missing` and `forbidden` are the remedies for two of the
+// reasons.
 [[nodiscard]] Outcome refused_port(const std::string& name, int error, const char* missing, const char* forbidden);
 
 class DescriptorDriver : public Driver {
  public:
-  // Takes the descriptor over and makes it non-blocking. Where that fails the port is gone from the beginning: neither may a call block, nor a
-  // socket that is not known as one end the program with SIGPIPE.
+  // Takes the descriptor over and makes it non-blocking. Where that fails the port is gone from the beginning: neither
+  // may a call block, nor a socket that is not known as one end the program with SIGPIPE.
   explicit DescriptorDriver(int descriptor) noexcept;
   ~DescriptorDriver() override;
 

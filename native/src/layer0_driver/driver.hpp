@@ -40,7 +40,8 @@ class Driver {
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
   // How long one byte takes on the wire, 0 where that does not limit (tcp, udp, pseudo-terminals).
   [[nodiscard]] virtual std::uint64_t byte_time_ns() const noexcept { return 0; }
-  // What tells the time at the other end: the real one, or that of the virtual boards of this process. It outlives the driver.
+  // What tells the time at the other end: the real one, or that of the virtual boards of this process. It outlives the
+  // driver.
   using TimeSource = std::uint64_t (*)() noexcept;
   [[nodiscard]] virtual TimeSource time_source() const noexcept { return &real_ns; }
   // Messages end with this byte from now on: a driver whose chip gathers bytes hands on what it has when one comes.
@@ -53,7 +54,8 @@ class Driver {
   [[nodiscard]] virtual std::string warning() const { return {}; }
 };
 
-// Opens the bytes of what the URL names, by the row of its scheme; bad_url where there are none. `timeout_ns` bounds a connection.
+// Opens the bytes of what the URL names, by the row of its scheme; bad_url where there are none. `timeout_ns` bounds a
+// connection.
 [[nodiscard]] Outcome open_driver(const Url& url, std::uint64_t timeout_ns, std::unique_ptr<Driver>& driver);
 
 class Capture;
@@ -64,7 +66,8 @@ class DriverSource {
   DriverSource(Url url, std::uint64_t timeout_ns);
   ~DriverSource();
 
-  // The driver of before must be gone. A connection that is being made ends with closed as soon as `cancelled`, a descriptor, is readable; -1: never.
+  // The driver of before must be gone. A connection that is being made ends with closed as soon as `cancelled`, a
+  // descriptor, is readable; -1: never.
   [[nodiscard]] Outcome open(std::unique_ptr<Driver>& driver, int cancelled = -1);
   // Nothing is opened any more: the capture is whole.
   void close() noexcept;

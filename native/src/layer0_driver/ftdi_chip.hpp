@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What FTDI's chips want on USB, from their data sheets and application notes (AN_232B-04 latency and event character, AN_130 synchronous
-// FIFO, AN_120 baud rates): vendor requests, baud rate divisors, and the two status bytes at the head of each packet.
+// What FTDI's chips want on USB, from their data sheets and application notes (AN_232B-04 latency and event character,
+// AN_130 synchronous FIFO, AN_120 baud rates): vendor requests, baud rate divisors, and the two status bytes at the
+// head of each packet.
 #pragma once
 
 #include <cstddef>
@@ -51,7 +52,8 @@ struct Divisor {
 // The divisor nearest to `baud_hz`; the caller judges how near it is.
 [[nodiscard]] Divisor divisor_of(const Chip& chip, std::uint32_t baud_hz) noexcept;
 
-// Moves what is no status to the front of `bytes`: each packet of `packet_bytes` begins with two bytes of it. Returns how many are left.
+// Moves what is no status to the front of `bytes`: each packet of `packet_bytes` begins with two bytes of it. Returns
+// how many are left.
 [[nodiscard]] std::size_t strip_status(std::span<std::uint8_t> bytes, std::size_t packet_bytes) noexcept;
 
 }  // namespace unitylink::ftdi

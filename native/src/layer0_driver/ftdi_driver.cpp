@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// FTDI's USB chips without the kernel's serial driver: its latency timer, event character and FIFO modes, and transfers of many packets.
+// FTDI's USB chips without the kernel's serial driver: its latency timer, event character and FIFO modes, and transfers
+// of many packets.
 //   ftdi:SERIAL?channel=B&mode=serial&baud=3000000     ftdi:?mode=sync-fifo (the only chip there is)
-// Options: channel=A..D (A), mode=serial|fifo|sync-fifo (serial; fifo is the asynchronous FT245 interface), baud= (of serial), latency= (ms, 1),
-// event= (the character that sends at once what the chip has gathered; else what ends the messages of the protocol that is spoken; none).
+// Options: channel=A..D (A), mode=serial|fifo|sync-fifo (serial; fifo is the asynchronous FT245 interface), baud= (of
+// serial), latency= (ms, 1), event= (the character that sends at once what the chip has gathered; else what ends the
+// messages of the protocol that is spoken; none).
 
 #include <algorithm>
 #include <array>
@@ -17,7 +19,7 @@
 namespace unitylink {
 namespace {
 
-constexpr std::size_t transfers = 4;              // under way at once, so that the chip never waits for the PC
+constexpr std::size_t transfers = 4;               // under way at once, so that the chip never waits for the PC
 constexpr std::size_t transfer_bytes = 16 * 1024;  // a short packet ends one earlier
 constexpr unsigned int send_timeout_ms = 100;      // between looks at the end
 constexpr long events_timeout_us = 50'000;
@@ -77,7 +79,9 @@ class FtdiDriver final : public PumpedDriver {
         return;
       case usb::TransferStatus::cancelled: return;
       case usb::TransferStatus::no_device: ended("the FTDI chip was unplugged"); return;
-      default: ended("USB transfer from the FTDI chip failed, status " + std::to_string(static_cast<int>(transfer.status))); return;
+      default:
+        ended("USB transfer from the FTDI chip failed, status " + std::to_string(static_cast<int>(transfer.status)));
+        return;
     }
   }
 
@@ -85,7 +89,8 @@ class FtdiDriver final : public PumpedDriver {
     const int code = port_->library().submit_transfer(incoming.transfer);
     incoming.under_way = code == 0;
     if (code != 0) {
-      ended(code == usb::error_no_device ? "the FTDI chip was unplugged" : std::string("USB: ") + port_->library().error_name(code));
+      ended(code == usb::error_no_device ? "the FTDI chip was unplugged"
+                                         : std::string("USB: ") + port_->library().error_name(code));
     }
   }
 
@@ -95,8 +100,9 @@ class FtdiDriver final : public PumpedDriver {
     for (Incoming& one : incoming) {
       one.driver = this;
       one.transfer = usb.alloc_transfer(0);
-      *one.transfer = usb::Transfer{port_->handle(), 0, port_->in(), usb::bulk, 0, {}, static_cast<int>(one.bytes.size()), 0, &arrived,
-                                    &one, one.bytes.data(), 0};
+      *one.transfer = usb::Transfer{
+          port_->handle(), 0,    port_->in(),      usb::bulk, 0, {}, static_cast<int>(one.bytes.size()), 0,
+          &arrived,        &one, one.bytes.data(), 0};
       if (running()) {
         submit(one);
       }
@@ -132,8 +138,8 @@ class FtdiDriver final : public PumpedDriver {
   void push(std::span<std::uint8_t> bytes) {
     while (!bytes.empty() && running()) {
       int done = 0;
-      const int code = port_->library().bulk_transfer(port_->handle(), port_->out(), bytes.data(), static_cast<int>(bytes.size()), &done,
-                                                      send_timeout_ms);
+      const int code = port_->library().bulk_transfer(port_->handle(), port_->out(), bytes.data(),
+                                                      static_cast<int>(bytes.size()), &done, send_timeout_ms);
       bytes = bytes.subspan(static_cast<std::size_t>(done));
       if (code == usb::error_no_device) {
         ended("the FTDI chip was unplugged");
@@ -151,7 +157,8 @@ class FtdiDriver final : public PumpedDriver {
 // The serial port that the kernel has for the chip, with what it cost to take it.
 class KernelPort final : public Driver {
  public:
-  KernelPort(std::unique_ptr<Driver> driver, std::string notice) : driver_(std::move(driver)), notice_(std::move(notice)) {}
+  KernelPort(std::unique_ptr<Driver> driver, std::string notice)
+      : driver_(std::move(driver)), notice_(std::move(notice)) {}
   [[nodiscard]] Transfer send(std::span<const std::uint8_t> bytes) noexcept override { return driver_->send(bytes); }
   [[nodiscard]] Transfer receive(std::span<std::uint8_t> room) noexcept override { return driver_->receive(room); }
   void close() noexcept override { driver_->close(); }
@@ -173,7 +180,8 @@ std::string first_line(const std::filesystem::path& file) {
   return line;
 }
 
-// /dev/ttyUSB0 of the chip and channel, "" where the kernel has none. UNITYLINK_ROOT is another root of /sys and /dev, for tests.
+// /dev/ttyUSB0 of the chip and channel, "" where the kernel has none. UNITYLINK_ROOT is another root of /sys and /dev,
+// for tests.
 std::string kernel_port(const ftdi::Settings& settings) {
   const char* const told = std::getenv("UNITYLINK_ROOT");
   const std::string root = told != nullptr ? told : "";
@@ -182,10 +190,12 @@ std::string kernel_port(const ftdi::Settings& settings) {
   std::string port;
   for (const auto& device : std::filesystem::directory_iterator(devices, ignored)) {
     const std::string serial = first_line(device.path() / "serial");
-    if (first_line(device.path() / "idVendor") != "0403" || (!settings.serial_number.empty() && serial != settings.serial_number)) {
+    if (first_line(device.path() / "idVendor") != "0403" ||
+        (!settings.serial_number.empty() && serial != settings.serial_number)) {
       continue;
     }
-    const std::filesystem::path channel = devices / (device.path().filename().string() + ":1." + std::to_string(settings.channel));
+    const std::filesystem::path channel =
+        devices / (device.path().filename().string() + ":1." + std::to_string(settings.channel));
     for (const auto& entry : std::filesystem::directory_iterator(channel, ignored)) {
       const std::string name = entry.path().filename().string();
       if (name.starts_with("ttyUSB")) {
@@ -211,14 +221,16 @@ Outcome fall_back(const Url& url, const ftdi::Settings& settings, const Outcome&
   if (!open_serial(serial, {}, opened).ok()) {
     return why;
   }
-  driver = std::make_unique<KernelPort>(std::move(opened), why.text + ": the kernel's serial port " + path + " is used instead, without event character");
+  driver = std::make_unique<KernelPort>(
+      std::move(opened), why.text + ": the kernel's serial port " + path + " is used instead, without event character");
   return {};
 }
 
 }  // namespace
 
-// bad_url, not_found, permission, busy. Where the chip cannot be had without the kernel's driver (libusb is missing, no permission), and the mode
-// is not sync-fifo, the kernel's serial port of the same chip is opened instead; warning() says so.
+// bad_url, not_found, permission, busy. Where the chip cannot be had without the kernel's driver (libusb is missing, no
+// permission), and the mode is not sync-fifo, the kernel's serial port of the same chip is opened instead; warning()
+// says so.
 Outcome open_ftdi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   ftdi::Settings settings;
   if (Outcome outcome = ftdi::settings_of(url, settings); !outcome.ok()) {
@@ -226,8 +238,10 @@ Outcome open_ftdi(const Url& url, const Patience&, std::unique_ptr<Driver>& driv
   }
   std::unique_ptr<ftdi::Port> port;
   if (Outcome outcome = ftdi::Port::open(settings, port); !outcome.ok()) {
-    const bool may_be_had_otherwise = outcome.status == Status::permission || (outcome.status == Status::not_found && port == nullptr);
-    return may_be_had_otherwise && settings.mode != ftdi::Mode::sync_fifo ? fall_back(url, settings, outcome, driver) : outcome;
+    const bool may_be_had_otherwise =
+        outcome.status == Status::permission || (outcome.status == Status::not_found && port == nullptr);
+    return may_be_had_otherwise && settings.mode != ftdi::Mode::sync_fifo ? fall_back(url, settings, outcome, driver)
+                                                                          : outcome;
   }
   SocketPair pair;
   if (Outcome outcome = make_socket_pair(pair); !outcome.ok()) {

@@ -18,7 +18,8 @@ Outcome refused(const usb::Library& library, int code, const std::string& what) 
   const std::string text = what + ": " + library.error_name(code);
   switch (code) {
     case usb::error_access:
-      return {Status::permission, text + "; you need the right to use the USB device: `unitylink doctor` shows the udev rule"};
+      return {Status::permission,
+              text + "; you need the right to use the USB device: `unitylink doctor` shows the udev rule"};
     case usb::error_busy: return {Status::busy, text + "; another program holds it"};
     case usb::error_no_device: return {Status::not_found, text + "; it was unplugged"};
     default: return {Status::closed, text};
@@ -124,8 +125,10 @@ Outcome Port::find(const std::string& serial_number, usb::Device** devices, std:
     }
     std::unique_ptr<usb::Handle, decltype(close)> opened(handle, close);
     std::array<unsigned char, 256> text{};
-    const int length = library_->get_string_descriptor_ascii(handle, told.iSerialNumber, text.data(), static_cast<int>(text.size() - 1));
-    const std::string serial(reinterpret_cast<const char*>(text.data()), length > 0 ? static_cast<std::size_t>(length) : 0);
+    const int length = library_->get_string_descriptor_ascii(handle, told.iSerialNumber, text.data(),
+                                                             static_cast<int>(text.size() - 1));
+    const std::string serial(reinterpret_cast<const char*>(text.data()),
+                             length > 0 ? static_cast<std::size_t>(length) : 0);
     there += (there.empty() ? "" : ", ") + (serial.empty() ? "one without a serial number" : serial);
     if ((serial_number.empty() || serial == serial_number) && handle_ == nullptr) {
       handle_ = opened.release();
@@ -153,8 +156,8 @@ Outcome Port::set_up(const Settings& settings) {
   }
   const std::string name(chip_->name);
   if (settings.channel >= chip_->channels) {
-    return {Status::bad_url, "a " + name + " has " + std::to_string(chip_->channels) + " channel(s), and channel=" +
-                                 static_cast<char>('A' + settings.channel) + " is asked"};
+    return {Status::bad_url, "a " + name + " has " + std::to_string(chip_->channels) +
+                                 " channel(s), and channel=" + static_cast<char>('A' + settings.channel) + " is asked"};
   }
   if (settings.mode == Mode::sync_fifo && (!chip_->sync_fifo || settings.channel != 0)) {
     return {Status::mismatch, "the synchronous FIFO is on channel A of an FT232H or FT2232H; this is channel " +
@@ -170,7 +173,9 @@ Outcome Port::set_up(const Settings& settings) {
   }
   library_->set_auto_detach_kernel_driver(handle_, 1);  // it comes back when the interface is released
   if (const int code = library_->claim_interface(handle_, static_cast<int>(channel_)); code != 0) {
-    return refused(*library_, code, "channel " + std::string(1, static_cast<char>('A' + channel_)) + " of the " + name + " cannot be had");
+    return refused(
+        *library_, code,
+        "channel " + std::string(1, static_cast<char>('A' + channel_)) + " of the " + name + " cannot be had");
   }
   claimed_ = true;
   Outcome outcome = request(Request::reset, 0, 0, "reset");
@@ -204,7 +209,9 @@ Outcome Port::set_event(std::optional<std::uint8_t> event) {
 
 Outcome Port::request(Request request, std::uint16_t value, std::uint16_t index, const char* what) {
   const int code = transfer(request, value, index);
-  return code < 0 ? refused(*library_, code, std::string(what) + " of the " + std::string(chip_->name) + " cannot be set") : Outcome{};
+  return code < 0
+             ? refused(*library_, code, std::string(what) + " of the " + std::string(chip_->name) + " cannot be set")
+             : Outcome{};
 }
 
 int Port::transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept {

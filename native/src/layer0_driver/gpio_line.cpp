@@ -23,7 +23,8 @@ constexpr std::uint64_t line_most = 1023;
 Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line) {
   const std::size_t colon = place.rfind(':');
   std::uint64_t number = 0;
-  if (colon == std::string::npos || colon == 0 || !parse_number(std::string_view(place).substr(colon + 1), line_most, number)) {
+  if (colon == std::string::npos || colon == 0 ||
+      !parse_number(std::string_view(place).substr(colon + 1), line_most, number)) {
     return {Status::bad_url, "waiting=" + place + " is not a line of a GPIO chip such as /dev/gpiochip0:25"};
   }
   const std::string path = place.substr(0, colon);
@@ -63,8 +64,7 @@ GpioLine::~GpioLine() { ::close(descriptor_); }
 
 bool GpioLine::high() const noexcept {
   std::array<gpio_v2_line_event, 16> risings{};
-  while (::read(descriptor_, risings.data(), sizeof risings) > 0) {
-  }
+  while (::read(descriptor_, risings.data(), sizeof risings) > 0) {}
   gpio_v2_line_values values{};
   values.mask = 1;
   return ::ioctl(descriptor_, GPIO_V2_LINE_GET_VALUES_IOCTL, &values) == 0 && (values.bits & 1) != 0;

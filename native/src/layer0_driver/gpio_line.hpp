@@ -11,7 +11,8 @@ namespace unitylink {
 
 class GpioLine {
  public:
-  // `place` is a chip and a line of it: "/dev/gpiochip0:25". bad_url, not_found, permission, busy, mismatch (no such line).
+  // `place` is a chip and a line of it: "/dev/gpiochip0:25". bad_url, not_found, permission, busy, mismatch (no such
+  // line).
   [[nodiscard]] static Outcome open(const std::string& place, std::unique_ptr<GpioLine>& line);
   GpioLine(const GpioLine&) = delete;
   GpioLine& operator=(const GpioLine&) = delete;

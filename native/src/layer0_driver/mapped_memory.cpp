@@ -21,7 +21,8 @@ Outcome cannot(const std::string& path, const char* what) {
     case ENOENT:
     case ENXIO: return {Status::not_found, text};
     case EACCES:
-    case EPERM: return {Status::permission, text + "; you need the right to read and write it (a udev rule, or a group)"};
+    case EPERM:
+      return {Status::permission, text + "; you need the right to read and write it (a udev rule, or a group)"};
     case EBUSY: return {Status::busy, text};
     default: return {Status::mismatch, text};
   }
@@ -39,7 +40,8 @@ Outcome MappedMemory::open(const MappedWindow& window, std::unique_ptr<MappedMem
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   const std::uint64_t within = window.offset % page;
   std::unique_ptr<MappedMemory> made(new MappedMemory(window, static_cast<std::size_t>(within + window.bytes)));
-  void* const mapping = ::mmap(nullptr, made->length_, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), static_cast<off_t>(window.offset - within));
+  void* const mapping = ::mmap(nullptr, made->length_, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(),
+                               static_cast<off_t>(window.offset - within));
   if (mapping == MAP_FAILED) {
     return cannot(path, "cannot be mapped");
   }
@@ -63,7 +65,8 @@ void MappedMemory::load(std::span<const std::uint32_t> addresses, std::span<std:
   }
 }
 
-bool MappedMemory::settle(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, std::size_t passes) const noexcept {
+bool MappedMemory::settle(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                          std::size_t passes) const noexcept {
   bool settled = addresses.size() < 2;
   for (std::size_t pass = 1; !settled && pass < passes; ++pass) {
     settled = true;

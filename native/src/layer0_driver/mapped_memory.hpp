@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Words of a device that the processor sees as memory: a UIO device, a BAR of a PCIe card, the bridge of an SoC, a file.
-// Every access is one aligned 32-bit load or store. No compiler divides, joins or omits it.
+// Words of a device that the processor sees as memory: a UIO device, a BAR of a PCIe card, the bridge of an SoC, a
+// file. Every access is one aligned 32-bit load or store. No compiler divides, joins or omits it.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,8 @@ struct MappedWindow {
   std::uint32_t base_hz = 0;  // the frequency that divisors divide
 };
 
-// Word n is the 32 bits at byte 4 n of the window. Not thread-safe against close(); accesses of several threads may cross.
+// Word n is the 32 bits at byte 4 n of the window. Not thread-safe against close(); accesses of several threads may
+// cross.
 class MappedMemory {
  public:
   [[nodiscard]] static Outcome open(const MappedWindow& window, std::unique_ptr<MappedMemory>& memory);
@@ -40,8 +41,10 @@ class MappedMemory {
   void store(std::uint32_t address, std::uint32_t value) noexcept { base_[address] = value; }
   // One after the other, in order.
   void load(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) const noexcept;
-  // Loads words again until two passes in a row agree, so that all were so at one moment; false where none of `passes` did, with the load before it.
-  [[nodiscard]] bool settle(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, std::size_t passes) const noexcept;
+  // Loads words again until two passes in a row agree, so that all were so at one moment; false where none of `passes`
+  // did, with the load before it.
+  [[nodiscard]] bool settle(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                            std::size_t passes) const noexcept;
   void close() noexcept;
 
  private:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registers that are memory: no bytes, but the memory itself. layer2_message/mapped_engine.hpp stands on it.
 //   mmap:/dev/uio0     mmap:/dev/mem?offset=0x43C00000&size=65536     mmap:registers.bin
-// Options: offset= and size= (in bytes; the size is known of files, BARs and UIO devices), address_bytes= (what the window needs), base_hz= (1000).
+// Options: offset= and size= (in bytes; the size is known of files, BARs and UIO devices), address_bytes= (what the
+// window needs), base_hz= (1000).
 #include <bit>
 #include <cerrno>
 #include <cstring>
@@ -44,7 +45,7 @@ Outcome number_of(const Url& url, const char* name, std::uint64_t& value) {
 
 // Of a regular file; `known` is false of a device.
 Outcome file_bytes(const std::string& path, std::uint64_t& bytes, bool& known) {
-  struct stat status {};
+  struct stat status{};
   if (::stat(path.c_str(), &status) != 0) {
     const int error = errno;
     return error == ENOENT || error == ENOTDIR ? Outcome{Status::not_found, path + ": there is no such device or file"}
@@ -58,7 +59,8 @@ Outcome file_bytes(const std::string& path, std::uint64_t& bytes, bool& known) {
 
 // Of map n of a UIO device, which an offset of n pages chooses; false where it does not tell.
 bool uio_bytes(const std::string& path, std::uint64_t map, std::uint64_t& bytes) {
-  std::ifstream told("/sys/class/uio/" + path.substr(std::strlen("/dev/")) + "/maps/map" + std::to_string(map) + "/size");
+  std::ifstream told("/sys/class/uio/" + path.substr(std::strlen("/dev/")) + "/maps/map" + std::to_string(map) +
+                     "/size");
   std::string text;
   return std::getline(told, text) && parse_number(text, window_bytes_most, bytes);
 }
@@ -72,13 +74,16 @@ Outcome size_of(const Url& url, std::uint64_t offset, std::uint64_t& size) {
   }
   if (url.path.starts_with("/dev/uio")) {
     const std::uint64_t map = offset / static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    return uio_bytes(url.path, map, size) ? Outcome{} : wrong_url(url, url.path + " does not report the size of map " + std::to_string(map) + ": add size=");
+    return uio_bytes(url.path, map, size)
+               ? Outcome{}
+               : wrong_url(url, url.path + " does not report the size of map " + std::to_string(map) + ": add size=");
   }
   if (!known) {
     return wrong_url(url, url.path + " does not report its size: add size= in bytes");
   }
   if (bytes <= offset) {
-    return wrong_url(url, url.path + " has " + std::to_string(bytes) + " bytes, and offset is " + std::to_string(offset));
+    return wrong_url(url,
+                     url.path + " has " + std::to_string(bytes) + " bytes, and offset is " + std::to_string(offset));
   }
   size = bytes - offset;
   return {};
@@ -99,7 +104,8 @@ Outcome window_of(const Url& url, MappedWindow& window) {
   }
   for (const auto& [name, value] : {std::pair{"offset", window.offset}, std::pair{"size", window.bytes}}) {
     if (value % word_bytes != 0) {
-      return wrong_url(url, std::string(name) + " " + std::to_string(value) + " is no multiple of 4: words are 32 bits");
+      return wrong_url(url,
+                       std::string(name) + " " + std::to_string(value) + " is no multiple of 4: words are 32 bits");
     }
   }
   if (window.bytes == 0 || window.bytes > window_bytes_most) {
@@ -112,8 +118,10 @@ Outcome window_of(const Url& url, MappedWindow& window) {
       return outcome;
     }
   }
-  if (const std::uint64_t end = window.offset + window.bytes; known && end > there) {  // an access there would end the program
-    return wrong_url(url, "the window ends at byte " + std::to_string(end) + ", and " + url.path + " has " + std::to_string(there));
+  // an access there would end the program
+  if (const std::uint64_t end = window.offset + window.bytes; known && end > there) {
+    return wrong_url(
+        url, "the window ends at byte " + std::to_string(end) + ", and " + url.path + " has " + std::to_string(there));
   }
   const auto bits = static_cast<std::uint64_t>(std::bit_width(window.bytes / word_bytes - 1));
   std::uint64_t address_bytes = bits <= 8 ? 1 : (bits + 7) / 8;

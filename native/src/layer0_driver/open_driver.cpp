@@ -10,7 +10,8 @@ DriverSource::~DriverSource() = default;
 
 Outcome DriverSource::open(std::unique_ptr<Driver>& driver, int cancelled) {
   const std::string* const trace = url_.option("trace");
-  if (trace != nullptr && capture_ == nullptr) {  // before the port: a file that cannot be written must not cost a connection
+  // before the port: a file that cannot be written must not cost a connection
+  if (trace != nullptr && capture_ == nullptr) {
     std::unique_ptr<Capture> made;
     if (Outcome outcome = Capture::create(*trace, url_.text, made); !outcome.ok()) {
       return outcome;

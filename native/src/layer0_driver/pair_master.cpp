@@ -19,8 +19,8 @@
 namespace unitylink::pair_bus {
 namespace {
 
-constexpr std::size_t turn_bytes = 1024;              // of ours to one node; a longer frame goes whole
-constexpr std::chrono::milliseconds linger{1};        // how long a node that has spoken is polled without a pause
+constexpr std::size_t turn_bytes = 1024;               // of ours to one node; a longer frame goes whole
+constexpr std::chrono::milliseconds linger{1};         // how long a node that has spoken is polled without a pause
 constexpr std::chrono::milliseconds absent_poll{250};  // a node that is not there costs its silence each time
 constexpr unsigned misses_most = 3;
 
@@ -38,7 +38,8 @@ void ask_direction(int descriptor) noexcept {
 }
 
 bool poll_until(std::span<pollfd> waiting, std::chrono::steady_clock::time_point until) noexcept {
-  const auto left = std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(until - std::chrono::steady_clock::now()));
+  const auto left =
+      std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(until - std::chrono::steady_clock::now()));
   return poll_for(waiting, static_cast<std::uint64_t>(left.count())) > 0;
 }
 
@@ -97,8 +98,9 @@ Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Mas
   if (shared != nullptr && shared->reason().empty()) {
     return shared->baud_ == settings.baud
                ? Outcome{}
-               : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " + shared->baud_ +
-                                               " baud, and " + settings.baud + " are asked; all on a pair have the same rate"};
+               : Outcome{Status::mismatch, "RS-485 port " + url.path + ": the other nodes on it are spoken to at " +
+                                               shared->baud_ + " baud, and " + settings.baud +
+                                               " are asked; all on a pair have the same rate"};
   }
   std::unique_ptr<Driver> port;
   if (Outcome outcome = open_serial(url, {}, port); !outcome.ok()) {
@@ -206,7 +208,9 @@ void Master::pause(Clock::time_point until) {
 }
 
 bool Master::give_turn(Node& node) {
-  const auto add = [](std::vector<std::uint8_t>& bytes, const auto& more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+  const auto add = [](std::vector<std::uint8_t>& bytes, const auto& more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  };
   const auto count = static_cast<std::ptrdiff_t>(node.whole());
   std::vector<std::uint8_t> bytes{border};
   if (count > 0) {
@@ -237,9 +241,9 @@ bool Master::give_turn(Node& node) {
   if (count > 0 || !answer.frames().empty()) {
     node.busy_until = now + linger;
   }
-  node.next = node.misses > misses_most  ? now + absent_poll
-              : now < node.busy_until ? now
-                                      : now + std::chrono::nanoseconds(node.settings.poll_ns);
+  node.next = node.misses > misses_most ? now + absent_poll
+              : now < node.busy_until   ? now
+                                        : now + std::chrono::nanoseconds(node.settings.poll_ns);
   return true;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The master of an RS-485 pair: a thread that gives each node its turn and moves bytes between them and the nodes' socket pairs.
+// The master of an RS-485 pair: a thread that gives each node its turn and moves bytes between them and the nodes'
+// socket pairs.
 #pragma once
 
 #include <atomic>
@@ -34,7 +35,8 @@ class Master {
   Master& operator=(const Master&) = delete;
   ~Master();
 
-  // `descriptor` is the far end of the node's socket pair, and the master's from then on; busy where the node has a link.
+  // `descriptor` is the far end of the node's socket pair, and the master's from then on; busy where the node has a
+  // link.
   [[nodiscard]] Outcome join(const Settings& settings, int descriptor);
   void leave(unsigned node);
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept { return port_->byte_time_ns(); }

@@ -29,15 +29,18 @@ inline constexpr unsigned master_number = 0;
   return {first, token_check(first), border};
 }
 
-// What comes between a poll and the end of the polled node's turn. What an adapter hears of the master itself is left out.
+// What comes between a poll and the end of the polled node's turn. What an adapter hears of the master itself is left
+// out.
 class Answer {
  public:
   explicit Answer(unsigned node) noexcept : node_(node) {}
 
   // True when the turn has ended; what comes behind is nobody's.
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
-  [[nodiscard]] const std::vector<std::uint8_t>& frames() const noexcept { return frames_; }  // whole, with their borders
-  [[nodiscard]] bool spoke() const noexcept { return spoke_; }                                // the node has said who it is
+  // whole, with their borders
+  [[nodiscard]] const std::vector<std::uint8_t>& frames() const noexcept { return frames_; }
+  // the node has said who it is
+  [[nodiscard]] bool spoke() const noexcept { return spoke_; }
 
  private:
   [[nodiscard]] bool end_message();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What drivers share whose port cannot be polled: threads move bytes between it and one end of a socket pair, and the link waits at the
-// other end as at any port. What the link does not fetch stays in the socket, and the threads wait.
+// What drivers share whose port cannot be polled: threads move bytes between it and one end of a socket pair, and the
+// link waits at the other end as at any port. What the link does not fetch stays in the socket, and the threads wait.
 #pragma once
 
 #include <atomic>

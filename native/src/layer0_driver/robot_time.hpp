@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time that the virtual boards of a process, and the links to them, have in common: the real one, but it waits for the slowest board.
+// The time that the virtual boards of a process, and the links to them, have in common: the real one, but it waits for
+// the slowest board.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ class RobotTime {
   // How far a board may stay behind and catch up. Where there are others, it is how far they may be apart.
   static constexpr std::uint64_t lag_alone_ns = 100'000'000;
   static constexpr std::uint64_t lag_together_ns = 5'000'000;
-  // A board that does not get on for so long of real time is waited for no longer: its plant hangs, or somebody debugs it.
+  // A board that does not get on for so long of real time is waited for no longer: its plant hangs, or somebody debugs
+  // it.
   static constexpr std::uint64_t patience_ns = 1'000'000'000;
 
   // A board, as long as it lives.

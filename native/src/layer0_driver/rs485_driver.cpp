@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A node on an RS-485 pair: one serial port, shared by the links of this process to all nodes on it. We are the master.
 //   rs485:/dev/ttyUSB0?node=3&baud=3000000
-// Options: node= (1 to 63), baud=, poll= (s between looks at a node that has nothing to say, 0.001), silence= (s until a node that was
-// polled counts as not there, 0.02).
+// Options: node= (1 to 63), baud=, poll= (s between looks at a node that has nothing to say, 0.001), silence= (s until
+// a node that was polled counts as not there, 0.02).
 
 #include <unistd.h>
 
@@ -59,7 +59,8 @@ Outcome settings_of(const Url& url, pair_bus::Settings& settings) {
     return wrong_url(url, "node=" + *node + " is not a number from 1 to " + std::to_string(protocol::rs485::nodes_max));
   }
   const std::string* const baud = url.option("baud");
-  settings = {static_cast<unsigned>(number), baud != nullptr ? *baud : std::to_string(default_baud_hz), poll_ns_default, silence_ns_default};
+  settings = {static_cast<unsigned>(number), baud != nullptr ? *baud : std::to_string(default_baud_hz), poll_ns_default,
+              silence_ns_default};
   for (const auto& [name, ns] : {std::pair{"poll", &settings.poll_ns}, std::pair{"silence", &settings.silence_ns}}) {
     if (const std::string* text = url.option(name); text != nullptr && !parse_seconds(*text, *ns)) {
       return wrong_url(url, std::string(name) + "=" + *text + " is not a time in seconds from 1e-6 to 3600");
@@ -70,7 +71,8 @@ Outcome settings_of(const Url& url, pair_bus::Settings& settings) {
 
 }  // namespace
 
-// bad_url, not_found, permission, busy (the port, or a second link to the node), mismatch (another baud rate than the links to other nodes).
+// bad_url, not_found, permission, busy (the port, or a second link to the node), mismatch (another baud rate than the
+// links to other nodes).
 Outcome open_rs485(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   pair_bus::Settings settings;
   if (Outcome outcome = settings_of(url, settings); !outcome.ok()) {

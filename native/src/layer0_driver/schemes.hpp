@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schemes of link URLs: what may stand before the colon. A scheme is one row of the table in schemes.cpp, and one driver, which the row opens.
-// URLs, options, error messages, Python's `connect` and the help of the commands go by the rows.
+// The schemes of link URLs: what may stand before the colon. A scheme is one row of the table in schemes.cpp, and one
+// driver, which the row opens. URLs, options, error messages, Python's `connect` and the help of the commands go by the
+// rows.
 #pragma once
 
 #include <cstdint>
@@ -37,9 +38,11 @@ struct Scheme {
   std::string_view form;  // an example of its URLs
   std::string_view what;  // where it leads, in a few words
   Place place = Place::file;
-  std::string_view options = {};  // its own, with a space between two; those of every link are in layer2_message/link_options.cpp
+  // its own, with a space between two; those of every link are in layer2_message/link_options.cpp
+  std::string_view options = {};
   Opener* open = nullptr;
-  bool stream = true;        // bytes go there; else it is memory of this machine, and an option of a protocol means nothing
+  // bytes go there; else it is memory of this machine, and an option of a protocol means nothing
+  bool stream = true;
   bool once = false;         // cannot be opened a second time
   bool framed_only = false;  // carries no classic text
   bool loses_order = false;  // bytes may come in another order, or twice: every frame gets the longer checksum
@@ -55,8 +58,10 @@ struct Scheme {
 // nullptr: there is none of this name.
 [[nodiscard]] const Scheme* find_scheme(std::string_view name);
 
-// A row from outside of the core, for a program that is linked with it. To be made before the first link is opened; `scheme` must stay:
-//   const Scheme loop{.name = "loop", .form = "loop:", .what = "a wire back", .place = Place::name, .open = &open_loop};
+// A row from outside of the core, for a program that is linked with it. To be made before the first link is opened;
+// `scheme` must stay:
+//   const Scheme loop{.name = "loop", .form = "loop:", .what = "a wire back", .place = Place::name,
+//                     .open = &open_loop};
 //   const AddedScheme added(loop);
 struct AddedScheme {
   explicit AddedScheme(const Scheme& scheme);

@@ -54,7 +54,7 @@ void ask_low_latency(int descriptor) noexcept {
 
 Outcome cannot_open_serial(const std::string& path, int error) {
   return refused_port("serial port " + path, error, "is it plugged in?",
-                     "on Debian and Ubuntu: sudo adduser $USER dialout, then log in again");
+                      "on Debian and Ubuntu: sudo adduser $USER dialout, then log in again");
 }
 
 }  // namespace
@@ -71,8 +71,9 @@ Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& dr
   }
   const int descriptor = port.get();
   if (::isatty(descriptor) == 0) {
-    return errno == ENOTTY || errno == EINVAL ? Outcome{Status::not_found, "serial port " + url.path + ": this is not a serial port"}
-                                              : cannot_open_serial(url.path, errno);
+    return errno == ENOTTY || errno == EINVAL
+               ? Outcome{Status::not_found, "serial port " + url.path + ": this is not a serial port"}
+               : cannot_open_serial(url.path, errno);
   }
   // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {

@@ -40,8 +40,8 @@ class UdpDriver final : public DescriptorDriver {
   }
 
  protected:
-  // "Port unreachable" may come from anybody, and from a board that is being started again. Where somebody has answered before it is a datagram that was
-  // lost; where nobody has, nobody is there.
+  // "Port unreachable" may come from anybody, and from a board that is being started again. Where somebody has answered
+  // before it is a datagram that was lost; where nobody has, nobody is there.
   [[nodiscard]] Transfer failed(int error) noexcept override {
     return error == ECONNREFUSED && heard_ ? Transfer{} : DescriptorDriver::failed(error);
   }
@@ -62,7 +62,8 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
   pollfd waiting[2] = {{descriptor, POLLOUT, 0}, {cancelled, POLLIN, 0}};
   int ready = -1;
   do {  // a signal is no reason to give up
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
     ready = ::poll(waiting, 2, static_cast<int>(std::max<std::int64_t>(left, 0)) + 1);
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) {
@@ -79,22 +80,21 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
 Outcome cannot_connect(const Url& url, int error) {
   const std::string name = url.scheme + "://" + url.host + ":" + url.port + ": ";
   switch (error) {
-    case ECONNREFUSED: return {Status::not_found, name + "nothing listens there; is the board or `unitylink simulate` running?"};
+    case ECONNREFUSED:
+      return {Status::not_found, name + "nothing listens there; is the board or `unitylink simulate` running?"};
     case ETIMEDOUT: return {Status::timeout, name + "the connection was not accepted in time"};
     case EHOSTUNREACH:
-    case ENETUNREACH:
-      return {Status::not_found, name + "no route to this host"};
+    case ENETUNREACH: return {Status::not_found, name + "no route to this host"};
     case EACCES:
-    case EPERM:
-      return {Status::permission, name + "the operating system refuses this connection"};
+    case EPERM: return {Status::permission, name + "the operating system refuses this connection"};
     default: return {Status::closed, name + std::strerror(error)};
   }
 }
 
 }  // namespace
 
-// tcp://HOST:PORT or udp://HOST:PORT. not_found (no such host, nothing listens, no route), timeout, closed. A connection is given up as soon
-// as `cancelled`, a descriptor, is readable; -1: never.
+// tcp://HOST:PORT or udp://HOST:PORT. not_found (no such host, nothing listens, no route), timeout, closed. A
+// connection is given up as soon as `cancelled`, a descriptor, is readable; -1: never.
 Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
   const bool stream = url.scheme == "tcp";
   addrinfo hints{};
@@ -106,7 +106,8 @@ Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Dr
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> found(addresses, &::freeaddrinfo);
   int error = ECONNREFUSED;
   for (const addrinfo* address = addresses; address != nullptr; address = address->ai_next) {
-    Descriptor socket(::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol));
+    Descriptor socket(
+        ::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol));
     if (!socket.open()) {
       error = errno;
       continue;

@@ -20,8 +20,9 @@ Outcome cannot_open_spi(const std::string& path, int error) {
   if (error == ENOTTY) {
     return {Status::not_found, "SPI port " + path + ": this is not an SPI port of the kernel (spidev)"};
   }
-  return refused_port("SPI port " + path, error, "is SPI switched on (on a Raspberry Pi: dtparam=spi=on in config.txt)?",
-                     "on Debian and Raspberry Pi OS: sudo adduser $USER spi, then log in again");
+  return refused_port("SPI port " + path, error,
+                      "is SPI switched on (on a Raspberry Pi: dtparam=spi=on in config.txt)?",
+                      "on Debian and Raspberry Pi OS: sudo adduser $USER spi, then log in again");
 }
 
 }  // namespace
@@ -47,7 +48,8 @@ Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::uniq
   }
   if (::ioctl(descriptor, SPI_IOC_WR_MAX_SPEED_HZ, &speed_hz) != 0) {
     const std::string why = std::strerror(errno);
-    return {Status::mismatch, "SPI port " + path + ": cannot run at " + std::to_string(speed_hz) + " Hz: " + why + "; give another speed_hz="};
+    return {Status::mismatch, "SPI port " + path + ": cannot run at " + std::to_string(speed_hz) + " Hz: " + why +
+                                  "; give another speed_hz="};
   }
   port = std::move(made);
   return {};

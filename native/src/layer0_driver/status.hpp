@@ -31,7 +31,7 @@ enum class Status : std::int32_t {
 // What a call of the link hands back: the verdict and, when it failed, everything a person wants to know about it.
 struct Outcome {
   Status status = Status::ok;
-  std::string text;              // names the item and the remedy; empty when ok
+  std::string text;  // names the item and the remedy; empty when ok
   bool has_address = false;
   std::uint32_t address = 0;     // the word address it is about
   std::uint32_t index = 0;       // which request of a vector call failed

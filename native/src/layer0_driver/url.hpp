@@ -14,10 +14,10 @@
 namespace unitylink {
 
 struct Url {
-  std::string text;    // as given
-  std::string scheme;  // what stands before the colon
+  std::string text;             // as given
+  std::string scheme;           // what stands before the colon
   const Scheme* row = nullptr;  // of it
-  std::string path;    // the device file, name or number; nothing where there are host and port
+  std::string path;             // the device file, name or number; nothing where there are host and port
   std::string host;
   std::string port;
   std::vector<std::pair<std::string, std::string>> options;  // in the order given, each name once

@@ -44,7 +44,8 @@ Outcome Library::load(std::shared_ptr<Library>& library) {
   find(made->handle_events_timeout, "handle_events_timeout");
   find(made->error_name, "error_name");
   if (!missing.empty()) {
-    return {Status::not_found, file + " has no libusb_" + missing + ": it is not libusb-1.0, or it is older than 1.0.16"};
+    return {Status::not_found,
+            file + " has no libusb_" + missing + ": it is not libusb-1.0, or it is older than 1.0.16"};
   }
   library = std::move(made);
   return {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libusb-1.0, loaded when it is wanted: without a USB chip nobody needs it. Its ABI is fixed since 1.0; what is declared here is what we use.
-// The environment variable UNITYLINK_LIBUSB names another file to load.
+// libusb-1.0, loaded when it is wanted: without a USB chip nobody needs it. Its ABI is fixed since 1.0; what is
+// declared here is what we use. The environment variable UNITYLINK_LIBUSB names another file to load.
 #pragma once
 
 #include <cstdint>
@@ -67,7 +67,8 @@ class Library {
   int (*set_auto_detach_kernel_driver)(Handle*, int) = nullptr;
   int (*claim_interface)(Handle*, int) = nullptr;
   int (*release_interface)(Handle*, int) = nullptr;
-  int (*control_transfer)(Handle*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t, unsigned char*, std::uint16_t, unsigned int) = nullptr;
+  int (*control_transfer)(Handle*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t, unsigned char*,
+                          std::uint16_t, unsigned int) = nullptr;
   int (*bulk_transfer)(Handle*, unsigned char, unsigned char*, int, int*, unsigned int) = nullptr;
   Transfer* (*alloc_transfer)(int) = nullptr;
   void (*free_transfer)(Transfer*) = nullptr;

@@ -43,8 +43,8 @@ ClassicDecoder::ClassicDecoder(const Crc8& sum) noexcept : sum_(sum), publish_se
   }
 }
 
-// The fast path for a complete publish at the front of the chunk. It returns 0 if there is none, or if anything is unusual. Then the slow path
-// decides.
+// The fast path for a complete publish at the front of the chunk. It returns 0 if there is none, or if anything is
+// unusual. Then the slow path decides.
 std::size_t ClassicDecoder::take_publish(std::span<const std::uint8_t> chunk) noexcept {
   if (chunk.size() < 10 || (chunk[0] != bytes::checked_publish && chunk[0] != bytes::plain_publish) ||
       std::memcmp(chunk.data() + 1, "PUB:", 4) != 0) {
@@ -72,7 +72,8 @@ std::size_t ClassicDecoder::take_publish_of(std::span<const std::uint8_t> chunk)
   if (chunk.size() < size || chunk[size - 1] != bytes::line_feed) {
     return 0;
   }
-  std::uint8_t sum = sum_.update(sum_.update(publish_seed_, static_cast<std::uint8_t>(group)), static_cast<std::uint8_t>(count));
+  std::uint8_t sum =
+      sum_.update(sum_.update(publish_seed_, static_cast<std::uint8_t>(group)), static_cast<std::uint8_t>(count));
   unsigned bad = 0;
   at += 4;
   for (unsigned index = 0; index < count; ++index) {

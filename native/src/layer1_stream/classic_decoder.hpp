@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Turns bytes from the device, in chunks of any size, into messages. No I/O, no clock, no allocation.
 //
-// The decoder accepts only whole lines. A line gives no value if it is too long, has an odd digit, a wrong letter, a wrong or missing checksum, or a
-// head within it. A lost line feed costs the message before it, not the one after it. The decoder may start within a line: everything up to the first
-// head is garbage, and is counted. Hex digits may be upper or lower case. Gateware sends lower case, and the case carries no information.
+// The decoder accepts only whole lines. A line gives no value if it is too long, has an odd digit, a wrong letter, a
+// wrong or missing checksum, or a head within it. A lost line feed costs the message before it, not the one after it.
+// The decoder may start within a line: everything up to the first head is garbage, and is counted. Hex digits may be
+// upper or lower case. Gateware sends lower case, and the case carries no information.
 #pragma once
 
 #include <array>
@@ -54,7 +55,7 @@ template <class T>
 concept DecoderSink = requires(T& sink, const Message& message, const Publish& publish, std::size_t bytes) {
   sink.on_message(message);  // its views are valid only during the call
   sink.on_publish(publish);
-  sink.on_garbage(bytes);    // bytes outside all messages
+  sink.on_garbage(bytes);  // bytes outside all messages
 };
 
 class ClassicDecoder {
@@ -79,8 +80,9 @@ class ClassicDecoder {
         }
       }
       const void* end = std::memchr(chunk.data(), protocol::bytes::line_feed, chunk.size());
-      const std::size_t size =
-          end == nullptr ? chunk.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(end) - chunk.data()) + 1;
+      const std::size_t size = end == nullptr
+                                   ? chunk.size()
+                                   : static_cast<std::size_t>(static_cast<const std::uint8_t*>(end) - chunk.data()) + 1;
       const std::span<const std::uint8_t> piece = chunk.first(size);
       chunk = chunk.subspan(size);
       if (end != nullptr && used_ == 0 && size <= line_bytes_max) {

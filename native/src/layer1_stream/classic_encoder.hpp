@@ -18,8 +18,8 @@ namespace unitylink {
   return 1 + letters + (data_bytes > 0 ? 1 + 2 * data_bytes : 0) + (checked ? 3 : 0) + 1;
 }
 
-// Writes one message into `room`. Example: ClassicEncoder(room, sum, true).command("R").word(0x12, 1).finish() gives "$R:12*58\n". For a message that
-// does not fit, finish() returns 0, and `room` is not valid.
+// Writes one message into `room`. Example: ClassicEncoder(room, sum, true).command("R").word(0x12, 1).finish() gives
+// "$R:12*58\n". For a message that does not fit, finish() returns 0, and `room` is not valid.
 class ClassicEncoder {
  public:
   ClassicEncoder(std::span<std::uint8_t> room, const Crc8& sum, bool checked) noexcept

@@ -19,7 +19,9 @@ class Cursor {
  public:
   explicit Cursor(std::string_view text) noexcept : text_(text) {}
 
-  [[nodiscard]] bool separator_next() const noexcept { return !text_.empty() && text_.front() == protocol::bytes::field_separator; }
+  [[nodiscard]] bool separator_next() const noexcept {
+    return !text_.empty() && text_.front() == protocol::bytes::field_separator;
+  }
   bool byte(std::uint8_t& value) noexcept {
     if (separator_next()) {
       value = static_cast<std::uint8_t>(protocol::bytes::field_separator);
@@ -48,17 +50,19 @@ class Cursor {
 
 struct Bytes {
   std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency> value{};
-  std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};  // whether it was sent as ','
+  // whether it was sent as ','
+  std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};
 
-  [[nodiscard]] bool any_as_comma() const noexcept { return std::find(as_comma.begin(), as_comma.end(), true) != as_comma.end(); }
+  [[nodiscard]] bool any_as_comma() const noexcept {
+    return std::find(as_comma.begin(), as_comma.end(), true) != as_comma.end();
+  }
 };
 
 bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noexcept {
   Cursor cursor(text);
   const std::size_t count = fields_before_frequency + frequency_bytes + fields_after_frequency;
   for (std::size_t index = 0; index < count; ++index) {
-    const bool inside_frequency =
-        index > fields_before_frequency && index < fields_before_frequency + frequency_bytes;
+    const bool inside_frequency = index > fields_before_frequency && index < fields_before_frequency + frequency_bytes;
     if (index > 0 && !inside_frequency && !cursor.separator()) {
       return false;
     }

@@ -10,8 +10,8 @@
 
 namespace unitylink {
 
-// One table per polynomial, made once. update() is one load and one XOR. There is no reflection and no final XOR. So the remainder over data and
-// their checksum is 0, and the receiver checks this.
+// One table per polynomial, made once. update() is one load and one XOR. There is no reflection and no final XOR. So
+// the remainder over data and their checksum is 0, and the receiver checks this.
 class Crc8 {
  public:
   constexpr explicit Crc8(std::uint8_t polynomial = protocol::crc8::polynomial) noexcept : polynomial_(polynomial) {

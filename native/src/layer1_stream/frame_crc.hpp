@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The two CRCs of the framed protocol: CRC-16/MCRF4XX and CRC-32C. Both are reflected, without a final XOR. Eight tables process eight bytes at a
-// time.
+// The two CRCs of the framed protocol: CRC-16/MCRF4XX and CRC-32C. Both are reflected, without a final XOR. Eight
+// tables process eight bytes at a time.
 #pragma once
 
 #include <array>
@@ -24,9 +24,11 @@ struct ReflectedCrc {
     const std::uint8_t* at = data.data();
     std::size_t left = data.size();
     for (; left >= 8; left -= 8, at += 8) {  // byte k of eight still has 7 - k zero bytes to pass through
-      const std::uint32_t low = sum ^ (std::uint32_t{at[0]} | std::uint32_t{at[1]} << 8 | std::uint32_t{at[2]} << 16 | std::uint32_t{at[3]} << 24);
-      sum = static_cast<Word>(tables[7][low & 0xFF] ^ tables[6][low >> 8 & 0xFF] ^ tables[5][low >> 16 & 0xFF] ^ tables[4][low >> 24] ^
-                              tables[3][at[4]] ^ tables[2][at[5]] ^ tables[1][at[6]] ^ tables[0][at[7]]);
+      const std::uint32_t low = sum ^ (std::uint32_t{at[0]} | std::uint32_t{at[1]} << 8 | std::uint32_t{at[2]} << 16 |
+                                       std::uint32_t{at[3]} << 24);
+      sum = static_cast<Word>(tables[7][low & 0xFF] ^ tables[6][low >> 8 & 0xFF] ^ tables[5][low >> 16 & 0xFF] ^
+                              tables[4][low >> 24] ^ tables[3][at[4]] ^ tables[2][at[5]] ^ tables[1][at[6]] ^
+                              tables[0][at[7]]);
     }
     for (; left > 0; --left, ++at) {
       sum = update(sum, *at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Turns bytes, in chunks of any size, into checked frames, for both directions. The receiver of a frame decides what its kind means, and whether the
-// payload fits the kind.
+// Turns bytes, in chunks of any size, into checked frames, for both directions. The receiver of a frame decides what
+// its kind means, and whether the payload fits the kind.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +28,8 @@ enum class Discard : std::uint8_t {
 
 template <class T>
 concept FrameSink = requires(T& sink, const Frame& frame, Discard why, std::size_t bytes, std::uint8_t kind) {
-  sink.on_frame(frame);                // valid only during the call
-  sink.on_discard(why, kind, bytes);   // bytes between two delimiters that are not a frame, and the first of them
+  sink.on_frame(frame);               // valid only during the call
+  sink.on_discard(why, kind, bytes);  // bytes between two delimiters that are not a frame, and the first of them
 };
 
 class FrameDecoder {
@@ -53,12 +53,14 @@ class FrameDecoder {
   // Takes bytes up to and including the next delimiter, or all of `chunk` if it has none. Returns how many.
   template <FrameSink Sink>
   std::size_t take(std::span<const std::uint8_t> chunk, Sink& sink) {
-    if (chunk.size() == 1 && chunk[0] != protocol::frame::delimiter && used_ < limit_) {  // a device takes one at a time
+    // a device takes one at a time
+    if (chunk.size() == 1 && chunk[0] != protocol::frame::delimiter && used_ < limit_) {
       bytes_[used_++] = chunk[0];
       return 1;
     }
     const void* end = std::memchr(chunk.data(), protocol::frame::delimiter, chunk.size());
-    const std::size_t size = end == nullptr ? chunk.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(end) - chunk.data());
+    const std::size_t size =
+        end == nullptr ? chunk.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(end) - chunk.data());
     if (used_ + size <= limit_) {
       std::memcpy(bytes_.data() + used_, chunk.data(), size);
     } else if (used_ == 0 && size > 0) {

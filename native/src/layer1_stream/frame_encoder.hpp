@@ -11,8 +11,9 @@
 
 namespace unitylink {
 
-// Writes one frame into `room`. Example: FrameEncoder(room, request_kind::read, key).word(id, 2).word(address, 2).finish() gives its bytes. If the
-// frame does not fit, or its payload is too long for any frame, finish() returns 0, and `room` is not valid.
+// Writes one frame into `room`. Example: FrameEncoder(room, request_kind::read, key).word(id, 2).word(address,
+// 2).finish() gives its bytes. If the frame does not fit, or its payload is too long for any frame, finish() returns 0,
+// and `room` is not valid.
 class FrameEncoder {
  public:
   FrameEncoder(std::span<std::uint8_t> room, std::uint8_t kind, const FrameKey& key) noexcept : room_(room), key_(key) {
@@ -86,7 +87,7 @@ class FrameEncoder {
   std::span<std::uint8_t> room_;
   FrameKey key_;
   std::size_t used_ = 0;
-  std::size_t block_ = 0;    // where the code byte of the block is
+  std::size_t block_ = 0;  // where the code byte of the block is
   std::size_t payload_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is sent, and when. classic_engine_receive.cpp: what is received. classic_engine_recovery.cpp: missing answers. classic_engine_bus.cpp:
-// what 2012 gateware does after a bus timeout.
+// What is sent, and when. classic_engine_receive.cpp: what is received. classic_engine_recovery.cpp: missing answers.
+// classic_engine_bus.cpp: what 2012 gateware does after a bus timeout.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -113,7 +113,9 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
         encoder.word(address, width);
       }
       break;
-    case Operation::write_group_rate: encoder.word(exchange.address, 1).word(exchange.value, configuration_.rate_bytes); break;
+    case Operation::write_group_rate:
+      encoder.word(exchange.address, 1).word(exchange.value, configuration_.rate_bytes);
+      break;
     case Operation::read_group: encoder.word(exchange.address, 1); break;
     case Operation::write_event_mask:
       for (const std::uint8_t byte : exchange.mask) {
@@ -147,7 +149,8 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
 
 void ClassicEngine::encode_fence() noexcept {
   pending_begin_ = pending_end_ = 0;
-  if (fence_unanswered_) {  // noise, or a host that went away, may have begun a frame there, which takes everything up to the next 00
+  // noise, or a host that went away, may have begun a frame there, which takes everything up to the next 00
+  if (fence_unanswered_) {
     pending_[pending_end_++] = static_cast<std::uint8_t>(frame::delimiter);
   }
   pending_[pending_end_++] = fence_opener;
@@ -169,7 +172,8 @@ std::uint64_t ClassicEngine::allowance_ns(const Exchange& exchange) const noexce
   return exchange.timeout_ns + 2 * settings_.byte_time_ns * (exchange.request_bytes_ + exchange.reply_bytes_);
 }
 
-// When a request ends, sent or not. One more attempt than its own allows for the fences between them. Requests before it may take longer.
+// When a request ends, sent or not. One more attempt than its own allows for the fences between them. Requests before
+// it may take longer.
 std::uint64_t ClassicEngine::limit_of(const Exchange& exchange) const noexcept {
   const std::uint64_t fence_ns = 2 * settings_.byte_time_ns * (fence_bytes_max + configuration_reply_bytes_max);
   const auto patience_ns = [this, fence_ns](const Exchange& one) {

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ClassicEngine turns requests into text, in order, and text into answers. It also recovers when an answer is missing. Sans I/O: it is given bytes
-// and times, and gives bytes and results, so tests can run it on a virtual clock.
+// ClassicEngine turns requests into text, in order, and text into answers. It also recovers when an answer is missing.
+// Sans I/O: it is given bytes and times, and gives bytes and results, so tests can run it on a virtual clock.
 //
 //   submit() -> waiting -> transmit() -> in flight -> receive() -> replied -> done
 //                  ^                        |  a bad or missing answer: everything in flight is void
 //                  +----- fence ------------+  what must not be sent twice ends here
 //
 // Rules, and why:
-// - The protocol has no ids: the n-th reply belongs to the n-th request. A lost request would shift every later answer by one. So answers count only
-//   when all requests in flight together were answered (`replied` waits for that). Then the numbers agree.
-// - Requests in flight, and their replies, never have more bytes than the device's FIFOs hold (credit), unless one request is alone.
-// - Every request ends within (attempts + 1) x timeout after it was made, or after the last answer to another one, plus the time for its bytes.
-//   Damaged answers and answered fences do not extend this.
+// - The protocol has no ids: the n-th reply belongs to the n-th request. A lost request would shift every later answer
+//   by one. So answers count only when all requests in flight together were answered (`replied` waits for that). Then
+//   the numbers agree.
+// - Requests in flight, and their replies, never have more bytes than the device's FIFOs hold (credit), unless one
+//   request is alone.
+// - Every request ends within (attempts + 1) x timeout after it was made, or after the last answer to another one, plus
+//   the time for its bytes. Damaged answers and answered fences do not extend this.
 // - After a failure only the fence is sent, until the device has answered it. Everything before that answer is dropped.
-// - After a bus timeout, 2012 gateware may stay in its bus cycle. The next access then completes this cycle in the cycle's direction. So a word that
-//   is known to answer is read before the next access can be such a write. An answer that such a cycle may have spoiled is not accepted
-//   (classic_engine_bus.cpp).
+// - After a bus timeout, 2012 gateware may stay in its bus cycle. The next access then completes this cycle in the
+//   cycle's direction. So a word that is known to answer is read before the next access can be such a write. An answer
+//   that such a cycle may have spoiled is not accepted (classic_engine_bus.cpp).
 #pragma once
 
 #include <array>
@@ -102,21 +104,21 @@ class ClassicEngine final : public Engine {
   State state_ = State::fence_due;
 
   ExchangeList waiting_;
-  ExchangeList in_flight_;           // first those with a reply, then those that wait for an answer
-  Exchange* oldest_ = nullptr;       // the first one in in_flight_ that waits for an answer
-  std::uint32_t batch_ = 0;          // number of requests in in_flight_
-  std::uint32_t request_credit_ = 0; // bytes of those that wait, in each direction
+  ExchangeList in_flight_;            // first those with a reply, then those that wait for an answer
+  Exchange* oldest_ = nullptr;        // the first one in in_flight_ that waits for an answer
+  std::uint32_t batch_ = 0;           // number of requests in in_flight_
+  std::uint32_t request_credit_ = 0;  // bytes of those that wait, in each direction
   std::uint32_t reply_credit_ = 0;
 
   std::uint64_t oldest_since_ns_ = 0;
   std::uint64_t fence_deadline_ns_ = 0;
-  std::uint32_t fences_sent_ = 0;     // since the last one that was answered
-  std::uint32_t fences_hastened_ = 0; // of those, given up early because a datalink error may have consumed them
+  std::uint32_t fences_sent_ = 0;      // since the last one that was answered
+  std::uint32_t fences_hastened_ = 0;  // of those, given up early because a datalink error may have consumed them
   bool fence_hastened_ = false;
-  bool fence_unanswered_ = false;     // the last one was not answered in its whole time
+  bool fence_unanswered_ = false;  // the last one was not answered in its whole time
   bool publishes_checked_ = false;
-  std::uint8_t fence_code_ = 0;       // the last ?xx received while fencing
-  std::uint32_t late_refusals_ = 0;   // answers to surplus fences that may still come
+  std::uint8_t fence_code_ = 0;      // the last ?xx received while fencing
+  std::uint32_t late_refusals_ = 0;  // answers to surplus fences that may still come
   bool plain_fence_;
 
   enum class StrayCycle : std::uint8_t { none, read, write };
@@ -125,7 +127,7 @@ class ClassicEngine final : public Engine {
   Exchange freeing_;                               // the request that reads it
   bool corrected_ = false;
 
-  std::uint64_t position_ = 0;        // bytes given to the driver so far
+  std::uint64_t position_ = 0;  // bytes given to the driver so far
   std::size_t pending_begin_ = 0;
   std::size_t pending_end_ = 0;
   std::array<std::uint8_t, transmit_bytes_max> pending_;

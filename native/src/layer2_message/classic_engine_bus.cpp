@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// After a bus timeout (E_BAT), 2012 gateware stays in its bus cycle, at address 0. If no slave answers there either, the next access gives the
-// cycle its address, but the cycle keeps its own direction. So a read that timed out swallows the next write. A write that timed out writes 0
-// where the next request reads or writes. No answer shows this.
+// After a bus timeout (E_BAT), 2012 gateware stays in its bus cycle, at address 0. If no slave answers there either,
+// the next access gives the cycle its address, but the cycle keeps its own direction. So a read that timed out swallows
+// the next write. A write that timed out writes 0 where the next request reads or writes. No answer shows this.
 //
-// So after a read has timed out, a word that is known to answer is read. This happens before anything else is sent, and before the caller gets
-// the timeout. It ends the cycle and does no harm. After a write nothing can be done from here, and its error names the hazard. Requests that
-// were sent after a timeout are not accepted: they are repeated if that does no harm.
+// So after a read has timed out, a word that is known to answer is read. This happens before anything else is sent, and
+// before the caller gets the timeout. It ends the cycle and does no harm. After a write nothing can be done from here,
+// and its error names the hazard. Requests that were sent after a timeout are not accepted: they are repeated if that
+// does no harm.
 #include "layer2_message/classic_engine.hpp"
 
 namespace unitylink {
@@ -25,8 +26,10 @@ void ClassicEngine::on_bus_answer(Exchange& exchange, bool done) noexcept {
   const StrayCycle before = stray_cycle_;
   stray_cycle_ = StrayCycle::none;
   exchange.stray_cycle = done && (before == StrayCycle::write || (before == StrayCycle::read && exchange.writes()));
-  if (before == StrayCycle::read && !exchange.writes()) {  // it did no harm, so the requests before it need not report it
-    for (Exchange* other = in_flight_.front(); other != nullptr && other != &exchange; other = ExchangeList::after(*other)) {
+  // it did no harm, so the requests before it need not report it
+  if (before == StrayCycle::read && !exchange.writes()) {
+    for (Exchange* other = in_flight_.front(); other != nullptr && other != &exchange;
+         other = ExchangeList::after(*other)) {
       other->stray_cycle = other->stray_cycle && (other->writes() || other->status == Status::ok);
     }
   }
@@ -50,8 +53,8 @@ void ClassicEngine::on_bus_timeout(Exchange& exchange) noexcept {
 
 bool ClassicEngine::wants_bus_freed() const noexcept {
   const bool under_way = freeing_.state_ == Exchange::State::waiting || freeing_.state_ == Exchange::State::in_flight;
-  return stray_cycle_ == StrayCycle::read && harmless_address_ && !under_way && oldest_ == nullptr && state_ == State::ready && !ended_ &&
-         !(in_flight_.empty() && waiting_.empty());
+  return stray_cycle_ == StrayCycle::read && harmless_address_ && !under_way && oldest_ == nullptr &&
+         state_ == State::ready && !ended_ && !(in_flight_.empty() && waiting_.empty());
 }
 
 // Its answer belongs to the requests before it. They get their results when the bus is free.

@@ -46,7 +46,8 @@ void ClassicEngine::on_publish(const Publish& publish) noexcept {
   PublishRing* ring = rings_[publish.group];
   if (ring == nullptr) {
     statistics_.unclaimed_publishes += 1;
-  } else if (publish.words.size() != ring->words() || publish.count != ring->words() || publish.checked != publishes_checked_) {
+  } else if (publish.words.size() != ring->words() || publish.count != ring->words() ||
+             publish.checked != publishes_checked_) {
     statistics_.mismatched_publishes += 1;
   } else {
     statistics_.publishes += 1;
@@ -91,13 +92,15 @@ void ClassicEngine::on_bad_reply() noexcept {
 void ClassicEngine::on_reply(const Message& message) noexcept {
   const bool refusal = message.error == application_error::incomplete_command && message.letters.empty();
   const bool surplus = refusal && late_refusals_ > 0;
-  if (oldest_ == nullptr || surplus || (message.kind == MessageKind::reply && message.letters == reply::read_configuration)) {
+  if (oldest_ == nullptr || surplus ||
+      (message.kind == MessageKind::reply && message.letters == reply::read_configuration)) {
     late_refusals_ -= surplus ? 1 : 0;
     statistics_.stale_replies += 1;
     return;
   }
   Exchange& exchange = *oldest_;
-  const char head = exchange.checked || exchange.operation == Operation::empty_message ? bytes::checked_head : bytes::plain_head;
+  const char head =
+      exchange.checked || exchange.operation == Operation::empty_message ? bytes::checked_head : bytes::plain_head;
   if (message.head == head && message.kind == MessageKind::application_error &&
       letters_of(exchange.operation).reply.starts_with(message.letters)) {
     on_application_error(exchange, message);
@@ -136,7 +139,8 @@ bool ClassicEngine::take_data(Exchange& exchange, const Message& message) noexce
   if (exchange.operation == Operation::read_group) {
     const std::size_t rate = configuration_.rate_bytes;
     const std::size_t width = configuration_.address_bytes;
-    if (data.size() < rate + 1 || data.size() != rate + 1 + data[rate] * width || exchange.values.size() < 1u + data[rate]) {
+    if (data.size() < rate + 1 || data.size() != rate + 1 + data[rate] * width ||
+        exchange.values.size() < 1u + data[rate]) {
       return false;
     }
     exchange.values[0] = word_at(data, 0, rate);

@@ -64,7 +64,8 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
       exchange.failures_ += 1;
       keep_cause(exchange, datalink_code);
     }
-    const bool once_more = (!left || (exchange.repeat && exchange.failures_ < exchange.attempts_max)) && now_ns_ < limit_of(exchange);
+    const bool once_more =
+        (!left || (exchange.repeat && exchange.failures_ < exchange.attempts_max)) && now_ns_ < limit_of(exchange);
     exchange.state_ = Exchange::State::waiting;
     if (once_more && exchange.batch != nullptr) {
       exchange.batch->failed = false;  // the answers it had are void as well
@@ -163,7 +164,8 @@ void ClassicEngine::on_fence_answer(const Message& message) noexcept {
     const bool maybe_2012 = !corrected_ && (!reported_ || has_comma_byte(*reported_));
     const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum, maybe_2012);
     const bool other = configuration && reported_ && *configuration != *reported_;
-    if (!configuration || (other && plain_fence_)) {  // without a checksum, a strange answer is more likely noise than another device
+    // without a checksum, a strange answer is more likely noise than another device
+    if (!configuration || (other && plain_fence_)) {
       statistics_.malformed_messages += 1;
       hasten_fence();
     } else if (other) {

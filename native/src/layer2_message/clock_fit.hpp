@@ -10,8 +10,8 @@
 
 namespace unitylink {
 
-// A reading is the device's count of clocks at some moment between sending a request and receiving its answer. The middle of the two is wrong by at
-// most half their distance. So readings with a quick answer have more weight.
+// A reading is the device's count of clocks at some moment between sending a request and receiving its answer. The
+// middle of the two is wrong by at most half their distance. So readings with a quick answer have more weight.
 class ClockFit {
  public:
   // Until better readings exist, a clock takes 1 / clock_hz.
@@ -23,7 +23,8 @@ class ClockFit {
     if (count_ > 0 && clocks < last().clocks) {
       clear();  // the device was reset
     }
-    readings_[count_ % kept] = {clocks, sent_ns + (received_ns - sent_ns) / 2, std::max<std::uint64_t>(1, (received_ns - sent_ns) / 2)};
+    readings_[count_ % kept] = {clocks, sent_ns + (received_ns - sent_ns) / 2,
+                                std::max<std::uint64_t>(1, (received_ns - sent_ns) / 2)};
     ++count_;
     fit();
   }
@@ -39,8 +40,9 @@ class ClockFit {
 
   // The host's time at which the low 32 bits of the device's count were `low`: the time nearest to `near_ns`.
   [[nodiscard]] std::uint64_t host_ns(std::uint32_t low, std::uint64_t near_ns) const noexcept {
-    const double expected = static_cast<double>(origin_clocks_ & 0xFFFFFFFF) +
-                            (static_cast<double>(static_cast<std::int64_t>(near_ns - origin_ns_)) - offset_ns_) / period_ns_;
+    const double expected =
+        static_cast<double>(origin_clocks_ & 0xFFFFFFFF) +
+        (static_cast<double>(static_cast<std::int64_t>(near_ns - origin_ns_)) - offset_ns_) / period_ns_;
     const auto nearest = static_cast<std::int64_t>(expected);
     const auto difference = static_cast<std::int32_t>(low - static_cast<std::uint32_t>(nearest));
     const double clocks = static_cast<double>(nearest + difference) - static_cast<double>(origin_clocks_ & 0xFFFFFFFF);
@@ -91,7 +93,7 @@ class ClockFit {
   std::size_t count_ = 0;
   double nominal_ns_ = 0;
   double period_ns_ = 0;
-  double offset_ns_ = 0;            // of the line at its origin, which is the last reading
+  double offset_ns_ = 0;  // of the line at its origin, which is the last reading
   double uncertainty_ns_ = 0;
   std::uint64_t origin_clocks_ = 0;
   std::uint64_t origin_ns_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Link needs of an engine, whichever protocol it speaks: requests in, bytes out; bytes in, verdicts out. Sans I/O: it is given bytes and
-// times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine and FramedEngine
-// speak a protocol; MappedEngine needs none.
+// What Link needs of an engine, whichever protocol it speaks: requests in, bytes out; bytes in, verdicts out. Sans I/O:
+// it is given bytes and times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine
+// and FramedEngine speak a protocol; MappedEngine needs none.
 #pragma once
 
 #include <array>
@@ -19,15 +19,17 @@
 namespace unitylink {
 
 struct EngineSettings {
-  Crc8 sum{};                            // of the classic protocol
-  bool checksums = true;                 // false: the gateware has none, and a '$' may hang it, so that none is ever sent
+  Crc8 sum{};  // of the classic protocol
+  // false: the gateware has none, and a '$' may hang it, so that none is ever sent
+  bool checksums = true;
   std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // the device's, for classic requests
   std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // the device's, for classic replies
-  std::uint32_t window = 64;             // requests in flight together
+  std::uint32_t window = 64;                                                 // requests in flight together
   std::uint64_t timeout_ns = 100'000'000;
-  std::uint64_t byte_time_ns = 0;        // on the wire: long messages are given the time they need
-  bool checked_long = false;             // the CRC-32C in every frame, where the device knows it: for links that lose order
-  std::uint64_t seed = 0;                // what the epochs of framed sessions are drawn from
+  std::uint64_t byte_time_ns = 0;  // on the wire: long messages are given the time they need
+  // the CRC-32C in every frame, where the device knows it: for links that lose order
+  bool checked_long = false;
+  std::uint64_t seed = 0;  // what the epochs of framed sessions are drawn from
 };
 
 class Engine {
@@ -54,8 +56,8 @@ class Engine {
   virtual void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
   // Ends everything, with `status`; writes on their way end unknown. Nothing is accepted any more.
   virtual void end(Status status, std::uint64_t now_ns) noexcept = 0;
-  // The line is gone, not for ever: all that is under way ends with `status`, writes of which something has left unknown, and nothing of it is sent again. What is
-  // submitted from then on begins anew, on another line.
+  // The line is gone, not for ever: all that is under way ends with `status`, writes of which something has left
+  // unknown, and nothing of it is sent again. What is submitted from then on begins anew, on another line.
   virtual void cut(Status status, std::uint64_t now_ns) noexcept = 0;
   // Ends a request that has not been submitted.
   void decline(Exchange& exchange, Status status, std::uint64_t now_ns) noexcept {
@@ -97,8 +99,8 @@ class Engine {
   std::uint64_t now_ns_ = 0;
   std::uint64_t last_answer_ns_ = 0;  // 0: never
   std::uint64_t completed_ = 0;
-  std::uint64_t progress_ns_ = 0;     // the last answer to a caller: what waits behind it has its time from then on
-  std::uint64_t look_ns_ = 0;         // when the first of those that wait may be late
+  std::uint64_t progress_ns_ = 0;  // the last answer to a caller: what waits behind it has its time from then on
+  std::uint64_t look_ns_ = 0;      // when the first of those that wait may be late
   bool lasting_ = false;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
 };

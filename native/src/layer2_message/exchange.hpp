@@ -16,7 +16,8 @@ class PublishRing;
 
 enum class Operation : std::uint8_t {
   // both protocols
-  resynchronise,  // only the fence, or the opening of a session; done when the device has answered it; a link begins with it
+  // only the fence, or the opening of a session; done when the device has answered it; a link begins with it
+  resynchronise,
   read,
   read_many,
   write,
@@ -31,18 +32,19 @@ enum class Operation : std::uint8_t {
   write_event_mask,
   read_event_mask,
   // the framed protocol
-  transfer,       // words to write, then words to read, in one message
-  list,           // any operations of a list, in order, in one message
+  transfer,  // words to write, then words to read, in one message
+  list,      // any operations of a list, in order, in one message
   define_group,
-  define_exchange, // the words of an exchange group
-  exchange,       // writes all outputs of an exchange group and reads all its inputs
+  define_exchange,  // the words of an exchange group
+  exchange,         // writes all outputs of an exchange group and reads all its inputs
   read_control,
   write_control,
-  synchronise,    // asks how many posts were executed
+  synchronise,  // asks how many posts were executed
   close_session,
 };
 
-// One word of a list and its operation (protocol::list_operation: read, read_fifo, write, write_fifo, write_masked, add).
+// One word of a list and its operation (protocol::list_operation: read, read_fifo, write, write_fifo, write_masked,
+// add).
 struct ListWord {
   std::uint32_t operation = protocol::list_operation::read;
   std::uint32_t address = 0;
@@ -67,48 +69,55 @@ struct Exchange {
   // The request.
   Operation operation = Operation::read;
   bool checked = false;
-  bool repeat = true;                        // it may be sent twice without harm
-  std::uint32_t address = 0;                 // read, write; the group of group and exchange commands; a control register
-  std::uint32_t value = 0;                   // write: the word; of a group: the divisor
-  std::span<const std::uint32_t> addresses;  // read_many, transfer; of a group
+  bool repeat = true;  // it may be sent twice without harm
+  // read, write; the group of group and exchange commands; a control register
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;                         // write: the word; of a group: the divisor
+  std::span<const std::uint32_t> addresses;        // read_many, transfer; of a group
   std::span<const std::uint32_t> write_addresses;  // transfer
   std::span<const std::uint32_t> write_values;     // also for exchange: the words of the outputs
-  std::span<const ListWord> steps;           // list
-  std::span<const ExchangeWord> outputs;     // define_exchange, exchange
+  std::span<const ListWord> steps;                 // list
+  std::span<const ExchangeWord> outputs;           // define_exchange, exchange
   std::span<const ExchangeWord> inputs;
-  bool atomic = false;                       // transfer, read_many: the bus is held from the first word to the last
-  bool chained = false;                      // only after the exchange submitted before it was executed
-  bool on_event = false;                     // define_group: also publish on its event input
-  std::span<const std::uint8_t> mask;        // write_event_mask, most significant byte first
-  std::span<std::uint32_t> values;           // room for the words read; read_group's rate and addresses
-  std::uint64_t timeout_ns = 0;              // per attempt
-  std::uint32_t attempts_max = 1;            // 0 once the caller has given it up
+  bool atomic = false;                 // transfer, read_many: the bus is held from the first word to the last
+  bool chained = false;                // only after the exchange submitted before it was executed
+  bool on_event = false;               // define_group: also publish on its event input
+  std::span<const std::uint8_t> mask;  // write_event_mask, most significant byte first
+  std::span<std::uint32_t> values;     // room for the words read; read_group's rate and addresses
+  std::uint64_t timeout_ns = 0;        // per attempt
+  std::uint32_t attempts_max = 1;      // 0 once the caller has given it up
   Batch* batch = nullptr;
-  PublishRing* ring = nullptr;               // of a group: takes its publishes from now on
-  void* owner = nullptr;                     // for on_done
+  PublishRing* ring = nullptr;                    // of a group: takes its publishes from now on
+  void* owner = nullptr;                          // for on_done
   void (*on_done)(Exchange&) noexcept = nullptr;  // called once, with the engine's lock held; must not call the engine
 
   // The result.
   Status status = Status::ok;
-  std::string_view error;                    // the device's E_xxx; empty if it gave none
-  std::uint8_t datalink_code = 0;            // the ?xx that made it void last; 0: none
-  std::uint32_t words = 0;                   // words that were executed; read_group: addresses
-  std::uint8_t first_failure = 0;            // synchronise: the status of the first failed post
-  std::uint32_t attempts = 0;                // how often an answer was requested: by the request itself, or by a fence for it
-  bool sent = false;                         // at least one of its bytes was sent
-  // Only 2012 gateware: it ended in a bus timeout whose cycle may go on, or was answered by a device whose bus may have done that.
+  std::string_view error;          // the device's E_xxx; empty if it gave none
+  std::uint8_t datalink_code = 0;  // the ?xx that made it void last; 0: none
+  std::uint32_t words = 0;         // words that were executed; read_group: addresses
+  std::uint8_t first_failure = 0;  // synchronise: the status of the first failed post
+  // how often an answer was requested: by the request itself, or by a fence for it
+  std::uint32_t attempts = 0;
+  bool sent = false;  // at least one of its bytes was sent
+  // Only 2012 gateware: it ended in a bus timeout whose cycle may go on, or was answered by a device whose bus may have
+  // done that.
   bool stray_cycle = false;
   std::uint64_t begun_ns = 0;
   std::uint64_t ended_ns = 0;
 
   [[nodiscard]] bool done() const noexcept { return state_ == State::done; }
   // Its status if it is not sent (again).
-  [[nodiscard]] Status cut_off() const noexcept { return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout; }
-  // The same, but because another request of its call has failed. That request is reported, so a read here is only cancelled.
+  [[nodiscard]] Status cut_off() const noexcept {
+    return !sent ? Status::cancelled : writes() ? Status::unknown : Status::timeout;
+  }
+  // The same, but because another request of its call has failed. That request is reported, so a read here is only
+  // cancelled.
   [[nodiscard]] Status left_out() const noexcept { return writes() ? cut_off() : Status::cancelled; }
   // Whether it changes something on the device's bus.
   [[nodiscard]] bool writes() const noexcept {
-    return operation == Operation::write || !write_addresses.empty() || (operation == Operation::exchange && !outputs.empty()) ||
+    return operation == Operation::write || !write_addresses.empty() ||
+           (operation == Operation::exchange && !outputs.empty()) ||
            std::any_of(steps.begin(), steps.end(), [](const ListWord& word) { return word.writes(); });
   }
 
@@ -119,12 +128,12 @@ struct Exchange {
   friend class ExchangeList;
   enum class State : std::uint8_t { idle, waiting, in_flight, replied, done };
   State state_ = State::idle;
-  std::uint32_t failures_ = 0;               // failed attempts of this request itself
-  std::uint32_t request_bytes_ = 0;          // classic
-  std::uint32_t reply_bytes_ = 0;            // classic
-  std::uint64_t begin_ = 0;                  // classic: position of its first byte among all bytes sent
-  std::uint64_t follows_ = 0;                // framed: posts made before it
-  std::uint64_t limit_ns_ = 0;               // when it ends at the latest; 0: not yet decided
+  std::uint32_t failures_ = 0;       // failed attempts of this request itself
+  std::uint32_t request_bytes_ = 0;  // classic
+  std::uint32_t reply_bytes_ = 0;    // classic
+  std::uint64_t begin_ = 0;          // classic: position of its first byte among all bytes sent
+  std::uint64_t follows_ = 0;        // framed: posts made before it
+  std::uint64_t limit_ns_ = 0;       // when it ends at the latest; 0: not yet decided
   Exchange* next_ = nullptr;
 };
 

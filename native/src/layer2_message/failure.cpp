@@ -39,11 +39,13 @@ std::string_view meaning_of(std::uint8_t code) noexcept {
     case codes::format: return "wrong format";
     case codes::odd_digits: return "odd number of hex digits";
     case codes::invalid_character: return "invalid character";
-    case codes::checksum: return "wrong checksum; is polynomial= right? polynomial=none is for gateware without checksums";
+    case codes::checksum:
+      return "wrong checksum; is polynomial= right? polynomial=none is for gateware without checksums";
     default: break;
   }
-  return code >= codes::physical + overrun ? "more requests came than its receive FIFO holds; say its depth in bytes in the URL, fifo="
-                                           : "error of its physical layer; is the baud rate right?";
+  return code >= codes::physical + overrun
+             ? "more requests came than its receive FIFO holds; say its depth in bytes in the URL, fifo="
+             : "error of its physical layer; is the baud rate right?";
 }
 
 std::string code_text(std::uint8_t code) {
@@ -80,11 +82,15 @@ std::string name_of(const Exchange& exchange, std::uint32_t address_bytes) {
   const bool has_address = address_of(exchange, address);
   switch (exchange.operation) {
     case Operation::transfer:
-      return (exchange.write_addresses.empty() ? "" : "write of " + std::to_string(exchange.write_addresses.size()) + " words") +
+      return (exchange.write_addresses.empty()
+                  ? ""
+                  : "write of " + std::to_string(exchange.write_addresses.size()) + " words") +
              (exchange.write_addresses.empty() || exchange.addresses.empty() ? "" : " and ") +
              (exchange.addresses.empty() ? "" : "read of " + std::to_string(exchange.addresses.size()) + " words") +
              (has_address ? " (at " + hex_address(address, address_bytes) + ")" : "");
-    case Operation::list: return "list of " + std::to_string(exchange.steps.size()) + " operations (at " + hex_address(address, address_bytes) + ")";
+    case Operation::list:
+      return "list of " + std::to_string(exchange.steps.size()) + " operations (at " +
+             hex_address(address, address_bytes) + ")";
     case Operation::define_group: return "definition of group " + std::to_string(exchange.address);
     case Operation::define_exchange: return "definition of exchange group " + std::to_string(exchange.address);
     case Operation::exchange: return "exchange of group " + std::to_string(exchange.address);
@@ -121,12 +127,17 @@ std::string attempts_text(const Exchange& exchange) {
 }
 
 std::string refused_text(const Exchange& exchange, const std::string& name) {
-  std::string text = name + ": the device answered " + std::string(exchange.error) + ": " + std::string(meaning_of(exchange.error));
+  std::string text =
+      name + ": the device answered " + std::string(exchange.error) + ": " + std::string(meaning_of(exchange.error));
   if (exchange.stray_cycle && exchange.writes()) {
-    text += "; 2012 gateware may now have written 0 to address 0 or, where nothing answers there, will write 0 to the address that "
-            "its next read or write names: reset it, or write that word once more afterwards";
+    text +=
+        "; 2012 gateware may now have written 0 to address 0 or, where nothing answers there, will write 0 to the "
+        "address that "
+        "its next read or write names: reset it, or write that word once more afterwards";
   } else if (exchange.stray_cycle) {
-    text += "; where nothing answers at address 0 either, 2012 gateware loses the next write: read a word that answers before it";
+    text +=
+        "; where nothing answers at address 0 either, 2012 gateware loses the next write: read a word that answers "
+        "before it";
   }
   return text;
 }
@@ -140,26 +151,27 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
   const std::string because = context.reason.empty() ? std::string() : " (" + std::string(context.reason) + ")";
   switch (exchange.status) {
     case Status::timeout:
-      return name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " + attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
+      return name + (exchange.writes() && !exchange.sent ? " not sent: resynchronisation" : "") + " unanswered after " +
+             attempts_text(exchange) + heard + "; " + last_answer(exchange, context);
     case Status::unknown:
       if (exchange.stray_cycle) {
         return name + spoiled_text + ": it may or may not have been executed; read it back before going on";
       }
       return name + " was sent but its answer lost" + because + heard +
-                     ": it may or may not have been executed; read it back before going on";
+             ": it may or may not have been executed; read it back before going on";
     case Status::closed: return name + ": the link is closed" + because;
     case Status::down: return name + ": the line is gone" + because + " and is being opened again; nothing was sent";
     case Status::busy: return name + ": the board serves another program; close that one first";
-    case Status::mismatch:
-      return name + ": another device now answers on this port; connect again";
+    case Status::mismatch: return name + ": another device now answers on this port; connect again";
     case Status::denied:
     case Status::bus_error: return refused_text(exchange, name);
     case Status::cancelled: return name + ": given up, because another request of the same call failed";
     case Status::protocol_error:
       return !exchange.error.empty() ? refused_text(exchange, name)
-                     : exchange.stray_cycle  ? name + spoiled_text + "; read it again"
-                         : name + " not answered correctly after " + attempts_text(exchange) +
-                               (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
+             : exchange.stray_cycle
+                 ? name + spoiled_text + "; read it again"
+                 : name + " not answered correctly after " + attempts_text(exchange) +
+                       (heard.empty() ? "; its replies were malformed or had a wrong checksum" : heard);
     default: return name + ": " + status_text(exchange.status);
   }
 }
@@ -168,7 +180,8 @@ std::string sentence(const Exchange& exchange, const FailureContext& context) {
 
 std::string hex_address(std::uint32_t address, std::uint32_t address_bytes) {
   char text[16];
-  std::snprintf(text, sizeof text, "0x%0*x", static_cast<int>(address_bytes == 0 ? 1 : 2 * address_bytes), static_cast<unsigned>(address));
+  std::snprintf(text, sizeof text, "0x%0*x", static_cast<int>(address_bytes == 0 ? 1 : 2 * address_bytes),
+                static_cast<unsigned>(address));
   return text;
 }
 
@@ -197,7 +210,8 @@ std::size_t first_failed(std::span<const Exchange> exchanges) noexcept {
   const auto first = [exchanges](auto failed) {
     return static_cast<std::size_t>(std::find_if(exchanges.begin(), exchanges.end(), failed) - exchanges.begin());
   };
-  const std::size_t cause = first([](const Exchange& e) { return e.status != Status::ok && e.status != Status::cancelled; });
+  const std::size_t cause =
+      first([](const Exchange& e) { return e.status != Status::ok && e.status != Status::cancelled; });
   return cause < exchanges.size() ? cause : first([](const Exchange& e) { return e.status != Status::ok; });
 }
 

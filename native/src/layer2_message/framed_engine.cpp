@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is sent, and when. framed_engine_receive.cpp: what is received. framed_engine_session.cpp: sessions, and missing answers.
+// What is sent, and when. framed_engine_receive.cpp: what is received. framed_engine_session.cpp: sessions, and missing
+// answers.
 #include "layer2_message/framed_engine.hpp"
 
 #include <algorithm>
@@ -11,14 +12,17 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t posts_in_flight_bytes = 16384;          // on a line without losses
+constexpr std::uint64_t posts_in_flight_bytes = 16384;  // on a line without losses
 constexpr std::uint64_t posts_in_flight_least = 4;
-constexpr std::uint64_t posts_in_flight_blind = 32;             // after a loss, when the speed of the line is not known
-constexpr std::uint64_t confirm_part = 4;                       // a quarter of these are open when the device is asked for its count
-constexpr std::uint64_t wait_part = 20;                         // of the timeout, before the first repeat, even on a quick line, because hosts may pause
-constexpr std::uint64_t repeat_wait_ns = 1'000'000;             // beyond a round trip, after an answer has shown a loss (RFC 9002, 6.2)
-constexpr std::uint64_t confirm_patience_ns = 5'000'000;        // for the last posts of a burst
-constexpr std::string_view classic_question = "#RLC\n";  // not the fence, because its answer may still be on its way
+constexpr std::uint64_t posts_in_flight_blind = 32;  // after a loss, when the speed of the line is not known
+// a quarter of these are open when the device is asked for its count
+constexpr std::uint64_t confirm_part = 4;
+// of the timeout, before the first repeat, even on a quick line, because hosts may pause
+constexpr std::uint64_t wait_part = 20;
+// beyond a round trip, after an answer has shown a loss (RFC 9002, 6.2)
+constexpr std::uint64_t repeat_wait_ns = 1'000'000;
+constexpr std::uint64_t confirm_patience_ns = 5'000'000;  // for the last posts of a burst
+constexpr std::string_view classic_question = "#RLC\n";   // not the fence, because its answer may still be on its way
 
 }  // namespace
 
@@ -93,8 +97,7 @@ std::span<const std::uint8_t> FramedEngine::transmit(std::uint64_t now_ns) noexc
     }
     if (state_ == State::open) {
       maintain();
-      while (send_due() || send_next()) {
-      }
+      while (send_due() || send_next()) {}
     }
   }
   return std::span<const std::uint8_t>(pending_).subspan(pending_begin_, pending_end_ - pending_begin_);
@@ -120,7 +123,10 @@ void FramedEngine::encode_greeting() noexcept {
                 .word(checked_long() ? frame::checked_long_flag : 0, 1)
                 .finish();
   } else {
-    size += FrameEncoder(space.subspan(size), request_kind::hello, FrameKey{}).word(frame::version, 1).word(frame::version, 1).finish();
+    size += FrameEncoder(space.subspan(size), request_kind::hello, FrameKey{})
+                .word(frame::version, 1)
+                .word(frame::version, 1)
+                .finish();
     if (probe_ && sessions_ == 0) {  // gateware without frames has skipped HELLO, and answers this
       std::copy(classic_question.begin(), classic_question.end(), space.begin() + static_cast<std::ptrdiff_t>(size));
       size += classic_question.size();
@@ -141,7 +147,8 @@ void FramedEngine::encode_greeting() noexcept {
 bool FramedEngine::send_due() noexcept {
   for (std::uint16_t id = base_id_; due_ > 0 && id != next_id_; ++id) {
     Place& place = place_of(id);
-    if (!place.used || !place.due || (place.exchange != nullptr && place.unbound && posts_.sent() < place.exchange->follows_)) {
+    if (!place.used || !place.due ||
+        (place.exchange != nullptr && place.unbound && posts_.sent() < place.exchange->follows_)) {
       continue;
     }
     const std::size_t size = encode(place);
@@ -163,7 +170,8 @@ bool FramedEngine::send_next() noexcept {
     return false;
   }
   if (!waiting_.empty() && waiting_.front()->follows_ <= posts_.sent()) {
-    const bool question = is_confirmation(*waiting_.front());  // no post waits for it, because requests that fill the window may be waiting for posts
+    // no post waits for it, because requests that fill the window may be waiting for posts
+    const bool question = is_confirmation(*waiting_.front());
     const bool sent = send_request();
     if (sent || !question) {
       return sent;
@@ -234,7 +242,8 @@ bool FramedEngine::send_request() noexcept {
   return true;
 }
 
-// After a loss all posts on their way are sent again. Then at most two round trips are in flight: one on its way, and one being confirmed.
+// After a loss all posts on their way are sent again. Then at most two round trips are in flight: one on its way, and
+// one being confirmed.
 std::uint64_t FramedEngine::posts_most() const noexcept {
   if (now_ns_ >= careful_until_ns_) {
     return std::max(posts_in_flight_least, posts_in_flight_bytes / std::max<std::uint64_t>(1, post_bytes_));
@@ -246,7 +255,8 @@ std::uint64_t FramedEngine::posts_most() const noexcept {
 bool FramedEngine::send_post() noexcept {
   const bool confirming = std::any_of(confirmations_.begin(), confirmations_.end(),
                                       [](const Exchange& own) { return own.state_ == Exchange::State::in_flight; });
-  if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {  // only while an answer will surely come, or its absence will be noticed
+  // only while an answer will surely come, or its absence will be noticed
+  if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {
     return false;
   }
   const std::uint64_t number = posts_.sent();
@@ -345,8 +355,8 @@ void FramedEngine::maintain() noexcept {
 void FramedEngine::confirm() noexcept {
   if (posts_.made() == posts_.confirmed()) {
     confirm_ns_ = no_deadline;
-  } else if (Exchange* const own = idle_confirmation(); own != nullptr &&
-             (posts_.sent() >= confirming_ + posts_most() / confirm_part || now_ns_ >= confirm_ns_)) {
+  } else if (Exchange* const own = idle_confirmation();
+             own != nullptr && (posts_.sent() >= confirming_ + posts_most() / confirm_part || now_ns_ >= confirm_ns_)) {
     *own = Exchange{};
     own->operation = Operation::synchronise;
     own->attempts_max = 3;
@@ -357,7 +367,8 @@ void FramedEngine::confirm() noexcept {
 }
 
 Exchange* FramedEngine::idle_confirmation() noexcept {
-  const auto found = std::find_if(confirmations_.begin(), confirmations_.end(), [this](const Exchange& own) { return idle(own); });
+  const auto found =
+      std::find_if(confirmations_.begin(), confirmations_.end(), [this](const Exchange& own) { return idle(own); });
   return found == confirmations_.end() ? nullptr : &*found;
 }
 

@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// FramedEngine turns requests with ids into frames, and frames into answers. It also recovers when an answer is missing. Sans I/O. See
-// docs/protocol.md.
+// FramedEngine turns requests with ids into frames, and frames into answers. It also recovers when an answer is
+// missing. Sans I/O. See docs/protocol.md.
 //
 //   submit() -> waiting -> transmit() -> a place (id mod window) -> receive() -> done
 //                              ^  due again: its timeout, or an answer to a later id
 //                              +------------------------------+
 //
 // Rules, and why:
-// - The device remembers the last executed request of each place. So a request may be sent again at any time, and is executed once.
-// - A request that is given up (timeout, interruption) leaves its place behind. A SYNC with the same id takes this place over. So a late copy of the
-//   request is a repeat for the device, and is never executed.
-// - An answer with an error counts only when it has come twice. One of 65,536 damaged answers passes its check, and asking again does no harm. A
-//   refused write also leaves its place to a SYNC, and its caller waits for that, because a copy of the write may still be on its way.
-// - Every request ends within attempts x timeout after it was made, or after the last answer to one of those before it, whatever the device sends
-//   meanwhile. Answers that only keep the engine busy (HELLO, OPEN, CLOSED, answers to its own questions) do not extend this.
-// - Some devices send the engine back to the beginning again and again (CLOSED, another nonce, `order`, `behind`). Such a device is asked a few times
-//   at once, then with pauses that double up to the timeout. So it cannot make the host fill the line.
-// - HELLO and OPEN open a session. The engine asks for it again when the device reports that it has none, or does not answer twice. If the session is
-//   then another one, all requests in flight that may have been executed end as unknown. Only reads are sent again, and groups are defined again.
+// - The device remembers the last executed request of each place. So a request may be sent again at any time, and is
+//   executed once.
+// - A request that is given up (timeout, interruption) leaves its place behind. A SYNC with the same id takes this
+//   place over. So a late copy of the request is a repeat for the device, and is never executed.
+// - An answer with an error counts only when it has come twice. One of 65,536 damaged answers passes its check, and
+//   asking again does no harm. A refused write also leaves its place to a SYNC, and its caller waits for that, because
+//   a copy of the write may still be on its way.
+// - Every request ends within attempts x timeout after it was made, or after the last answer to one of those before it,
+//   whatever the device sends meanwhile. Answers that only keep the engine busy (HELLO, OPEN, CLOSED, answers to its
+//   own questions) do not extend this.
+// - Some devices send the engine back to the beginning again and again (CLOSED, another nonce, `order`, `behind`). Such
+//   a device is asked a few times at once, then with pauses that double up to the timeout. So it cannot make the host
+//   fill the line.
+// - HELLO and OPEN open a session. The engine asks for it again when the device reports that it has none, or does not
+//   answer twice. If the session is then another one, all requests in flight that may have been executed end as
+//   unknown. Only reads are sent again, and groups are defined again.
 #pragma once
 
 #include <array>
@@ -43,8 +48,9 @@ class FramedEngine final : public Engine {
   static constexpr std::uint32_t epochs = 0xFF00;  // FF.. are frames outside sessions
   static constexpr std::uint32_t no_session = 0xFFFF;
 
-  // The device may speak only the classic protocol. This is assumed once it has answered the classic question after each of so many HELLOs, and none
-  // of the HELLOs. If a line loses every tenth HELLO or answer, one framed device of a million is mistaken for a classic one.
+  // The device may speak only the classic protocol. This is assumed once it has answered the classic question after
+  // each of so many HELLOs, and none of the HELLOs. If a line loses every tenth HELLO or answer, one framed device of a
+  // million is mistaken for a classic one.
   static constexpr std::uint32_t probes = 8;
   FramedEngine(const EngineSettings& settings, bool probe) noexcept;
 
@@ -72,8 +78,8 @@ class FramedEngine final : public Engine {
   void forget_exchange(std::uint32_t group) noexcept { exchange_groups_[group] = {}; }
   // A new session is being set up like the last one. The words of groups are still read.
   [[nodiscard]] bool restoring() const noexcept { return !idle(restoration_); }
-  // Writes without an answer, 1 to post_words_max of them in one message. False: there is no room until the device has confirmed some. It is asked to
-  // do so.
+  // Writes without an answer, 1 to post_words_max of them in one message. False: there is no room until the device has
+  // confirmed some. It is asked to do so.
   static constexpr std::size_t post_words_max = 32;  // lost with one message
   [[nodiscard]] bool post(std::span<const Post> words, std::uint64_t now_ns) noexcept;
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
@@ -85,30 +91,32 @@ class FramedEngine final : public Engine {
  private:
   // silent: nothing was asked yet. checking: HELLO was sent to see whether the session is still there.
   enum class State : std::uint8_t { silent, greeting, opening, open, checking };
-  struct Sink;  // what the decoder calls
+  struct Sink;                                        // what the decoder calls
   static constexpr std::size_t greeting_bytes = 128;  // HELLO or OPEN and its answer, and what was on the line before
 
   struct Place {
     [[nodiscard]] bool taken_over() const noexcept { return exchange == nullptr || refusal.has_value(); }
 
-    Exchange* exchange = nullptr;     // nullptr while used: given up, and a SYNC takes the id over
+    Exchange* exchange = nullptr;  // nullptr while used: given up, and a SYNC takes the id over
     bool used = false;
-    bool due = false;                 // must be sent (again)
+    bool due = false;  // must be sent (again)
     bool barrier = false;
-    bool unbound = true;              // its barrier is set when it is next sent
-    bool chained = false;             // a SYNC that takes its id over also waits for its turn, so that no later chained request goes first
-    bool doubted = false;             // an answer with an error has come; it counts when it comes again
-    std::optional<Status> refusal;    // the status for its caller if the SYNC that takes its id over shows that it was not executed
+    bool unbound = true;  // its barrier is set when it is next sent
+    // a SYNC that takes its id over also waits for its turn, so that no later chained request goes first
+    bool chained = false;
+    bool doubted = false;  // an answer with an error has come; it counts when it comes again
+    // the status for its caller if the SYNC that takes its id over shows that it was not executed
+    std::optional<Status> refusal;
     std::uint16_t id = 0;
-    std::uint16_t post = 0;           // number of posts executed before it, if `barrier`
-    std::uint32_t bytes = 0;          // of its frame, for the credit
+    std::uint16_t post = 0;   // number of posts executed before it, if `barrier`
+    std::uint32_t bytes = 0;  // of its frame, for the credit
     std::uint32_t transmissions = 0;
-    std::uint64_t first_order = 0;    // its first and last transmission, counted over all
+    std::uint64_t first_order = 0;  // its first and last transmission, counted over all
     std::uint64_t last_order = 0;
     std::uint64_t first_sent_ns = 0;
     std::uint64_t sent_ns = 0;
-    std::uint64_t wait_ns = 0;        // from sent_ns until it must be sent again
-    std::uint64_t limit_ns = 0;       // when it is given up
+    std::uint64_t wait_ns = 0;   // from sent_ns until it must be sent again
+    std::uint64_t limit_ns = 0;  // when it is given up
   };
 
   struct Group {
@@ -116,7 +124,7 @@ class FramedEngine final : public Engine {
     std::span<const std::uint32_t> addresses;  // of the subscription, which outlives its claim
     std::uint32_t divisor = 0;
     bool on_event = false;
-    std::uint16_t sequence = 0;       // of the next publish
+    std::uint16_t sequence = 0;  // of the next publish
   };
 
   struct ExchangeGroup {
@@ -182,7 +190,9 @@ class FramedEngine final : public Engine {
   }
   template <class Wanted>
   void take_back(Wanted wanted) noexcept;
-  [[nodiscard]] std::uint64_t allowance_ns(std::size_t bytes) const noexcept { return 2 * settings_.byte_time_ns * bytes; }
+  [[nodiscard]] std::uint64_t allowance_ns(std::size_t bytes) const noexcept {
+    return 2 * settings_.byte_time_ns * bytes;
+  }
   [[nodiscard]] std::uint64_t keep_alive_ns() const noexcept;
   [[nodiscard]] std::uint64_t clock_interval_ns() const noexcept;
 
@@ -190,34 +200,34 @@ class FramedEngine final : public Engine {
   const bool probe_;
   FrameDecoder decoder_;
   State state_ = State::silent;
-  bool text_ = false;                   // within a line of classic text
-  std::size_t text_bytes_ = 0;          // of it so far
-  std::array<char, 4> text_head_{};     // its first bytes
-  std::uint32_t passed_over_ = 0;       // HELLOs without an answer whose classic question was answered
+  bool text_ = false;                // within a line of classic text
+  std::size_t text_bytes_ = 0;       // of it so far
+  std::array<char, 4> text_head_{};  // its first bytes
+  std::uint32_t passed_over_ = 0;    // HELLOs without an answer whose classic question was answered
   std::optional<Greeting> greeting_;
-  std::uint16_t offered_epoch_;         // requested by OPEN
-  bool greeting_due_ = false;           // HELLO or OPEN must be sent, depending on the state
+  std::uint16_t offered_epoch_;  // requested by OPEN
+  bool greeting_due_ = false;    // HELLO or OPEN must be sent, depending on the state
   std::uint64_t greeting_deadline_ns_ = 0;
   std::uint64_t greeting_wait_ns_ = 0;
   std::uint64_t greeting_sent_ns_ = 0;
   std::uint64_t greeting_from_ns_ = 0;  // not sent before this time
   std::uint32_t in_vain_ = 0;           // HELLOs and OPENs that the device has caused since it last answered a request
-  std::uint32_t openings_ = 0;           // OPENs since the last HELLO answer
+  std::uint32_t openings_ = 0;          // OPENs since the last HELLO answer
   std::uint64_t sessions_ = 0;
   std::uint32_t session_epoch_ = no_session;  // the last epoch that the device reported
 
   ExchangeList waiting_;
   std::uint32_t window_ = 1;
   std::uint16_t next_id_ = 0;
-  std::uint16_t base_id_ = 0;           // the oldest without an answer, or next_id_
-  std::uint32_t due_ = 0;               // places to be sent
-  std::uint32_t given_up_ = 0;          // places whose SYNC has no answer yet, and whose caller does not wait for it
-  std::uint32_t credit_ = 0;            // bytes of requests in flight
-  std::uint32_t in_flight_ = 0;         // requests: places in use
-  std::uint64_t order_ = 0;             // transmissions so far
+  std::uint16_t base_id_ = 0;    // the oldest without an answer, or next_id_
+  std::uint32_t due_ = 0;        // places to be sent
+  std::uint32_t given_up_ = 0;   // places whose SYNC has no answer yet, and whose caller does not wait for it
+  std::uint32_t credit_ = 0;     // bytes of requests in flight
+  std::uint32_t in_flight_ = 0;  // requests: places in use
+  std::uint64_t order_ = 0;      // transmissions so far
   std::array<Place, window_max> places_;
 
-  std::uint64_t smoothed_ns_ = 0;       // round trip; 0: not measured
+  std::uint64_t smoothed_ns_ = 0;  // round trip; 0: not measured
   std::uint64_t variation_ns_ = 0;
   std::uint64_t quickest_ns_ = no_deadline;
 
@@ -226,20 +236,21 @@ class FramedEngine final : public Engine {
   std::uint64_t careful_until_ns_ = 0;  // until then only few posts are in flight, because one was lost
   std::uint64_t post_bytes_ = 0;        // of the last post's frame
   std::uint64_t gone_back_order_ = 0;   // transmissions when the posts were last started again
-  std::array<Exchange, 4> confirmations_;  // the engine's own questions about the posts; an answer to a later one shows that an earlier one was lost
-  std::uint64_t confirming_ = 0;        // posts sent before the last of these
+  // the engine's own questions about the posts; an answer to a later one shows that an earlier one was lost
+  std::array<Exchange, 4> confirmations_;
+  std::uint64_t confirming_ = 0;  // posts sent before the last of these
   std::uint64_t confirm_ns_ = no_deadline;
 
   std::array<Group, protocol::limits::groups_max> groups_;
   std::array<ExchangeGroup, protocol::limits::exchanges_max> exchange_groups_;
-  Exchange restoration_;                // the engine's own request that sets up a new session
-  std::uint32_t restored_ = 0;          // steps of it that are done
-  std::uint32_t restored_most_ = 0;     // since a session was last set up completely
+  Exchange restoration_;             // the engine's own request that sets up a new session
+  std::uint32_t restored_ = 0;       // steps of it that are done
+  std::uint32_t restored_most_ = 0;  // since a session was last set up completely
   bool publishing_ = false;
   std::uint32_t deadman_ticks_ = 0;
 
   ClockFit clock_;
-  Exchange reading_;                    // the engine's own reading of the device's clock
+  Exchange reading_;  // the engine's own reading of the device's clock
   std::array<std::uint32_t, 2> read_clock_{};
   std::uint64_t clock_due_ns_ = no_deadline;
   std::uint64_t last_sent_ns_ = 0;

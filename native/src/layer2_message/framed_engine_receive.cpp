@@ -12,9 +12,10 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
-constexpr std::uint64_t careful_ns = 40'000'000;  // or the time of so many posts without a loss, before many are sent ahead again
+// or the time of so many posts without a loss, before many are sent ahead again
+constexpr std::uint64_t careful_ns = 40'000'000;
 constexpr std::uint64_t careful_posts = 200;
-constexpr std::uint32_t turns_at_once = 16;    // transmissions of a request that is answered with `order` or `behind`
+constexpr std::uint32_t turns_at_once = 16;  // transmissions of a request that is answered with `order` or `behind`
 
 Status status_of(std::uint8_t status) noexcept {
   switch (status) {
@@ -65,12 +66,14 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
   }
 }
 
-// A line of the classic protocol. The answer to the classic question shows which device is there. A framed device answers HELLO before that,
-// unless this answer was lost. A publish is no answer, because an old subscription may send it at any time.
+// A line of the classic protocol. The answer to the classic question shows which device is there. A framed device
+// answers HELLO before that, unless this answer was lost. A publish is no answer, because an old subscription may send
+// it at any time.
 void FramedEngine::on_text() noexcept {
   const std::string_view name(text_head_.data() + 1, text_head_.size() - 1);
+  // gateware may not know the question
   const bool answers = text_bytes_ == text_head_.size() && text_head_[0] == bytes::plain_head &&
-                       (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);  // gateware may not know the question
+                       (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);
   if (!probe_ || state_ != State::greeting || greeting_due_ || !answers) {
     return;
   }
@@ -156,7 +159,8 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   const auto id = static_cast<std::uint16_t>(number_at(payload.data(), 2));
   Place& place = place_of(id);
   const std::uint64_t confirmed = posts_.confirmed();
-  if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {  // an old answer has an old count, which is refused
+  // an old answer has an old count, which is refused
+  if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {
     progress_ns_ = now_ns_;
   }
   if (!place.used || place.id != id || place.transmissions == 0) {
@@ -168,7 +172,8 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   if (place.transmissions == 1) {
     measure(now_ns_ - place.sent_ns);
   }
-  for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {  // on a line that keeps the order, their answers are lost
+  // on a line that keeps the order, their answers are lost
+  for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {
     Place& other = place_of(earlier);
     if (other.used && other.last_order < place.first_order) {
       other.wait_ns = 0;  // its repeat gets a new time
@@ -183,7 +188,8 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if (place.taken_over() && !executed(status)) {
     if (status == reply_status::order && place.chained) {
       ask_in_turn(place);
-    } else if (status == reply_status::invalid && believed(place)) {  // it was executed, but its long answer was not kept
+    } else if (status == reply_status::invalid && believed(place)) {
+      // it was executed, but its long answer was not kept
       release(place);
       if (exchange != nullptr) {
         finish(*exchange, exchange->cut_off());
@@ -212,7 +218,8 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     return;  // to a copy sent before its barrier was set again; the last copy will be answered, too
   }
   if (status == reply_status::behind) {
-    if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 && place.last_order > gone_back_order_) {
+    if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 &&
+        place.last_order > gone_back_order_) {
       posts_.go_back();
       confirming_ = posts_.confirmed();
       careful_until_ns_ = now_ns_ + std::max(careful_ns, careful_posts * settings_.byte_time_ns * post_bytes_);
@@ -296,7 +303,8 @@ void FramedEngine::ask_again(Place& place) noexcept {
   place.due = true;
 }
 
-// Its turn has not come, because an earlier request was lost and is repeated. After so many such answers it waits until it is late.
+// Its turn has not come, because an earlier request was lost and is repeated. After so many such answers it waits until
+// it is late.
 void FramedEngine::ask_in_turn(Place& place) noexcept {
   if (place.transmissions < turns_at_once) {
     ask_again(place);

@@ -10,26 +10,28 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint32_t openings_max = 3;
-constexpr std::uint32_t vain_at_once = 4;       // HELLOs and OPENs in a row, before there are pauses between them
+constexpr std::uint32_t vain_at_once = 4;  // HELLOs and OPENs in a row, before there are pauses between them
 constexpr std::uint32_t vain_doublings = 16;
 constexpr std::uint64_t vain_pause_ns = 1'000'000;  // the first pause
-constexpr std::uint32_t unanswered_max = 2;     // transmissions of one request before the engine asks for the session
+constexpr std::uint32_t unanswered_max = 2;  // transmissions of one request before the engine asks for the session
 constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // after the dead-man and the groups
 constexpr std::uint32_t restoration_steps = first_exchange + limits::exchanges_max + 1;  // publishing
-constexpr std::uint32_t restoration_attempts = 1000;  // as long as the session lasts
+constexpr std::uint32_t restoration_attempts = 1000;                                     // as long as the session lasts
 constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
 constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
-constexpr std::uint32_t keep_alive_part = 3;    // of the dead-man's time
-// The first epoch is random. This step goes through all other epochs before one comes again. If each were random, a message that is late by some
-// sessions would meet its own epoch once in 65,280.
-constexpr std::uint32_t epoch_step = 40'343;    // prime to `epochs`
+constexpr std::uint32_t keep_alive_part = 3;  // of the dead-man's time
+// The first epoch is random. This step goes through all other epochs before one comes again. If each were random, a
+// message that is late by some sessions would meet its own epoch once in 65,280.
+constexpr std::uint32_t epoch_step = 40'343;  // prime to `epochs`
 
 }  // namespace
 
 void FramedEngine::ask() noexcept {
   state_ = state_ == State::open ? State::checking : State::greeting;
   greet();
-  greeting_wait_ns_ = smoothed_ns_ == 0 ? settings_.timeout_ns : std::min(settings_.timeout_ns, 4 * (smoothed_ns_ + 4 * variation_ns_) + 2'000'000);
+  greeting_wait_ns_ = smoothed_ns_ == 0
+                          ? settings_.timeout_ns
+                          : std::min(settings_.timeout_ns, 4 * (smoothed_ns_ + 4 * variation_ns_) + 2'000'000);
 }
 
 // Sends HELLO or OPEN, depending on the state. It is sent at once, or after a pause if the last ones had no effect.
@@ -40,7 +42,8 @@ void FramedEngine::greet() noexcept {
   greeting_due_ = true;
   in_vain_ += 1;
   const std::uint32_t doublings = std::min(in_vain_ - std::min(in_vain_, vain_at_once + 1), vain_doublings);
-  greeting_from_ns_ = in_vain_ <= vain_at_once ? 0 : greeting_sent_ns_ + std::min(settings_.timeout_ns, vain_pause_ns << doublings);
+  greeting_from_ns_ =
+      in_vain_ <= vain_at_once ? 0 : greeting_sent_ns_ + std::min(settings_.timeout_ns, vain_pause_ns << doublings);
 }
 
 // The device knows no frames, or only those of another version.
@@ -54,7 +57,8 @@ void FramedEngine::refuse() noexcept {
 
 void FramedEngine::on_greeting(const Greeting& told) noexcept {
   last_answer_ns_ = now_ns_;
-  const bool asked = state_ == State::greeting || state_ == State::checking || (state_ == State::opening && told.nonce != greeting_->nonce);
+  const bool asked = state_ == State::greeting || state_ == State::checking ||
+                     (state_ == State::opening && told.nonce != greeting_->nonce);
   if (!asked) {
     statistics_.stale_replies += 1;
     return;
@@ -169,7 +173,8 @@ void FramedEngine::restore() noexcept {
       const bool deadman = restored_ == 0;
       step.operation = Operation::write_control;
       step.address = deadman ? control::deadman_ticks : control::publish;
-      publishing_ = publishing_ && std::any_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.ring != nullptr; });
+      publishing_ = publishing_ && std::any_of(groups_.begin(), groups_.end(),
+                                               [](const Group& group) { return group.ring != nullptr; });
       step.value = deadman ? deadman_ticks_ : publishing_ ? 1 : 0;
       if (step.value == 0) {
         continue;
@@ -403,7 +408,8 @@ void FramedEngine::finish_all(Status status, std::uint64_t now_ns, bool strict) 
   for (std::uint16_t id = base_id_; id != next_id_; ++id) {
     Place& place = place_of(id);
     if (place.used && place.exchange != nullptr) {
-      const bool changes = place.exchange->writes() || (strict && place.exchange->operation == Operation::write_control);
+      const bool changes =
+          place.exchange->writes() || (strict && place.exchange->operation == Operation::write_control);
       finish(*place.exchange, changes ? Status::unknown : status);
     }
   }

@@ -23,7 +23,7 @@ struct Part {
 
 // The words before a run, or the run that begins here. `same`: equal addresses are a run, too.
 Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
-  std::size_t rising = 1;    // addresses in a row that end here
+  std::size_t rising = 1;  // addresses in a row that end here
   std::size_t standing = 1;
   const std::size_t end = std::min(addresses.size(), count_max + run_min - 1);
   for (std::size_t at = 1; at < end; ++at) {
@@ -97,7 +97,9 @@ void for_each_operation(std::span<const ListWord> steps, const Put& put) {
         ++count;
       }
     }
-    const std::uint32_t named = !up ? operation : operation == list_operation::read ? list_operation::read_up : list_operation::write_up;
+    const std::uint32_t named = !up                                 ? operation
+                                : operation == list_operation::read ? list_operation::read_up
+                                                                    : list_operation::write_up;
     put(named, steps.subspan(at, count), fifo || up);
     at += count;
   }
@@ -120,8 +122,9 @@ void put_steps(FrameEncoder& encoder, std::span<const ListWord> steps, const Con
   });
 }
 
-constexpr std::array<std::string_view, 11> names{"",        "bus_error", "bus_timeout", "bad_address", "denied",  "busy",
-                                                 "invalid", "too_long",  "order",       "behind",      "no_group"};
+constexpr std::array<std::string_view, 11> names{"",       "bus_error", "bus_timeout", "bad_address",
+                                                 "denied", "busy",      "invalid",     "too_long",
+                                                 "order",  "behind",    "no_group"};
 static_assert(names.size() == reply_status::no_group + 1);
 
 std::size_t reply_words(const Exchange& exchange) noexcept {
@@ -242,7 +245,8 @@ std::size_t reply_bytes(const Exchange& exchange, const Configuration& configura
   }
 }
 
-bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body, const Configuration& configuration) noexcept {
+bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
+                const Configuration& configuration) noexcept {
   const std::size_t width = configuration.data_bytes;
   const bool list = done_bytes(exchange) > 0;
   if (status != reply_status::ok) {
@@ -262,7 +266,8 @@ bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::ui
     case Operation::list: {
       const std::size_t words = reply_words(exchange);
       exchange.words = number_at(body.data(), 2);
-      if (exchange.words != (exchange.steps.empty() ? exchange.write_addresses.size() + words : exchange.steps.size())) {
+      if (exchange.words !=
+          (exchange.steps.empty() ? exchange.write_addresses.size() + words : exchange.steps.size())) {
         return false;
       }
       for (std::size_t index = 0; index < words; ++index) {

@@ -41,7 +41,8 @@ inline constexpr std::size_t sync_reply_bytes = 7;
                               const Configuration& configuration) noexcept;
 // The request was done, or tried, so its id is used.
 [[nodiscard]] constexpr bool executed(std::uint8_t status) noexcept {
-  return status == protocol::reply_status::ok || status == protocol::reply_status::bus_error || status == protocol::reply_status::bus_timeout;
+  return status == protocol::reply_status::ok || status == protocol::reply_status::bus_error ||
+         status == protocol::reply_status::bus_timeout;
 }
 // "bus_error", "denied" …; "" for ok; empty for a status that the protocol does not have.
 [[nodiscard]] std::optional<std::string_view> framed_status_name(std::uint8_t status) noexcept;

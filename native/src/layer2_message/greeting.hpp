@@ -11,16 +11,16 @@
 namespace unitylink {
 
 struct Greeting {
-  std::uint32_t version = 0;        // of the protocol; 0: none that both sides speak
+  std::uint32_t version = 0;  // of the protocol; 0: none that both sides speak
   std::uint32_t nonce = 0;
-  std::uint32_t epoch = 0;          // of the session that is open there
+  std::uint32_t epoch = 0;  // of the session that is open there
   std::uint32_t address_bytes = 0;
   std::uint32_t data_bytes = 0;
-  std::uint32_t credit = 0;         // bytes of requests that may be unanswered
-  std::uint32_t request_max = 0;    // bytes of the longest payloads
+  std::uint32_t credit = 0;       // bytes of requests that may be unanswered
+  std::uint32_t request_max = 0;  // bytes of the longest payloads
   std::uint32_t reply_max = 0;
-  std::uint32_t window = 0;         // requests that may be unanswered
-  std::uint32_t cache = 0;          // bytes of a reply that are kept for a repeat
+  std::uint32_t window = 0;  // requests that may be unanswered
+  std::uint32_t cache = 0;   // bytes of a reply that are kept for a repeat
   std::uint32_t features = 0;
   std::uint64_t spec_hash = 0;
 
@@ -55,7 +55,8 @@ struct Greeting {
     told.spec_hash = std::uint64_t{take(4)} << 32;
     told.spec_hash |= take(4);
     const auto width = [](std::uint32_t bytes) { return bytes >= 1 && bytes <= 4; };
-    const bool whole = width(told.address_bytes) && width(told.data_bytes) && told.window > 0 && (told.window & (told.window - 1)) == 0 &&
+    const bool whole = width(told.address_bytes) && width(told.data_bytes) && told.window > 0 &&
+                       (told.window & (told.window - 1)) == 0 &&
                        told.request_max >= 4 + told.address_bytes + told.data_bytes && told.reply_max >= 8;
     return whole ? std::optional(told) : std::nullopt;
   }

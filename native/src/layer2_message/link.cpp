@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run(), link_listening.cpp on lead().
+// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run(),
+// link_listening.cpp on lead().
 #include "layer2_message/link.hpp"
 
 #include <algorithm>
@@ -18,7 +19,8 @@
 namespace unitylink {
 namespace {
 
-constexpr std::size_t terminal_chunk = 4095;  // a pseudo-terminal gives no more at a time, so less than this means empty
+// a pseudo-terminal gives no more at a time, so less than this means empty
+constexpr std::size_t terminal_chunk = 4095;
 constexpr int reads_per_turn_max = 16;
 constexpr std::uint64_t interruption_patience_ns = 100'000'000;
 constexpr std::uint64_t farewell_ns = 200'000'000;
@@ -61,7 +63,8 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
     return outcome;
   }
   Outcome outcome = open(std::move(driver), std::move(source), options, link);
-  if (outcome.status == Status::closed && url.row->loses_order) {  // datagrams: only the first finds out that nobody is there
+  // datagrams: only the first finds out that nobody is there
+  if (outcome.status == Status::closed && url.row->loses_order) {
     outcome.status = Status::not_found;
   }
   if (!outcome.ok()) {
@@ -74,7 +77,8 @@ Outcome Link::open(std::unique_ptr<Driver> driver, const LinkOptions& options, s
   return open(std::move(driver), nullptr, options, link);
 }
 
-Outcome Link::open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options, std::unique_ptr<Link>& link) {
+Outcome Link::open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options,
+                   std::unique_ptr<Link>& link) {
   LinkOptions settled = options;
   settled.engine.byte_time_ns = driver->byte_time_ns();
   if (settled.engine.seed == 0) {
@@ -203,7 +207,8 @@ void Link::wake() noexcept { signal(wake_descriptor_.get()); }
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
   if (!program_lives() && line_ != Line::gone && !engine_->ended()) {
-    lose(Status::closed, in_words([&] { return "the program gave no sign of life for " + duration_text(program_patience_ns_); }));
+    lose(Status::closed,
+         in_words([&] { return "the program gave no sign of life for " + duration_text(program_patience_ns_); }));
   }
   while (!engine_->ended() && line_ != Line::gone) {
     const std::span<const std::uint8_t> bytes = engine_->transmit(now);
@@ -232,7 +237,8 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const std::uint64_t published = engine_->statistics().publishes;
   pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
                        {wake_descriptor_.get(), POLLIN, 0}};
-  const bool paced = callers_ > 0 && !reader_leading_ && clock_ == &real_ns;  // for robot time goes on only while its callers sleep
+  // for robot time goes on only while its callers sleep
+  const bool paced = callers_ > 0 && !reader_leading_ && clock_ == &real_ns;
   const std::uint64_t start = paced ? real_ns() : 0;
   const std::uint64_t look_until = std::min(until, start + (paced ? pace_.look_ns() : 0));
   lock.unlock();
@@ -316,7 +322,8 @@ void Link::close() {
   bool publishing = false;
   {
     const std::scoped_lock lock(mutex_);
-    publishing = !engine_->ended() && std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
+    publishing = !engine_->ended() &&
+                 std::any_of(subscriptions_.begin(), subscriptions_.end(), [](const auto& s) { return s && s->open; });
   }
   bool listens = false;
   {
@@ -369,7 +376,8 @@ void Link::disown() noexcept {
   leading_ = reader_leading_ = reader_rests_ = reader_wanted_ = false;
   followers_ = callers_ = listeners_ = 0;
   notified_.clear();
-  reason_ = in_words([] { return std::string("it belongs to the process that this one was forked from; open another here"); });
+  reason_ = in_words(
+      [] { return std::string("it belongs to the process that this one was forked from; open another here"); });
   engine_->forget(Status::closed);
   if (driver_ != nullptr) {
     driver_->disown();
@@ -398,7 +406,8 @@ Outcome Link::end() const {
   if (!reason_.empty()) {
     return {status, "the link is closed (" + reason_ + ")"};
   }
-  return {status, status == Status::mismatch ? "another device now answers on this port; connect again" : status_text(status)};
+  return {status,
+          status == Status::mismatch ? "another device now answers on this port; connect again" : status_text(status)};
 }
 
 Statistics Link::statistics() {

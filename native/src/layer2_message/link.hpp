@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Link: one engine, one driver, one mutex. Every call may be made from any thread.
 //
-// Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its own answers are in
-// it hands the role on. Only while there are subscriptions or asynchronous requests does a reader thread stand in,
-// and it stands back as long as callers come.
+// Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its
+// own answers are in it hands the role on. Only while there are subscriptions or asynchronous requests does a reader
+// thread stand in, and it stands back as long as callers come.
 #pragma once
 
 #include <array>
@@ -30,9 +30,9 @@
 namespace unitylink {
 
 struct RequestOptions {
-  std::optional<bool> checked = std::nullopt;  // the link's default
-  bool repeat = false;           // sending it twice does no harm
-  std::uint64_t timeout_ns = 0;  // per attempt, 0: the link's default
+  std::optional<bool> checked = std::nullopt;    // the link's default
+  bool repeat = false;                           // sending it twice does no harm
+  std::uint64_t timeout_ns = 0;                  // per attempt, 0: the link's default
   std::uint64_t until_ns = Engine::no_deadline;  // of link time: then it is given up, however many attempts are left
 };
 
@@ -40,24 +40,24 @@ struct RequestOptions {
 struct Call {
   std::vector<Exchange> exchanges;
   Batch batch;
-  std::size_t block = 1;             // addresses in each exchange but the last
-  std::span<std::uint32_t> values;   // of single reads, filled by result()
+  std::size_t block = 1;            // addresses in each exchange but the last
+  std::span<std::uint32_t> values;  // of single reads, filled by result()
 };
 
 // What a framed device says about itself, from its control registers and its greeting.
 struct Description {
-  std::uint32_t version = 0;           // of the protocol: major in the upper half, minor in the lower
+  std::uint32_t version = 0;  // of the protocol: major in the upper half, minor in the lower
   std::uint32_t gateware_version = 0;
   std::uint32_t build = 0;
   std::uint32_t clock_hz = 0;
-  std::uint32_t features = 0;          // bits of protocol::control_value
-  std::uint32_t credit = 0;            // bytes of unanswered requests
-  std::uint32_t request_max = 0;       // bytes of the longest payloads
+  std::uint32_t features = 0;     // bits of protocol::control_value
+  std::uint32_t credit = 0;       // bytes of unanswered requests
+  std::uint32_t request_max = 0;  // bytes of the longest payloads
   std::uint32_t reply_max = 0;
-  std::uint32_t window = 0;            // requests in flight
-  std::uint32_t cache = 0;             // bytes of a reply kept for a repeat
-  std::uint32_t exchanges = 0;         // exchange groups
-  std::uint32_t exchange_size = 0;     // words in each
+  std::uint32_t window = 0;         // requests in flight
+  std::uint32_t cache = 0;          // bytes of a reply kept for a repeat
+  std::uint32_t exchanges = 0;      // exchange groups
+  std::uint32_t exchange_size = 0;  // words in each
   std::uint64_t spec_hash = 0;
 };
 
@@ -70,19 +70,21 @@ struct ClockState {
 
 struct SubscriptionRequest {
   std::span<const std::uint32_t> addresses;
-  std::uint32_t divisor = 0;     // publish every so many base periods, 0: not by time
-  bool on_event = false;         // publish when the group's event input says so
-  bool verify = true;            // read every address once before: on 2012 gateware a silent one would publish for ever
-  std::size_t ring = 4096;       // publishes kept until they are fetched
+  std::uint32_t divisor = 0;  // publish every so many base periods, 0: not by time
+  bool on_event = false;      // publish when the group's event input says so
+  bool verify = true;         // read every address once before: on 2012 gateware a silent one would publish for ever
+  std::size_t ring = 4096;    // publishes kept until they are fetched
   std::optional<std::uint32_t> group = std::nullopt;  // of the gateware: the one with a certain event line; else any
 };
 
-// What has become of the line, or of the device behind it. Of a link that is opened again the order is lost, restarted (if it was), back.
+// What has become of the line, or of the device behind it. Of a link that is opened again the order is lost, restarted
+// (if it was), back.
 struct LinkEvent {
   enum class Kind : std::uint8_t {
-    lost,       // the line is gone, or the device silent; it is being opened again
-    restarted,  // the device has not gone on where it was: it was reset, or another host has had it. Its outputs are its own
-    back,       // requests are taken again; subscriptions, groups and the dead-man are as they were
+    lost,  // the line is gone, or the device silent; it is being opened again
+    // the device has not gone on where it was: it was reset, or another host has had it. Its outputs are its own
+    restarted,
+    back,  // requests are taken again; subscriptions, groups and the dead-man are as they were
   };
   Kind kind = Kind::lost;
   std::uint64_t time_ns = 0;
@@ -93,7 +95,8 @@ class Link {
  public:
   // Opens the port, resynchronises with the device whatever it was doing, and asks for its configuration.
   [[nodiscard]] static Outcome open(std::string_view url, std::unique_ptr<Link>& link);
-  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, const LinkOptions& options, std::unique_ptr<Link>& link);
+  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, const LinkOptions& options,
+                                    std::unique_ptr<Link>& link);
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
   ~Link();
@@ -108,20 +111,22 @@ class Link {
   [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   // All zero on a classic link.
   [[nodiscard]] const Description& description() const noexcept { return description_; }
-  // Was the gateware built from `spec` (what errors call it), which has one of `hashes`? mismatch: it says that it was not. `unverified`
-  // is why that is not known, and what the user overrides by spec_hash=any; empty: it was.
-  [[nodiscard]] Outcome check_spec(std::string_view spec, std::span<const std::uint64_t> hashes, std::string& unverified) const;
+  // Was the gateware built from `spec` (what errors call it), which has one of `hashes`? mismatch: it says that it was
+  // not. `unverified` is why that is not known, and what the user overrides by spec_hash=any; empty: it was.
+  [[nodiscard]] Outcome check_spec(std::string_view spec, std::span<const std::uint64_t> hashes,
+                                   std::string& unverified) const;
   [[nodiscard]] ClockState clock();
 
   [[nodiscard]] Outcome read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how);
   // In blocks of what the device can hold; `atomic`: in one block or not at all.
-  [[nodiscard]] Outcome read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
-                                  const RequestOptions& how);
+  [[nodiscard]] Outcome read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                                  bool atomic, const RequestOptions& how);
   // One R each, as many in flight as window and credit allow.
-  [[nodiscard]] Outcome read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] Outcome read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                                  const RequestOptions& how);
   [[nodiscard]] Outcome write(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
-  // Words of mapped memory, while nobody else holds the link: an access takes less time than to give away what the caller holds, such as Python's lock.
-  // False: nothing was done, and the call of the full form tells why, or waits.
+  // Words of mapped memory, while nobody else holds the link: an access takes less time than to give away what the
+  // caller holds, such as Python's lock. False: nothing was done, and the call of the full form tells why, or waits.
   [[nodiscard]] bool read_at_once(std::uint32_t address, std::uint32_t& value) noexcept;
   [[nodiscard]] bool read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept;
   [[nodiscard]] bool write_at_once(std::uint32_t address, std::uint32_t value) noexcept;
@@ -129,44 +134,56 @@ class Link {
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                    const RequestOptions& how);
 
-  // Writes, then reads; one message each way where the protocol and the device's buffers allow. `atomic`: with the bus held, or mismatch.
-  [[nodiscard]] Outcome transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
-                                 std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
-                                 const RequestOptions& how);
-  // Any operations, in order; `values` has room for the words that are read. Framed: in one message where the device's buffers allow, else in several that stay in
-  // order; `atomic`: in one, with the bus held, or mismatch. On a classic link they are reads and writes, one after the other.
-  [[nodiscard]] Outcome list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
-  // Writes without answers, at the full rate of the line; sync() tells what became of them. Words of one call go out together: where one fails, those behind it
-  // in its message are not executed. On a classic link they are ordinary writes.
-  [[nodiscard]] Outcome post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how);
-  // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown when a session was
-  // lost before it had confirmed some.
+  // Writes, then reads; one message each way where the protocol and the device's buffers allow. `atomic`: with the bus
+  // held, or mismatch.
+  [[nodiscard]] Outcome transfer(std::span<const std::uint32_t> write_addresses,
+                                 std::span<const std::uint32_t> write_values, std::span<const std::uint32_t> addresses,
+                                 std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
+  // Any operations, in order; `values` has room for the words that are read. Framed: in one message where the device's
+  // buffers allow, else in several that stay in order; `atomic`: in one, with the bus held, or mismatch. On a classic
+  // link they are reads and writes, one after the other.
+  [[nodiscard]] Outcome list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic,
+                             const RequestOptions& how);
+  // Writes without answers, at the full rate of the line; sync() tells what became of them. Words of one call go out
+  // together: where one fails, those behind it in its message are not executed. On a classic link they are ordinary
+  // writes.
+  [[nodiscard]] Outcome post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                             const RequestOptions& how);
+  // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown
+  // when a session was lost before it had confirmed some.
   [[nodiscard]] Outcome sync(const RequestOptions& how);
-  // Names the words of an exchange group, once: `id` stands for it from then on, in later sessions too, until it is released. mismatch where the
-  // device has no group left, or none so large. On a classic link it is kept here, and exchange() is write_many() and read_many().
-  [[nodiscard]] Outcome define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs, std::uint32_t& id);
+  // Names the words of an exchange group, once: `id` stands for it from then on, in later sessions too, until it is
+  // released. mismatch where the device has no group left, or none so large. On a classic link it is kept here, and
+  // exchange() is write_many() and read_many().
+  [[nodiscard]] Outcome define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs,
+                                        std::uint32_t& id);
   // Writes all outputs, then reads all inputs, with the bus held: only their data travels.
-  [[nodiscard]] Outcome exchange(std::uint32_t id, std::span<const std::uint32_t> outputs, std::span<std::uint32_t> inputs,
-                                 const RequestOptions& how);
+  [[nodiscard]] Outcome exchange(std::uint32_t id, std::span<const std::uint32_t> outputs,
+                                 std::span<std::uint32_t> inputs, const RequestOptions& how);
   void release_exchange(std::uint32_t id);
   // The device's own registers (protocol::control); mismatch on a classic link.
   [[nodiscard]] Outcome read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] Outcome write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
 
-  // So many seconds of silence from here on make the outputs safe, 0: never. Signs of life are sent while nobody calls. mismatch: it has none.
+  // So many seconds of silence from here on make the outputs safe, 0: never. Signs of life are sent while nobody calls.
+  // mismatch: it has none.
   [[nodiscard]] Outcome set_dead_man(double silence_s, const RequestOptions& how);
-  // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped in this one.
+  // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped
+  // in this one.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
-  // The dead-man watches the link; this makes the link watch the program. Where alive() is not called for `patience_s`, the line is given up as if it were
-  // lost, and opened again (reconnect=1) when the program lives again; without reconnect=1 the link ends. 0: never. range.
+  // The dead-man watches the link; this makes the link watch the program. Where alive() is not called for `patience_s`,
+  // the line is given up as if it were lost, and opened again (reconnect=1) when the program lives again; without
+  // reconnect=1 the link ends. 0: never. range.
   [[nodiscard]] Outcome watch_program(double patience_s);
   // The program lives. Neither locks, waits nor allocates.
   void alive() noexcept;
 
-  // `id` names the subscription from then on; an id never comes back. What the device sent before it stopped can be drained until its
-  // group (group_of) is subscribed anew; then there is nothing behind the old id any more.
+  // `id` names the subscription from then on; an id never comes back. What the device sent before it stopped can be
+  // drained until its group (group_of) is subscribed anew; then there is nothing behind the old id any more.
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
-  [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept { return id % protocol::limits::groups_max; }
+  [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept {
+    return id % protocol::limits::groups_max;
+  }
   [[nodiscard]] Outcome unsubscribe(std::uint32_t id);
   [[nodiscard]] bool subscribed(std::uint32_t id);
   [[nodiscard]] std::size_t words(std::uint32_t id);      // in each publish
@@ -176,8 +193,8 @@ class Link {
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
   // True when there is something to drain; false after `timeout_ns`, or when link or subscription has ended.
   [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
-  // How many publishes have come and subscriptions have ended in all; returns when that is no longer `seen`, after `timeout_ns`, or when
-  // the link was closed.
+  // How many publishes have come and subscriptions have ended in all; returns when that is no longer `seen`, after
+  // `timeout_ns`, or when the link was closed.
   [[nodiscard]] std::uint64_t wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns);
   // `descriptor` (an eventfd) is written to at every batch of publishes, and when the link closes.
   void notify_publishes(int descriptor);
@@ -185,22 +202,26 @@ class Link {
 
   // The vector calls in their parts, for asynchronous callers: plan, submit, and when all exchanges are done, result.
   // `addresses` and `values` must stay until then.
-  [[nodiscard]] Outcome plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
-                                       const RequestOptions& how);
-  [[nodiscard]] Outcome plan_read_each(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
-                                       const RequestOptions& how);
-  [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
-                                        const RequestOptions& how);
+  [[nodiscard]] Outcome plan_read_many(Call& call, std::span<const std::uint32_t> addresses,
+                                       std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
+  [[nodiscard]] Outcome plan_read_each(Call& call, std::span<const std::uint32_t> addresses,
+                                       std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses,
+                                        std::span<const std::uint32_t> values, const RequestOptions& how);
   void submit(Call& call);
-  // Nobody wants it any more: what has not been sent is not, the rest is not sent again. It is done as usual, if not at once then soon.
+  // Nobody wants it any more: what has not been sent is not, the rest is not sent again. It is done as usual, if not at
+  // once then soon.
   void withdraw(Call& call);
   [[nodiscard]] Outcome result(const Call& call);
 
-  // Until requests are taken: at once, unless the line is gone and comes back (reconnect=1). down after `timeout_ns`, closed when it has ended.
+  // Until requests are taken: at once, unless the line is gone and comes back (reconnect=1). down after `timeout_ns`,
+  // closed when it has ended.
   [[nodiscard]] Outcome wait_up(std::uint64_t timeout_ns);
-  // Those from number `from` on, of which the last 64 are kept; `from` becomes the number of the next. wait_publishes() counts them, too.
+  // Those from number `from` on, of which the last 64 are kept; `from` becomes the number of the next. wait_publishes()
+  // counts them, too.
   [[nodiscard]] std::vector<LinkEvent> events(std::uint64_t& from);
-  // Another number whenever the device may not hold any more what was written to it: after each restart, and each time the line has come back.
+  // Another number whenever the device may not hold any more what was written to it: after each restart, and each time
+  // the line has come back.
   [[nodiscard]] std::uint64_t generation() const noexcept { return generation_; }
 
   [[nodiscard]] Statistics statistics();
@@ -213,10 +234,12 @@ class Link {
   void close();
   // In a forked child, first of all: the link stays the parent's, and is closed here without a word to the device.
   void disown() noexcept;
-  // Asked by threads that wait for an answer, about ten times a second, with no lock held; true makes them give their request up.
+  // Asked by threads that wait for an answer, about ten times a second, with no lock held; true makes them give their
+  // request up.
   static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
-  // The time of deadlines and publishes, in which robots move: the real one, or that of the virtual boards in this process.
+  // The time of deadlines and publishes, in which robots move: the real one, or that of the virtual boards in this
+  // process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
 
  private:
@@ -225,8 +248,8 @@ class Link {
   using Lock = std::unique_lock<std::mutex>;
 
   Link(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options);
-  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source, const LinkOptions& options,
-                                    std::unique_ptr<Link>& link);
+  [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, std::unique_ptr<DriverSource> source,
+                                    const LinkOptions& options, std::unique_ptr<Link>& link);
   [[nodiscard]] Outcome begin();
   [[nodiscard]] Outcome begin_framed(std::uint64_t until_ns);
   void begin_mapped(MappedMemory& memory);
@@ -280,7 +303,8 @@ class Link {
   [[nodiscard]] Outcome check_address(std::uint32_t address, std::size_t index) const;
   [[nodiscard]] Outcome check_value(std::uint32_t address, std::uint32_t value, std::size_t index) const;
   [[nodiscard]] Outcome check_addresses(std::span<const std::uint32_t> addresses, std::size_t index) const;
-  [[nodiscard]] Outcome check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, std::size_t index) const;
+  [[nodiscard]] Outcome check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                                     std::size_t index) const;
   [[nodiscard]] Outcome may_write();
   [[nodiscard]] std::size_t words_read(bool repeat) const noexcept;
   [[nodiscard]] std::size_t words_written() const noexcept;
@@ -289,7 +313,8 @@ class Link {
   [[nodiscard]] std::size_t words_at_once(bool repeat) const noexcept;
   [[nodiscard]] Outcome framed_only(const char* what) const;
   [[nodiscard]] Outcome check_list(std::span<const ListWord> steps, std::size_t room) const;
-  [[nodiscard]] Outcome list_apart(std::span<const ListWord> steps, std::span<std::uint32_t> values, const RequestOptions& how);
+  [[nodiscard]] Outcome list_apart(std::span<const ListWord> steps, std::span<std::uint32_t> values,
+                                   const RequestOptions& how);
   [[nodiscard]] std::size_t list_fits(std::span<const ListWord> steps) const noexcept;
   [[nodiscard]] Outcome check_exchange(const ExchangeLayout& layout) const;
   [[nodiscard]] Outcome outcome_of(const Exchange& exchange);
@@ -298,8 +323,8 @@ class Link {
   [[nodiscard]] Outcome check_subscription(const SubscriptionRequest& request);
   [[nodiscard]] Outcome quiet_device();
   [[nodiscard]] Outcome configure_group(std::uint32_t group, Subscription& subscription);
-  [[nodiscard]] Outcome define_group(std::uint32_t group, std::span<const std::uint32_t> addresses, std::uint32_t divisor, bool on_event,
-                                     PublishRing* ring);
+  [[nodiscard]] Outcome define_group(std::uint32_t group, std::span<const std::uint32_t> addresses,
+                                     std::uint32_t divisor, bool on_event, PublishRing* ring);
   [[nodiscard]] Outcome set_rate(std::uint32_t group, std::uint32_t divisor);
   [[nodiscard]] Outcome set_event(std::uint32_t group, bool on);
   [[nodiscard]] Outcome stop_group(const Subscription& subscription, bool last);
@@ -308,38 +333,39 @@ class Link {
 
   const LinkOptions options_;
   const Driver::TimeSource clock_;
-  std::unique_ptr<Driver> driver_;       // replaced by the reader alone, with the mutex held and nobody leading; none while the line is gone
-  std::unique_ptr<DriverSource> source_; // of it, where the link was opened by a URL
+  // replaced by the reader alone, with the mutex held and nobody leading; none while the line is gone
+  std::unique_ptr<Driver> driver_;
+  std::unique_ptr<DriverSource> source_;  // of it, where the link was opened by a URL
   Configuration configuration_;
   Description description_;
   std::string notice_;
-  bool checksums_ = true;                // false: the device's datalink knows no '$'
+  bool checksums_ = true;  // false: the device's datalink knows no '$'
   Descriptor wake_descriptor_;
-  Descriptor cancel_descriptor_;                // readable once the link ends
+  Descriptor cancel_descriptor_;  // readable once the link ends
 
-  std::mutex mutex_;                     // all below, up to the next mutex
-  std::condition_variable turn_;         // followers: something was finished, or the role is free
-  std::condition_variable published_;    // those who wait for publishes, while somebody else reads
-  std::condition_variable idle_;         // the reader, while others read for themselves
+  std::mutex mutex_;                   // all below, up to the next mutex
+  std::condition_variable turn_;       // followers: something was finished, or the role is free
+  std::condition_variable published_;  // those who wait for publishes, while somebody else reads
+  std::condition_variable idle_;       // the reader, while others read for themselves
   ClassicEngine classic_;
-  std::unique_ptr<FramedEngine> framed_; // once the device has shown that it speaks it
-  std::unique_ptr<MappedEngine> mapped_; // where the registers are memory
-  Engine* engine_ = &classic_;           // the one of the three that is used
+  std::unique_ptr<FramedEngine> framed_;  // once the device has shown that it speaks it
+  std::unique_ptr<MappedEngine> mapped_;  // where the registers are memory
+  Engine* engine_ = &classic_;            // the one of the three that is used
   std::array<std::shared_ptr<const ExchangeLayout>, protocol::limits::exchanges_max> exchanges_;
   std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // that the engine may still read
   std::uint32_t exchanges_made_ = 0;
-  std::uint32_t dead_man_ticks_ = 0;     // as set last
-  std::uint32_t failed_posts_ = 0;       // of this session, told by the last sync()
+  std::uint32_t dead_man_ticks_ = 0;  // as set last
+  std::uint32_t failed_posts_ = 0;    // of this session, told by the last sync()
   std::uint64_t failed_session_ = 0;
-  std::string reason_;                   // why the link has ended
-  bool lasts_ = false;                   // the line is opened again when it is lost
+  std::string reason_;  // why the link has ended
+  bool lasts_ = false;  // the line is opened again when it is lost
   Line line_ = Line::up;
   std::string lost_because_;
-  std::uint64_t lost_ns_ = 0;            // when what was under way was last cut off
-  std::string trouble_;                  // why it could not be opened again, the last time
-  std::uint32_t attempts_ = 0;           // to open it again, since it was lost
+  std::uint64_t lost_ns_ = 0;   // when what was under way was last cut off
+  std::string trouble_;         // why it could not be opened again, the last time
+  std::uint32_t attempts_ = 0;  // to open it again, since it was lost
   std::thread::id restorer_;
-  std::uint64_t heard_ns_ = 0;           // when the last byte came
+  std::uint64_t heard_ns_ = 0;  // when the last byte came
   std::uint64_t restarts_seen_ = 0;
   std::deque<LinkEvent> events_;
   std::uint64_t events_made_ = 0;
@@ -348,15 +374,15 @@ class Link {
   std::atomic<std::uint64_t> program_until_ns_ = Engine::no_deadline;
   ReplyPace pace_;
   bool leading_ = false;
-  bool blocked_ = false;                 // the driver took less than it was offered
+  bool blocked_ = false;  // the driver took less than it was offered
   std::uint64_t leading_until_ns_ = 0;
-  bool reader_leading_ = false;          // the leader waits for no answer
-  bool reader_rests_ = false;            // until who waits for publishes has gone
-  unsigned followers_ = 0;               // wait for turn_
-  unsigned callers_ = 0;                 // wait for answers, leading or not
+  bool reader_leading_ = false;  // the leader waits for no answer
+  bool reader_rests_ = false;    // until who waits for publishes has gone
+  unsigned followers_ = 0;       // wait for turn_
+  unsigned callers_ = 0;         // wait for answers, leading or not
   std::uint64_t last_call_ns_ = 0;
   std::thread::id last_caller_;
-  unsigned listeners_ = 0;               // wait for publishes, leading or not
+  unsigned listeners_ = 0;  // wait for publishes, leading or not
   std::uint64_t last_listened_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
@@ -364,12 +390,13 @@ class Link {
   std::uint64_t subscriptions_ended_ = 0;
   bool reader_wanted_ = false;
 
-  std::mutex configuring_;               // one subscribe or unsubscribe at a time
-  std::array<std::uint8_t, protocol::limits::groups_max / 8> event_mask_{};  // the host's shadow: bit g of the mask is group g
+  std::mutex configuring_;  // one subscribe or unsubscribe at a time
+  // the host's shadow: bit g of the mask is group g
+  std::array<std::uint8_t, protocol::limits::groups_max / 8> event_mask_{};
   bool quieted_ = false;
   std::thread reader_;
   std::mutex reader_mutex_;
-  bool reader_kept_ = false;             // an asynchronous user keeps it for the link's life
+  bool reader_kept_ = false;  // an asynchronous user keeps it for the link's life
 
   std::atomic<Gateware> gateware_;
   std::array<std::uint8_t, 65536> received_;

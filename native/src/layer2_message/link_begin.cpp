@@ -12,7 +12,7 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t beginning_bytes = 8192;  // more than all that is said until a link has begun
+constexpr std::uint64_t beginning_bytes = 8192;                // more than all that is said until a link has begun
 constexpr std::size_t described = control::spec_hash_low + 1;  // registers of the description, from 0
 
 std::string hash_text(std::uint64_t hash) {
@@ -23,7 +23,8 @@ std::string hash_text(std::uint64_t hash) {
 
 }  // namespace
 
-// Ends, whatever the device says: an unanswered fence and an unanswered HELLO have their attempts, and so has all that describes the device, twice.
+// Ends, whatever the device says: an unanswered fence and an unanswered HELLO have their attempts, and so has all that
+// describes the device, twice.
 Outcome Link::begin() {
   if (MappedMemory* const memory = driver_->memory(); memory != nullptr) {
     begin_mapped(*memory);
@@ -56,29 +57,36 @@ Outcome Link::begin() {
     reported = classic_.reported();
   }
   // Frames may have a '$' in them.
-  const bool known_classic =
-      options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 || !options_.engine.checksums;
+  const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 ||
+                             !options_.engine.checksums;
   if (!known_classic) {
     Outcome outcome = begin_framed(until_ns);
-    if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {  // no proof that it knows no frames
-      outcome.text += "; it sometimes answered in the classic protocol, but too seldom to be sure that it knows no other: is the line disturbed? "
-                      "Add protocol=classic or protocol=framed to the URL";
+    // no proof that it knows no frames
+    if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {
+      outcome.text +=
+          "; it sometimes answered in the classic protocol, but too seldom to be sure that it knows no other: is the "
+          "line disturbed? "
+          "Add protocol=classic or protocol=framed to the URL";
     }
     const bool knows_none = options_.protocol == Protocol::automatic && outcome.status == Status::mismatch && !framed_;
     if (!knows_none) {
       return outcome;
     }
-    notice_ = "the device answers the classic protocol only: no exactly-once writes, no time stamps, and its spec is not verified";
+    notice_ =
+        "the device answers the classic protocol only: no exactly-once writes, no time stamps, and its spec is not "
+        "verified";
   }
   const std::scoped_lock lock(mutex_);
   if (!checksums_ && options_.checked) {
     return {Status::mismatch, "the device has no checksums (it refuses '$'); remove crc=1 from the URL"};
   }
   if (options_.deadman_s > 0) {
-    return {Status::mismatch, "deadman= needs gateware with the framed protocol, and this device has only the classic one"};
+    return {Status::mismatch,
+            "deadman= needs gateware with the framed protocol, and this device has only the classic one"};
   }
   if (options_.spec_hash) {
-    return {Status::mismatch, "spec_hash= needs gateware of a certain spec, but classic gateware cannot report its spec; leave it out"};
+    return {Status::mismatch,
+            "spec_hash= needs gateware of a certain spec, but classic gateware cannot report its spec; leave it out"};
   }
   Outcome outcome = settle_configuration(options_, reported, configuration_);
   if (outcome.ok()) {
@@ -125,7 +133,8 @@ Outcome Link::begin_framed(std::uint64_t until_ns) {
   if (!outcome.ok()) {
     const std::scoped_lock lock(mutex_);
     if (outcome.status == Status::mismatch) {
-      outcome.text = "the device speaks no version of the framed protocol that this library knows; try protocol=classic";
+      outcome.text =
+          "the device speaks no version of the framed protocol that this library knows; try protocol=classic";
     }
     if (!engine_->ended()) {
       engine_ = &classic_;
@@ -155,12 +164,14 @@ Outcome Link::describe_device(const RequestOptions& how) {
   const std::size_t block = std::clamp<std::size_t>((told.reply_max - 4) / 4, 1, described);
   for (std::size_t begin = 0; begin < described; begin += block) {
     const std::size_t count = std::min(block, described - begin);
-    if (Outcome outcome = read_control(static_cast<std::uint32_t>(begin), std::span(value).subspan(begin, count), how); !outcome.ok()) {
+    if (Outcome outcome = read_control(static_cast<std::uint32_t>(begin), std::span(value).subspan(begin, count), how);
+        !outcome.ok()) {
       return outcome;
     }
   }
   if (value[control::magic] != control_value::magic) {
-    return {Status::mismatch, "the device speaks the framed protocol but does not describe itself as gateware of Unity-Link"};
+    return {Status::mismatch,
+            "the device speaks the framed protocol but does not describe itself as gateware of Unity-Link"};
   }
   const std::array<std::tuple<const char*, std::optional<std::uint32_t>, std::uint32_t>, 2> widths{{
       {"address_bytes", options_.address_bytes, told.address_bytes},
@@ -168,8 +179,8 @@ Outcome Link::describe_device(const RequestOptions& how) {
   }};
   for (const auto& [name, given, real] : widths) {
     if (given && *given != real) {
-      return {Status::mismatch, std::string("the URL says ") + name + "=" + std::to_string(*given) + ", the device reports " +
-                                    std::to_string(real) + "; is this the right device?"};
+      return {Status::mismatch, std::string("the URL says ") + name + "=" + std::to_string(*given) +
+                                    ", the device reports " + std::to_string(real) + "; is this the right device?"};
     }
   }
   description_ = {
@@ -202,7 +213,8 @@ Outcome Link::describe_device(const RequestOptions& how) {
   configuration_.read_many = static_cast<std::uint32_t>(words_read(true));
   if (options_.spec_hash) {
     std::string unverified;
-    if (Outcome outcome = check_spec("the one of spec_hash=", std::span(&*options_.spec_hash, 1), unverified); !outcome.ok() || !unverified.empty()) {
+    if (Outcome outcome = check_spec("the one of spec_hash=", std::span(&*options_.spec_hash, 1), unverified);
+        !outcome.ok() || !unverified.empty()) {
       return {Status::mismatch, outcome.ok() ? unverified : outcome.text};
     }
   }
@@ -224,14 +236,19 @@ Outcome Link::check_spec(std::string_view spec, std::span<const std::uint64_t> h
                            : "classic gateware cannot report its spec; check that the two belong together";
     return {};
   }
-  const std::string other = "the gateware was built from another spec than " + std::string(spec) + ": its wire hash is " + hash_text(told) +
-                            ", and " + (hashes.empty() ? "none" : hash_text(hashes.front())) + " is expected";
+  const std::string other = "the gateware was built from another spec than " + std::string(spec) +
+                            ": its wire hash is " + hash_text(told) + ", and " +
+                            (hashes.empty() ? "none" : hash_text(hashes.front())) + " is expected";
   if (options_.any_spec) {
     unverified = other + "; spec_hash=any goes on";
     return {};
   }
-  return {Status::mismatch, other + ", so names, addresses, types, units, limits or safe values differ; build the gateware from this spec, use the "
-                                    "spec that it was built from, or, where you know that they belong together, add spec_hash=any to the URL"};
+  return {
+      Status::mismatch,
+      other +
+          ", so names, addresses, types, units, limits or safe values differ; build the gateware from this spec, use "
+          "the "
+          "spec that it was built from, or, where you know that they belong together, add spec_hash=any to the URL"};
 }
 
 }  // namespace unitylink

@@ -40,8 +40,9 @@ Outcome Link::check_exchange(const ExchangeLayout& layout) const {
         return outcome;
       }
       if (word.bytes == 0 || word.bytes > configuration_.data_bytes) {
-        Outcome outcome(Status::range, "word " + hex_address(word.address, configuration_.address_bytes) + " of an exchange group: 1 to " +
-                                           std::to_string(configuration_.data_bytes) + " bytes of it can travel, not " + std::to_string(word.bytes));
+        Outcome outcome(Status::range, "word " + hex_address(word.address, configuration_.address_bytes) +
+                                           " of an exchange group: 1 to " + std::to_string(configuration_.data_bytes) +
+                                           " bytes of it can travel, not " + std::to_string(word.bytes));
         outcome.has_address = true;
         outcome.address = word.address;
         return outcome;
@@ -56,10 +57,12 @@ Outcome Link::check_exchange(const ExchangeLayout& layout) const {
     return {};
   }
   if ((description_.features & protocol::control_value::feature_exchanges) == 0) {
-    return {Status::mismatch, "this gateware was built without exchange groups; use read_many and write_many, or exchange()"};
+    return {Status::mismatch,
+            "this gateware was built without exchange groups; use read_many and write_many, or exchange()"};
   }
   const auto too_large = [words](const std::string& why) {
-    return Outcome{Status::mismatch, "an exchange group of " + std::to_string(words) + " words is too large: " + why + "; make two of it"};
+    return Outcome{Status::mismatch, "an exchange group of " + std::to_string(words) + " words is too large: " + why +
+                                         "; make two of it"};
   };
   if (words > description_.exchange_size) {
     return too_large("this gateware's hold " + std::to_string(description_.exchange_size));
@@ -67,31 +70,34 @@ Outcome Link::check_exchange(const ExchangeLayout& layout) const {
   const std::size_t definition = frame_head::exchange_definition + words * (configuration_.address_bytes + 1);
   const std::size_t asked = frame_head::exchange + bytes_of(layout.outputs);
   if (std::max(definition, asked) > description_.request_max) {
-    return too_large("its messages would have " + std::to_string(std::max(definition, asked)) + " bytes, and the device takes " +
-                     std::to_string(description_.request_max));
+    return too_large("its messages would have " + std::to_string(std::max(definition, asked)) +
+                     " bytes, and the device takes " + std::to_string(description_.request_max));
   }
   if (frame_head::reply + bytes_of(layout.inputs) > description_.reply_max) {
-    return too_large("its answers would have " + std::to_string(frame_head::reply + bytes_of(layout.inputs)) + " bytes, and the device sends " +
-                     std::to_string(description_.reply_max));
+    return too_large("its answers would have " + std::to_string(frame_head::reply + bytes_of(layout.inputs)) +
+                     " bytes, and the device sends " + std::to_string(description_.reply_max));
   }
   return {};
 }
 
-Outcome Link::define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs, std::uint32_t& id) {
+Outcome Link::define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs,
+                              std::uint32_t& id) {
   auto layout = std::make_shared<ExchangeLayout>();
   layout->outputs.assign(outputs.begin(), outputs.end());
   layout->inputs.assign(inputs.begin(), inputs.end());
   if (Outcome outcome = check_exchange(*layout); !outcome.ok()) {
     return outcome;
   }
-  const std::size_t groups = framed_ ? std::min<std::size_t>(description_.exchanges, exchanges_.size()) : exchanges_.size();
+  const std::size_t groups =
+      framed_ ? std::min<std::size_t>(description_.exchanges, exchanges_.size()) : exchanges_.size();
   std::uint32_t slot = 0;
   {
     const std::scoped_lock lock(mutex_);
     const auto end = exchanges_.begin() + static_cast<std::ptrdiff_t>(groups);
     const auto free = std::find(exchanges_.begin(), end, nullptr);
     if (free == end) {
-      return {Status::mismatch, "all " + std::to_string(groups) + " exchange groups of the device are in use; close one"};
+      return {Status::mismatch,
+              "all " + std::to_string(groups) + " exchange groups of the device are in use; close one"};
     }
     slot = static_cast<std::uint32_t>(free - exchanges_.begin());
     layout->id = slot + exchanges_made_++ * static_cast<std::uint32_t>(exchanges_.size());
@@ -117,7 +123,8 @@ Outcome Link::define_exchange(std::span<const ExchangeWord> outputs, std::span<c
   return outcome_of(exchange);
 }
 
-Outcome Link::exchange(std::uint32_t id, std::span<const std::uint32_t> outputs, std::span<std::uint32_t> inputs, const RequestOptions& how) {
+Outcome Link::exchange(std::uint32_t id, std::span<const std::uint32_t> outputs, std::span<std::uint32_t> inputs,
+                       const RequestOptions& how) {
   std::shared_ptr<const ExchangeLayout> layout;
   {
     const std::scoped_lock lock(mutex_);
@@ -128,14 +135,17 @@ Outcome Link::exchange(std::uint32_t id, std::span<const std::uint32_t> outputs,
   }
   if (outputs.size() != layout->outputs.size() || inputs.size() < layout->inputs.size()) {
     return {Status::range, "an exchange group of " + std::to_string(layout->outputs.size()) + " outputs and " +
-                               std::to_string(layout->inputs.size()) + " inputs, but " + std::to_string(outputs.size()) + " values and room for " +
+                               std::to_string(layout->inputs.size()) + " inputs, but " +
+                               std::to_string(outputs.size()) + " values and room for " +
                                std::to_string(inputs.size())};
   }
   for (std::size_t index = 0; index < outputs.size(); ++index) {
     const ExchangeWord& word = layout->outputs[index];
     if (outputs[index] > highest(word.bytes)) {
-      Outcome outcome(Status::range, "value " + hex_address(outputs[index], 0) + " for " + hex_address(word.address, configuration_.address_bytes) +
-                                         " does not fit the " + std::to_string(word.bytes) + " bytes that the exchange group has for it");
+      Outcome outcome(Status::range, "value " + hex_address(outputs[index], 0) + " for " +
+                                         hex_address(word.address, configuration_.address_bytes) +
+                                         " does not fit the " + std::to_string(word.bytes) +
+                                         " bytes that the exchange group has for it");
       outcome.has_address = true;
       outcome.address = word.address;
       outcome.index = static_cast<std::uint32_t>(index);

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operation;
 
-constexpr std::size_t words_max = 255;           // in one operation
+constexpr std::size_t words_max = 255;  // in one operation
 constexpr std::size_t posts_per_flush = 256;
-constexpr double ticks_max = 4294967295.0;       // of the base frequency
+constexpr double ticks_max = 4294967295.0;  // of the base frequency
 
 }  // namespace
 
@@ -23,22 +23,25 @@ Outcome Link::framed_only(const char* what) const {
                                 (mapped_ ? "mapped memory has no protocol" : "this link speaks the classic one")};
 }
 
-// Words that one message reads; so few that the device keeps the reply, where reading twice would do harm. 0: it knows no lists.
+// Words that one message reads; so few that the device keeps the reply, where reading twice would do harm. 0: it knows
+// no lists.
 std::size_t Link::words_read(bool repeat) const noexcept {
   if ((description_.features & protocol::control_value::feature_lists) == 0) {
     return 0;
   }
-  const std::size_t kept = description_.cache > 2 + configuration_.data_bytes ? (description_.cache - 2) / configuration_.data_bytes : 0;
+  const std::size_t kept =
+      description_.cache > 2 + configuration_.data_bytes ? (description_.cache - 2) / configuration_.data_bytes : 0;
   return std::min({words_max, (description_.reply_max - frame_head::list_reply) / configuration_.data_bytes,
-                   (description_.request_max - list_of_one_bytes) / configuration_.address_bytes, repeat ? words_max : kept});
+                   (description_.request_max - list_of_one_bytes) / configuration_.address_bytes,
+                   repeat ? words_max : kept});
 }
 
 std::size_t Link::words_written() const noexcept {
   if (!framed_ || (description_.features & protocol::control_value::feature_lists) == 0) {
     return 0;
   }
-  return std::min<std::size_t>(words_max,
-                               (description_.request_max - list_of_one_bytes) / (configuration_.address_bytes + configuration_.data_bytes));
+  return std::min<std::size_t>(words_max, (description_.request_max - list_of_one_bytes) /
+                                              (configuration_.address_bytes + configuration_.data_bytes));
 }
 
 // Words of one call of post() that go out in one message.
@@ -48,17 +51,20 @@ std::size_t Link::words_posted() const noexcept {
 }
 
 Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span<const std::uint32_t> write_values,
-                       std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how) {
+                       std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
+                       const RequestOptions& how) {
   if (write_values.size() != write_addresses.size() || values.size() < addresses.size()) {
-    return {Status::range, std::to_string(write_addresses.size()) + " addresses to write and " + std::to_string(write_values.size()) +
-                               " values; " + std::to_string(addresses.size()) + " to read and room for " + std::to_string(values.size())};
+    return {Status::range, std::to_string(write_addresses.size()) + " addresses to write and " +
+                               std::to_string(write_values.size()) + " values; " + std::to_string(addresses.size()) +
+                               " to read and room for " + std::to_string(values.size())};
   }
   const std::size_t width = configuration_.address_bytes;
-  const std::size_t asked = list_of_one_bytes + 2 * frame_head::operation + write_addresses.size() * (width + configuration_.data_bytes) +
-                            addresses.size() * width;
+  const std::size_t asked = list_of_one_bytes + 2 * frame_head::operation +
+                            write_addresses.size() * (width + configuration_.data_bytes) + addresses.size() * width;
   const std::size_t answered = frame_head::list_reply + addresses.size() * configuration_.data_bytes;
-  const bool together = words_written() > 0 && asked <= description_.request_max && answered <= description_.reply_max &&
-                        write_addresses.size() <= words_max && addresses.size() <= words_max;
+  const bool together = words_written() > 0 && asked <= description_.request_max &&
+                        answered <= description_.reply_max && write_addresses.size() <= words_max &&
+                        addresses.size() <= words_max;
   if (together && write_addresses.size() + addresses.size() > 0) {
     Exchange exchange;
     prepare(exchange, how);
@@ -74,7 +80,8 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
   }
   if (atomic && !write_addresses.empty() && !mapped_) {
     return {Status::mismatch, "the device cannot do " + std::to_string(write_addresses.size()) + " writes and " +
-                                  std::to_string(addresses.size()) + " reads in one message; do less at once, or without atomic"};
+                                  std::to_string(addresses.size()) +
+                                  " reads in one message; do less at once, or without atomic"};
   }
   if (!write_addresses.empty()) {
     if (Outcome outcome = write_many(write_addresses, write_values, how); !outcome.ok()) {
@@ -94,12 +101,14 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
   return outcome;
 }
 
-Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how) {
+Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                   const RequestOptions& how) {
   if (!framed_) {
     return write_many(addresses, values, how);
   }
   if (values.size() != addresses.size()) {
-    return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
+    return {Status::range,
+            std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
   }
   if (Outcome checked = check_writes(addresses, values, 0); !checked.ok()) {
     return checked;
@@ -123,7 +132,8 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
         break;
       }
       if (!takes_requests()) {
-        outcome = {Status::down, "the line is gone (" + lost_because_ + ") and is being opened again; sync() tells what is not known of earlier posts"};
+        outcome = {Status::down, "the line is gone (" + lost_because_ +
+                                     ") and is being opened again; sync() tells what is not known of earlier posts"};
         break;
       }
       flush(now_ns());
@@ -132,7 +142,8 @@ Outcome Link::post(std::span<const std::uint32_t> addresses, std::span<const std
         confirmed = framed_->posts().confirmed();
         since_ns = now_ns();
       } else if (now_ns() - since_ns > limit_ns) {
-        outcome = {Status::timeout, "posts unconfirmed after " + duration_text(now_ns() - since_ns) + ", and no room for more"};
+        outcome = {Status::timeout,
+                   "posts unconfirmed after " + duration_text(now_ns() - since_ns) + ", and no room for more"};
         break;
       } else if (interrupted(lock)) {
         outcome = {Status::cancelled, "interrupted; earlier posts of this call were made"};
@@ -167,8 +178,10 @@ Outcome Link::sync(const RequestOptions& how) {
   }
   const std::scoped_lock lock(mutex_);
   if (const std::uint64_t unknown = framed_->take_unknown_posts(); unknown > 0) {
-    return {Status::unknown, std::to_string(unknown) + " posts were made, and the device was reset or taken over by another host, or the line lost, before it "
-                                                       "had confirmed them: read back what matters before going on"};
+    return {Status::unknown,
+            std::to_string(unknown) +
+                " posts were made, and the device was reset or taken over by another host, or the line lost, before it "
+                "had confirmed them: read back what matters before going on"};
   }
   const std::uint32_t known = failed_session_ == framed_->sessions() ? failed_posts_ : 0;
   failed_session_ = framed_->sessions();
@@ -178,15 +191,17 @@ Outcome Link::sync(const RequestOptions& how) {
   }
   const std::uint32_t failed = exchange.words - known;
   const bool denied = exchange.first_failure == protocol::reply_status::denied;
-  Outcome outcome(denied ? Status::denied : Status::bus_error,
-                  std::to_string(failed) + (failed == 1 ? " post was " : " posts were ") +
-                      (denied ? "denied: the dead-man has tripped and the outputs are safe; arm() lets them be written again"
-                              : "refused by the device's bus, or nothing answered there"));
+  Outcome outcome(
+      denied ? Status::denied : Status::bus_error,
+      std::to_string(failed) + (failed == 1 ? " post was " : " posts were ") +
+          (denied ? "denied: the dead-man has tripped and the outputs are safe; arm() lets them be written again"
+                  : "refused by the device's bus, or nothing answered there"));
   const PostQueue& posts = framed_->posts();
   const std::uint64_t first = posts.told() - ((posts.told() - exchange.value) & 0xFFFF);
   if (known == 0 && posts.known(first) && posts.words(first) > 1) {
     outcome.text += "; the first was one of " + std::to_string(posts.words(first)) + " words from " +
-                    hex_address(posts.word(first, 0).address, configuration_.address_bytes) + " on, those behind it were not written";
+                    hex_address(posts.word(first, 0).address, configuration_.address_bytes) +
+                    " on, those behind it were not written";
   } else if (known == 0 && posts.known(first)) {
     outcome.has_address = true;
     outcome.address = posts.word(first, 0).address;
@@ -200,8 +215,8 @@ Outcome Link::read_control(std::uint32_t address, std::span<std::uint32_t> value
     return framed_only("reading the device's own registers");
   }
   if (values.empty() || values.size() > words_max || address > 0xFFFF) {
-    return {Status::range, "control registers: 1 to 255 of them from an address of 16 bits, not " + std::to_string(values.size()) +
-                               " from " + hex_address(address, 2)};
+    return {Status::range, "control registers: 1 to 255 of them from an address of 16 bits, not " +
+                               std::to_string(values.size()) + " from " + hex_address(address, 2)};
   }
   Exchange exchange;
   prepare(exchange, how);
@@ -238,7 +253,8 @@ Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
   }
   const double ticks = std::ceil(silence_s * static_cast<double>(configuration_.base_hz));
   if (!(ticks >= 0 && ticks <= ticks_max)) {
-    return {Status::range, "a dead-man waits for 0 to " + std::to_string(ticks_max / static_cast<double>(configuration_.base_hz)) +
+    return {Status::range, "a dead-man waits for 0 to " +
+                               std::to_string(ticks_max / static_cast<double>(configuration_.base_hz)) +
                                " s of silence, not " + std::to_string(silence_s)};
   }
   {

@@ -14,12 +14,13 @@ namespace {
 namespace kinds = protocol::list_operation;
 
 constexpr bool known_operation(std::uint32_t operation) noexcept {
-  return operation == kinds::read || operation == kinds::read_fifo || operation == kinds::write || operation == kinds::write_fifo ||
-         operation == kinds::write_masked || operation == kinds::add;
+  return operation == kinds::read || operation == kinds::read_fifo || operation == kinds::write ||
+         operation == kinds::write_fifo || operation == kinds::write_masked || operation == kinds::add;
 }
 
 std::size_t reads_of(std::span<const ListWord> steps) noexcept {
-  return static_cast<std::size_t>(std::count_if(steps.begin(), steps.end(), [](const ListWord& word) { return !word.writes(); }));
+  return static_cast<std::size_t>(
+      std::count_if(steps.begin(), steps.end(), [](const ListWord& word) { return !word.writes(); }));
 }
 
 }  // namespace
@@ -28,7 +29,8 @@ Outcome Link::check_list(std::span<const ListWord> steps, std::size_t room) cons
   for (std::size_t index = 0; index < steps.size(); ++index) {
     const ListWord& word = steps[index];
     if (!known_operation(word.operation)) {
-      return {Status::range, "operation " + std::to_string(index) + " of a list is of an unknown kind: " + std::to_string(word.operation)};
+      return {Status::range, "operation " + std::to_string(index) +
+                                 " of a list is of an unknown kind: " + std::to_string(word.operation)};
     }
     if (Outcome outcome = check_address(word.address, index); !outcome.ok()) {
       return outcome;
@@ -40,7 +42,8 @@ Outcome Link::check_list(std::span<const ListWord> steps, std::size_t room) cons
     }
   }
   if (reads_of(steps) > room) {
-    return {Status::range, "a list that reads " + std::to_string(reads_of(steps)) + " words, and room for " + std::to_string(room)};
+    return {Status::range,
+            "a list that reads " + std::to_string(reads_of(steps)) + " words, and room for " + std::to_string(room)};
   }
   return {};
 }
@@ -50,9 +53,10 @@ std::size_t Link::list_fits(std::span<const ListWord> steps) const noexcept {
   const auto fits = [&](std::size_t count) {
     const std::span<const ListWord> part = steps.first(count);
     const std::size_t answer = reads_of(part) * configuration_.data_bytes;
-    const bool takes = std::any_of(part.begin(), part.end(), [](const ListWord& word) { return word.operation == kinds::read_fifo; });
-    return frame_head::list + bytes_of(part, configuration_) <= description_.request_max && frame_head::list_reply + answer <= description_.reply_max &&
-           (!takes || 2 + answer <= description_.cache);
+    const bool takes =
+        std::any_of(part.begin(), part.end(), [](const ListWord& word) { return word.operation == kinds::read_fifo; });
+    return frame_head::list + bytes_of(part, configuration_) <= description_.request_max &&
+           frame_head::list_reply + answer <= description_.reply_max && (!takes || 2 + answer <= description_.cache);
   };
   std::size_t low = 0;
   std::size_t high = steps.size();
@@ -63,16 +67,19 @@ std::size_t Link::list_fits(std::span<const ListWord> steps) const noexcept {
   return low;
 }
 
-Outcome Link::list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic, const RequestOptions& how) {
+Outcome Link::list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic,
+                   const RequestOptions& how) {
   if (Outcome outcome = check_list(steps, values.size()); !outcome.ok() || steps.empty()) {
     return outcome;
   }
   const bool lists = framed_ && (description_.features & protocol::control_value::feature_lists) != 0;
   const std::size_t most = lists ? list_fits(steps) : 0;
   if (atomic && most < steps.size() && steps.size() > 1) {
-    return {Status::mismatch, lists ? "the device takes " + std::to_string(most) + " of these " + std::to_string(steps.size()) +
+    return {Status::mismatch, lists ? "the device takes " + std::to_string(most) + " of these " +
+                                          std::to_string(steps.size()) +
                                           " operations in one message; do less at once, or without atomic"
-                                    : "operations that nothing comes between need gateware with lists of the framed protocol; do them without atomic"};
+                                    : "operations that nothing comes between need gateware with lists of the framed "
+                                      "protocol; do them without atomic"};
   }
   if (most == 0) {
     return list_apart(steps, values, how);
@@ -131,8 +138,11 @@ Outcome Link::list_apart(std::span<const ListWord> steps, std::span<std::uint32_
       const ListWord& word = steps[begin];
       outcome = this->read(word.address, old, how);
       if (outcome.ok()) {
-        const std::uint32_t sum = configuration_.data_bytes >= 4 ? old + word.value : (old + word.value) & ((1u << 8 * configuration_.data_bytes) - 1);
-        outcome = write(word.address, operation == kinds::add ? sum : (old & ~word.mask) | (word.value & word.mask), how);
+        const std::uint32_t sum = configuration_.data_bytes >= 4
+                                      ? old + word.value
+                                      : (old + word.value) & ((1u << 8 * configuration_.data_bytes) - 1);
+        outcome =
+            write(word.address, operation == kinds::add ? sum : (old & ~word.mask) | (word.value & word.mask), how);
       }
     } else if (steps[begin].writes()) {
       outcome = write_many(addresses, words, how);
@@ -144,7 +154,8 @@ Outcome Link::list_apart(std::span<const ListWord> steps, std::span<std::uint32_
     }
     if (!outcome.ok()) {
       outcome.index += static_cast<std::uint32_t>(begin);
-      const bool wrote = std::any_of(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(begin), [](const ListWord& word) { return word.writes(); });
+      const bool wrote = std::any_of(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(begin),
+                                     [](const ListWord& word) { return word.writes(); });
       return wrote ? behind_writes(std::move(outcome)) : outcome;
     }
     begin = end;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::uint64_t call_patience_ns = 250'000;      // where there was one call there may soon be another
 constexpr std::uint64_t leader_patience_ns = 1'000'000;  // with one who reads, and may leave without a word
-constexpr std::uint64_t reader_patience_ns = 4'000'000;  // with one who waited for publishes, and does something with them
+// with one who waited for publishes, and does something with them
+constexpr std::uint64_t reader_patience_ns = 4'000'000;
 constexpr std::uint64_t gone_patience_ns = 100'000'000;  // with a line that is gone
 constexpr std::uint64_t reader_look_ns = 250'000'000;    // a reader that rests looks after the line so often
 constexpr std::uint64_t reader_rest_ns = 20'000'000;     // who has waited for so long is not looked after any more
@@ -55,7 +56,9 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
   const bool gone = line_ != Line::up;  // the reader opens it, and announces that
   if (leading_ || callers_ > 0 || now < call_ns || gone) {
-    const std::uint64_t look_ns = std::min(until_ns, gone ? now + gone_patience_ns : now < call_ns ? call_ns : now + leader_patience_ns);
+    const std::uint64_t look_ns = std::min(until_ns, gone            ? now + gone_patience_ns
+                                                     : now < call_ns ? call_ns
+                                                                     : now + leader_patience_ns);
     wait(lock, elsewhere, look_ns);
     return;
   }
@@ -66,8 +69,8 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   published_.notify_one();
 }
 
-// Until `ready()`, the end of the link or the timeout. Who waits for publishes reads them himself: the reader would have to wake him,
-// a second thread woken for each publish.
+// Until `ready()`, the end of the link or the timeout. Who waits for publishes reads them himself: the reader would
+// have to wake him, a second thread woken for each publish.
 template <typename Ready>
 void Link::listen(Lock& lock, std::uint64_t timeout_ns, Ready ready) {
   if (ready() || engine_->ended()) {

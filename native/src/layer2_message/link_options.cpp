@@ -33,8 +33,10 @@ constexpr std::uint64_t spin_most_ns = 10'000'000;  // longer than that, a proce
 
 // `plant` and `root` are read where virtual boards are made (simulate/simulated.py).
 constexpr const char* of_every_link =
-    "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, wait, spin, trace, "
-    "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, rtl)";
+    "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, "
+    "wait, spin, trace, "
+    "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, "
+    "rtl)";
 
 // The options of a scheme in a sentence; `last` stands before the last of them.
 std::string listed(const Scheme& scheme, const char* last) {
@@ -71,22 +73,27 @@ bool fifo(const std::string& text, EngineSettings& engine) noexcept {
   const std::size_t comma = text.find(',');
   const std::string receive = text.substr(0, comma);
   const std::string transmit = comma == std::string::npos ? receive : text.substr(comma + 1);
-  return number_in(receive, 1, 1u << 24, engine.receive_fifo_bytes) && number_in(transmit, 1, 1u << 24, engine.transmit_fifo_bytes);
+  return number_in(receive, 1, 1u << 24, engine.receive_fifo_bytes) &&
+         number_in(transmit, 1, 1u << 24, engine.transmit_fifo_bytes);
 }
 
 Outcome parse_option(const Url& url, const std::string& name, const std::string& value, LinkOptions& options) {
   std::uint32_t number = 0;
   if (name == "timeout") {
-    return parse_seconds(value, options.engine.timeout_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+    return parse_seconds(value, options.engine.timeout_ns)
+               ? Outcome{}
+               : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
   }
   if (name == "attempts") {
     return number_in(value, 1, 1000, options.attempts) ? Outcome{} : wrong(url, name, value, "a count from 1 to 1000");
   }
   if (name == "fifo") {
-    return fifo(value, options.engine) ? Outcome{} : wrong(url, name, value, "a size in bytes, or two: RX,TX of the device");
+    return fifo(value, options.engine) ? Outcome{}
+                                       : wrong(url, name, value, "a size in bytes, or two: RX,TX of the device");
   }
   if (name == "window") {
-    return number_in(value, 1, 65536, options.engine.window) ? Outcome{} : wrong(url, name, value, "a count from 1 to 65536");
+    return number_in(value, 1, 65536, options.engine.window) ? Outcome{}
+                                                             : wrong(url, name, value, "a count from 1 to 65536");
   }
   if (name == "polynomial") {
     if (value == "xor") {
@@ -111,20 +118,25 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     return {};
   }
   if (name == "wait") {
-    return parse_seconds(value, options.wait_ns) ? Outcome{} : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
+    return parse_seconds(value, options.wait_ns) ? Outcome{}
+                                                 : wrong(url, name, value, "a time in seconds from 1e-6 to 3600");
   }
   if (name == "spin") {
     if (value == "0") {
       options.spin_ns = 0;
       return {};
     }
-    return parse_seconds(value, options.spin_ns) && options.spin_ns <= spin_most_ns ? Outcome{} : wrong(url, name, value, "0, or a time in seconds from 1e-6 to 0.01");
+    return parse_seconds(value, options.spin_ns) && options.spin_ns <= spin_most_ns
+               ? Outcome{}
+               : wrong(url, name, value, "0, or a time in seconds from 1e-6 to 0.01");
   }
   if (name == "protocol") {
     if (value != "auto" && value != "classic" && value != "framed") {
       return wrong(url, name, value, "auto, classic or framed");
     }
-    options.protocol = value == "auto" ? Protocol::automatic : value == "classic" ? Protocol::classic : Protocol::framed;
+    options.protocol = value == "auto"      ? Protocol::automatic
+                       : value == "classic" ? Protocol::classic
+                                            : Protocol::framed;
     return {};
   }
   if (name == "deadman") {
@@ -152,13 +164,17 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     if (value != "auto" && value != "2012" && value != "corrected") {
       return wrong(url, name, value, "auto, 2012 or corrected");
     }
-    options.gateware = value == "auto" ? Gateware::automatic : value == "2012" ? Gateware::published_2012 : Gateware::corrected;
+    options.gateware = value == "auto"   ? Gateware::automatic
+                       : value == "2012" ? Gateware::published_2012
+                                         : Gateware::corrected;
     return {};
   }
   for (const Override& entry : overrides) {
     if (name == entry.name) {
       if (!number_in(value, entry.limits.least, entry.limits.most, number)) {
-        return wrong(url, name, value, "a number from " + std::to_string(entry.limits.least) + " to " + std::to_string(entry.limits.most));
+        return wrong(
+            url, name, value,
+            "a number from " + std::to_string(entry.limits.least) + " to " + std::to_string(entry.limits.most));
       }
       options.*entry.field = number;
       return {};
@@ -174,8 +190,8 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
 Outcome refused_option(const Url& url) {
   for (const auto& [name, value] : url.options) {
     if (!url.row->takes(name)) {
-      return wrong_url(url, name + " means nothing to mapped memory, which has no protocol; there are: " +
-                                   listed(*url.row, ", "));
+      return wrong_url(
+          url, name + " means nothing to mapped memory, which has no protocol; there are: " + listed(*url.row, ", "));
     }
   }
   return {};
@@ -197,7 +213,8 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
     }
   }
   if (options.reconnect && url.row->once) {
-    return wrong_url(url, "a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place");
+    return wrong_url(
+        url, "a descriptor cannot be opened again once it is gone; reconnect=1 is for the schemes that name a place");
   }
   if (options.wait_ns > 0 && !options.reconnect) {
     return wrong_url(url, "wait= is for a line that comes back; add reconnect=1");
@@ -206,7 +223,8 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
     return wrong_url(url, "polynomial=none is for gateware of the classic protocol; frames always have a checksum");
   }
   if (!options.engine.checksums && options.checked) {
-    return wrong_url(url, "crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out");
+    return wrong_url(
+        url, "crc=1 asks for the checksums that polynomial=none says the gateware has not; leave one of them out");
   }
   if (url.row->framed_only && options.protocol != Protocol::framed) {
     return wrong_url(url, url.scheme + ": carries the framed protocol only; leave protocol= out");
@@ -214,7 +232,8 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
   return {};
 }
 
-Outcome settle_configuration(const LinkOptions& options, const std::optional<Configuration>& reported, Configuration& configuration) {
+Outcome settle_configuration(const LinkOptions& options, const std::optional<Configuration>& reported,
+                             Configuration& configuration) {
   if (reported) {
     configuration = *reported;
     const std::uint64_t told[] = {configuration.address_bytes, configuration.data_bytes, configuration.read_many,
@@ -224,15 +243,18 @@ Outcome settle_configuration(const LinkOptions& options, const std::optional<Con
       const auto& given = options.*overrides[index].field;
       if (given && *given != told[index]) {
         return {Status::mismatch, std::string("the URL says ") + overrides[index].name + "=" + std::to_string(*given) +
-                                      ", the device reports " + std::to_string(told[index]) + "; is this the right device?"};
+                                      ", the device reports " + std::to_string(told[index]) +
+                                      "; is this the right device?"};
       }
     }
     return {};
   }
   if (!options.address_bytes || !options.data_bytes) {
     return {Status::mismatch,
-            "the device does not report its configuration (it has no RLC command); add ?address_bytes=…&data_bytes=… to the URL, and "
-            "read_many= publish_mode= base_hz= groups= group_size= rate_bytes= for what the gateware has beyond single reads and writes"};
+            "the device does not report its configuration (it has no RLC command); add ?address_bytes=…&data_bytes=… "
+            "to the URL, and "
+            "read_many= publish_mode= base_hz= groups= group_size= rate_bytes= for what the gateware has beyond single "
+            "reads and writes"};
   }
   const bool publishing = options.groups.has_value() || options.publish_mode.value_or(0) > 0;
   configuration = {

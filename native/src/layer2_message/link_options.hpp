@@ -16,20 +16,21 @@ enum class Gateware : std::uint8_t { automatic, published_2012, corrected };
 enum class Protocol : std::uint8_t { automatic, classic, framed };
 
 struct LinkOptions {
-  EngineSettings engine;          // timeout= fifo= window= polynomial=
+  EngineSettings engine;  // timeout= fifo= window= polynomial=
   Protocol protocol = Protocol::automatic;
-  double deadman_s = 0;           // deadman=, 0: none
+  double deadman_s = 0;                    // deadman=, 0: none
   std::optional<std::uint64_t> spec_hash;  // spec_hash=HEX: of the caller's spec
   bool any_spec = false;                   // spec_hash=any: the user knows that the two belong together
   std::uint32_t attempts = 3;
-  bool checked = false;           // crc=
-  bool reconnect = false;         // reconnect=: a lost line is opened again
-  std::uint64_t wait_ns = 0;      // wait=, for reads while the line is gone
-  std::uint64_t spin_ns = 200'000;         // spin=, 0: never
-  bool publish_checked = true;    // publish_crc=
+  bool checked = false;             // crc=
+  bool reconnect = false;           // reconnect=: a lost line is opened again
+  std::uint64_t wait_ns = 0;        // wait=, for reads while the line is gone
+  std::uint64_t spin_ns = 200'000;  // spin=, 0: never
+  bool publish_checked = true;      // publish_crc=
   Gateware gateware = Gateware::automatic;
   // For a device without RLC. Otherwise they must agree with its reply.
-  std::optional<std::uint32_t> address_bytes, data_bytes, read_many, publish_mode, base_hz, groups, group_size, rate_bytes;
+  std::optional<std::uint32_t> address_bytes, data_bytes, read_many, publish_mode, base_hz, groups, group_size,
+      rate_bytes;
 };
 
 // bad_url for an unknown option, or for a value that it cannot have.

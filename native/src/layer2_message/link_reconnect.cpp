@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The line that comes back (reconnect=1): how its loss is noticed and told, and how it is opened and set up again.
 //
-// The reader thread does it, which such a link keeps as long as it lives. While the line is gone nobody leads, and requests are declined. Nothing that was asked
-// before is sent again by itself: what was under way has been told as unknown, or as not sent. Set up again is what the program has
-// asked to go on: subscriptions, exchange groups, publishing, the dead-man.
+// The reader thread does it, which such a link keeps as long as it lives. While the line is gone nobody leads, and
+// requests are declined. Nothing that was asked before is sent again by itself: what was under way has been told as
+// unknown, or as not sent. Set up again is what the program has asked to go on: subscriptions, exchange groups,
+// publishing, the dead-man.
 #include <algorithm>
 #include <chrono>
 
@@ -13,10 +14,12 @@
 namespace unitylink {
 namespace {
 
-constexpr std::uint64_t pause_first_ns = 10'000'000;     // before the second attempt; twice as long before each that follows
+// before the second attempt; twice as long before each that follows
+constexpr std::uint64_t pause_first_ns = 10'000'000;
 constexpr std::uint64_t pause_most_ns = 1'000'000'000;
-constexpr std::uint64_t silence_ns = 500'000'000;        // without a byte for so long the device is asked whether it is there
-constexpr std::uint64_t program_look_ns = 20'000'000;    // between two looks whether a program lives again
+// without a byte for so long the device is asked whether it is there
+constexpr std::uint64_t silence_ns = 500'000'000;
+constexpr std::uint64_t program_look_ns = 20'000'000;  // between two looks whether a program lives again
 constexpr double program_patience_most_s = 3600;
 constexpr std::size_t events_kept = 64;
 
@@ -55,14 +58,16 @@ bool Link::takes_requests() const noexcept {
 bool Link::waits_for_line(std::span<const Exchange> exchanges) const noexcept {
   return lasts_ && options_.wait_ns > 0 && std::this_thread::get_id() != restorer_ &&
          std::all_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) {
-           const bool reads = exchange.operation == Operation::read || exchange.operation == Operation::read_many || exchange.operation == Operation::read_control;
+           const bool reads = exchange.operation == Operation::read || exchange.operation == Operation::read_many ||
+                              exchange.operation == Operation::read_control;
            return reads && exchange.repeat;
          });
 }
 
 // All are asked anew where one did not come through.
 bool Link::was_cut(std::span<Exchange> exchanges) noexcept {
-  if (std::none_of(exchanges.begin(), exchanges.end(), [](const Exchange& exchange) { return exchange.status == Status::down; })) {
+  if (std::none_of(exchanges.begin(), exchanges.end(),
+                   [](const Exchange& exchange) { return exchange.status == Status::down; })) {
     return false;
   }
   for (Exchange& exchange : exchanges) {
@@ -237,7 +242,8 @@ void Link::reopen(Lock& lock) {
   }
   if (outcome.ok()) {
     driver_ = std::move(fresh);
-    driver_->messages_end_with(static_cast<std::uint8_t>(framed_ ? protocol::frame::delimiter : static_cast<std::uint8_t>(protocol::bytes::line_feed)));
+    driver_->messages_end_with(static_cast<std::uint8_t>(
+        framed_ ? protocol::frame::delimiter : static_cast<std::uint8_t>(protocol::bytes::line_feed)));
     line_ = Line::opening;
     restorer_ = std::this_thread::get_id();
     lock.unlock();
@@ -251,7 +257,9 @@ void Link::reopen(Lock& lock) {
       line_ = Line::up;
       heard_ns_ = now_ns();
       engine_->statistics().reconnections += 1;
-      tell(LinkEvent::Kind::back, in_words([&] { return attempts_ == 1 ? "at the first attempt" : "after " + std::to_string(attempts_) + " attempts"; }));
+      tell(LinkEvent::Kind::back, in_words([&] {
+             return attempts_ == 1 ? "at the first attempt" : "after " + std::to_string(attempts_) + " attempts";
+           }));
       return;
     }
     if (line_ == Line::opening) {
@@ -272,7 +280,8 @@ Outcome Link::restore() {
   if (!outcome.ok()) {
     return outcome;
   }
-  const std::scoped_lock one_at_a_time(configuring_);  // not before: who closes a subscription must not wait for a silent device
+  // not before: who closes a subscription must not wait for a silent device
+  const std::scoped_lock one_at_a_time(configuring_);
   if (framed_) {
     return stop_closed_groups();
   }
@@ -294,7 +303,8 @@ Outcome Link::restore() {
     }
   }
   if (outcome.ok() && any) {
-    outcome = command(options_.publish_checked && checksums_ ? Operation::enable_checked_publishing : Operation::enable_publishing);
+    outcome = command(options_.publish_checked && checksums_ ? Operation::enable_checked_publishing
+                                                             : Operation::enable_publishing);
   }
   quieted_ = true;  // also when it failed: then all of it is done again
   return outcome;

@@ -11,10 +11,13 @@ namespace {
 
 std::string hex(std::uint32_t value) { return hex_address(value, 0); }
 
-constexpr std::uint32_t highest(std::uint32_t bytes) noexcept { return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1; }
+constexpr std::uint32_t highest(std::uint32_t bytes) noexcept {
+  return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1;
+}
 
 Outcome no_room(std::size_t addresses, std::size_t values) {
-  return {Status::range, "room for " + std::to_string(values) + " values, but " + std::to_string(addresses) + " addresses"};
+  return {Status::range,
+          "room for " + std::to_string(values) + " values, but " + std::to_string(addresses) + " addresses"};
 }
 
 Outcome at(Outcome outcome, std::size_t index) {
@@ -32,7 +35,8 @@ void Link::prepare(Exchange& exchange, const RequestOptions& how) const noexcept
 }
 
 Outcome Link::check_address(std::uint32_t address, std::size_t index) const {
-  if (address <= highest(configuration_.address_bytes) || mapped_) {  // what is beyond the memory is told when it is accessed
+  // what is beyond the memory is told when it is accessed
+  if (address <= highest(configuration_.address_bytes) || mapped_) {
     return {};
   }
   Outcome outcome(Status::range, "address " + hex(address) + " does not fit the device's " +
@@ -58,11 +62,14 @@ Outcome Link::check_value(std::uint32_t address, std::uint32_t value, std::size_
 // The first that does not fit the device; `index` is that of the front one in the call.
 Outcome Link::check_addresses(std::span<const std::uint32_t> addresses, std::size_t index) const {
   const std::uint32_t most = highest(configuration_.address_bytes);
-  const auto wrong = std::find_if(addresses.begin(), addresses.end(), [most](std::uint32_t address) { return address > most; });
-  return wrong == addresses.end() ? Outcome{} : check_address(*wrong, index + static_cast<std::size_t>(wrong - addresses.begin()));
+  const auto wrong =
+      std::find_if(addresses.begin(), addresses.end(), [most](std::uint32_t address) { return address > most; });
+  return wrong == addresses.end() ? Outcome{}
+                                  : check_address(*wrong, index + static_cast<std::size_t>(wrong - addresses.begin()));
 }
 
-Outcome Link::check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, std::size_t index) const {
+Outcome Link::check_writes(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                           std::size_t index) const {
   const std::uint32_t address_most = highest(configuration_.address_bytes);
   const std::uint32_t value_most = highest(configuration_.data_bytes);
   for (std::size_t word = 0; word < addresses.size(); ++word) {
@@ -101,15 +108,18 @@ Outcome Link::check(const Exchange& exchange, std::size_t index) {
   return may_write();
 }
 
-// 2012 gateware writes 0, whatever it is given, when its words are not 32 bits. Only then is it asked, once, which one it is.
+// 2012 gateware writes 0, whatever it is given, when its words are not 32 bits. Only then is it asked, once, which one
+// it is.
 Outcome Link::may_write() {
   if (configuration_.data_bytes == 4 || framed_) {
     return {};
   }
   if (gateware_ == Gateware::automatic && !checksums_) {  // the question is a '$', and its answer that of a checksum
-    return {Status::mismatch, "2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
-                                  "-bit words writes 0 whatever value it is sent, and gateware without checksums cannot be asked which it "
-                                  "is; add gateware=2012 or gateware=corrected to the URL"};
+    return {
+        Status::mismatch,
+        "2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
+            "-bit words writes 0 whatever value it is sent, and gateware without checksums cannot be asked which it "
+            "is; add gateware=2012 or gateware=corrected to the URL"};
   }
   if (gateware_ == Gateware::automatic) {
     Exchange question;
@@ -123,15 +133,17 @@ Outcome Link::may_write() {
     } else if (question.error == protocol::application_error::incomplete_command) {
       gateware_ = Gateware::published_2012;
     } else {
-      return outcome_of(question).ok() ? Outcome{Status::protocol_error, "the device did not say whether its gateware is corrected; "
-                                                                         "add gateware=2012 or gateware=corrected to the URL"}
+      return outcome_of(question).ok() ? Outcome{Status::protocol_error,
+                                                 "the device did not say whether its gateware is corrected; "
+                                                 "add gateware=2012 or gateware=corrected to the URL"}
                                        : outcome_of(question);
     }
   }
   if (gateware_ == Gateware::published_2012) {
-    return {Status::mismatch, "this is 2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
-                                  "-bit words: it writes 0 whatever value it is sent, so writes are refused; use 32-bit words or "
-                                  "corrected gateware (gateware=corrected in the URL if it is)"};
+    return {Status::mismatch,
+            "this is 2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
+                "-bit words: it writes 0 whatever value it is sent, so writes are refused; use 32-bit words or "
+                "corrected gateware (gateware=corrected in the URL if it is)"};
   }
   return {};
 }
@@ -144,11 +156,12 @@ Outcome Link::outcome_of(const Exchange& exchange) {
   if (mapped_ && (exchange.status == Status::bus_error || exchange.status == Status::mismatch)) {
     return mapped_->describe(exchange);
   }
-  return describe(exchange, {.address_bytes = configuration_.address_bytes,
-                             .last_answer_ns = engine_->last_answer_ns(),
-                             .reason = !reason_.empty()                                                       ? reason_
-                                       : exchange.status == Status::down || exchange.ended_ns == lost_ns_ ? lost_because_
-                                                                                                              : std::string_view{}});
+  return describe(exchange,
+                  {.address_bytes = configuration_.address_bytes,
+                   .last_answer_ns = engine_->last_answer_ns(),
+                   .reason = !reason_.empty()                                                   ? reason_
+                             : exchange.status == Status::down || exchange.ended_ns == lost_ns_ ? lost_because_
+                                                                                                : std::string_view{}});
 }
 
 Outcome Link::run_one(Exchange& exchange) {
@@ -214,12 +227,13 @@ std::size_t Link::words_at_once(bool repeat) const noexcept {
   return framed_ ? words_read(repeat) : mapped_ ? std::numeric_limits<std::size_t>::max() : configuration_.read_many;
 }
 
-Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, bool atomic,
-                             const RequestOptions& how) {
+Outcome Link::plan_read_many(Call& call, std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                             bool atomic, const RequestOptions& how) {
   const std::size_t block = words_at_once(how.repeat);
   if (atomic && addresses.size() > std::max<std::size_t>(block, 1)) {
     return {Status::mismatch, "the device reads at most " + std::to_string(std::max<std::size_t>(block, 1)) +
-                                  " words at once, not " + std::to_string(addresses.size()) + "; read them in parts, or without atomic"};
+                                  " words at once, not " + std::to_string(addresses.size()) +
+                                  "; read them in parts, or without atomic"};
   }
   if (block == 0 || (framed_ && addresses.size() == 1)) {
     return plan_read_each(call, addresses, values, how);
@@ -265,10 +279,11 @@ Outcome Link::plan_read_each(Call& call, std::span<const std::uint32_t> addresse
   return {};
 }
 
-Outcome Link::plan_write_many(Call& call, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
-                              const RequestOptions& how) {
+Outcome Link::plan_write_many(Call& call, std::span<const std::uint32_t> addresses,
+                              std::span<const std::uint32_t> values, const RequestOptions& how) {
   if (values.size() != addresses.size()) {
-    return {Status::range, std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
+    return {Status::range,
+            std::to_string(addresses.size()) + " addresses but " + std::to_string(values.size()) + " values"};
   }
   if (const std::size_t block = words_written(); block > 1 && addresses.size() > 1) {
     call.block = block;
@@ -323,9 +338,11 @@ Outcome Link::result(const Call& call) {
     outcome = behind_writes(std::move(outcome));
   }
   if (failed->writes() && exchanges.size() > 1) {
-    const auto kept = std::count_if(exchanges.begin(), exchanges.end(), [](const Exchange& e) { return e.status == Status::cancelled; });
+    const auto kept = std::count_if(exchanges.begin(), exchanges.end(),
+                                    [](const Exchange& e) { return e.status == Status::cancelled; });
     outcome.text = in_words([&] {
-      return (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " + std::to_string(exchanges.size()) + ": " + outcome.text +
+      return (failed->operation == Operation::write ? "write " : "message ") + std::to_string(index + 1) + " of " +
+             std::to_string(exchanges.size()) + ": " + outcome.text +
              (kept > 0 ? "; " + std::to_string(kept) + " later ones were not sent" : "");
     });
   }
@@ -342,7 +359,8 @@ Outcome Link::read_many(std::span<const std::uint32_t> addresses, std::span<std:
   return result(call);
 }
 
-Outcome Link::read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values, const RequestOptions& how) {
+Outcome Link::read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                        const RequestOptions& how) {
   Call call;
   if (Outcome outcome = plan_read_each(call, addresses, values, how); !outcome.ok()) {
     return outcome;
@@ -351,7 +369,8 @@ Outcome Link::read_each(std::span<const std::uint32_t> addresses, std::span<std:
   return result(call);
 }
 
-Outcome Link::write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values, const RequestOptions& how) {
+Outcome Link::write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
+                         const RequestOptions& how) {
   Call call;
   if (Outcome outcome = plan_write_many(call, addresses, values, how); !outcome.ok()) {
     return outcome;

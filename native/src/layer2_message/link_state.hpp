@@ -22,7 +22,7 @@ struct Link::Subscription {
   bool on_event;
   bool open = false;
   bool closed_unheard = false;  // closed while the line was gone: the device may be setting it up
-  PublishRing ring;  // outlives the subscription, so that earlier publishes can still be fetched
+  PublishRing ring;             // outlives the subscription, so that earlier publishes can still be fetched
 };
 
 }  // namespace unitylink

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Subscriptions: one gateware group each. The order of the commands is what 2012 gateware needs: addresses before a rate, no rate on an
-// empty group, rate 0 while addresses change, never a group filled to its advertised size.
+// Subscriptions: one gateware group each. The order of the commands is what 2012 gateware needs: addresses before a
+// rate, no rate on an empty group, rate 0 while addresses change, never a group filled to its advertised size.
 #include <algorithm>
 #include <chrono>
 
@@ -15,7 +15,8 @@ namespace {
 
 // Framed: the payload's head and words. Classic: "&PUB:", group and count, the words, "*hh", line feed.
 std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked, bool framed) noexcept {
-  return framed ? frame_bytes(frame_head::publish + words * data_bytes) : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
+  return framed ? frame_bytes(frame_head::publish + words * data_bytes)
+                : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
 }
 
 // Every configuration command may be sent twice: it sets, it does not count.
@@ -31,7 +32,8 @@ std::uint32_t Link::usable_group_size() const noexcept {
     const auto words = [](std::uint32_t most, std::size_t head, std::uint32_t each) {
       return most > head ? static_cast<std::uint32_t>((most - head) / each) : 0;
     };
-    return std::min({configuration_.group_size, words(description_.request_max, frame_head::group_definition, configuration_.address_bytes),
+    return std::min({configuration_.group_size,
+                     words(description_.request_max, frame_head::group_definition, configuration_.address_bytes),
                      words(description_.reply_max, frame_head::publish, configuration_.data_bytes)});
   }
   if (gateware_ == Gateware::corrected) {
@@ -61,8 +63,8 @@ Outcome Link::set_rate(std::uint32_t group, std::uint32_t divisor) {
   return outcome_of(exchange);
 }
 
-Outcome Link::define_group(std::uint32_t group, std::span<const std::uint32_t> addresses, std::uint32_t divisor, bool on_event,
-                           PublishRing* ring) {
+Outcome Link::define_group(std::uint32_t group, std::span<const std::uint32_t> addresses, std::uint32_t divisor,
+                           bool on_event, PublishRing* ring) {
   Exchange exchange;
   prepare(exchange, repeatable);
   exchange.operation = Operation::define_group;
@@ -124,7 +126,8 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
     return cannot(std::to_string(request.addresses.size()) + " addresses, but a group of this gateware can hold " +
                   std::to_string(usable_group_size()) +
                   (usable_group_size() == configuration_.group_size ? ""
-                   : framed_ ? " (of " + std::to_string(configuration_.group_size) + ": its frames hold no more; make it several groups)"
+                   : framed_ ? " (of " + std::to_string(configuration_.group_size) +
+                                   ": its frames hold no more; make it several groups)"
                              : " (one less than it reports: a full group never stops publishing; "
                                "gateware=corrected in the URL if it is corrected)"));
   }
@@ -133,8 +136,9 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
   }
   const std::uint64_t divisor_max = (std::uint64_t{1} << (8 * configuration_.rate_bytes)) - 1;
   if (request.divisor > divisor_max) {
-    return {Status::range, "subscribe: divisor " + std::to_string(request.divisor) + " is above " + std::to_string(divisor_max) +
-                               ", the most this gateware can count (base " + std::to_string(configuration_.base_hz) + " Hz)"};
+    return {Status::range, "subscribe: divisor " + std::to_string(request.divisor) + " is above " +
+                               std::to_string(divisor_max) + ", the most this gateware can count (base " +
+                               std::to_string(configuration_.base_hz) + " Hz)"};
   }
   if (request.ring == 0 || request.ring > ring_words_max / request.addresses.size()) {
     return {Status::range, "subscribe: a ring of " + std::to_string(request.ring) + " publishes; 1 to " +
@@ -147,18 +151,22 @@ Outcome Link::check_subscription(const SubscriptionRequest& request) {
   }
   if (options_.engine.byte_time_ns > 0 && request.divisor > 0) {
     const bool checked = options_.publish_checked;
-    double load = static_cast<double>(publish_bytes(request.addresses.size(), configuration_.data_bytes, checked, framed())) / request.divisor;
+    double load =
+        static_cast<double>(publish_bytes(request.addresses.size(), configuration_.data_bytes, checked, framed())) /
+        request.divisor;
     const std::scoped_lock lock(mutex_);
     for (const auto& other : subscriptions_) {
       if (other && other->open && other->divisor > 0) {
-        load += static_cast<double>(publish_bytes(other->addresses.size(), configuration_.data_bytes, checked, framed())) / other->divisor;
+        load +=
+            static_cast<double>(publish_bytes(other->addresses.size(), configuration_.data_bytes, checked, framed())) /
+            other->divisor;
       }
     }
     const double needed = load * static_cast<double>(configuration_.base_hz);
     const double line = 1e9 / static_cast<double>(options_.engine.byte_time_ns);
     if (needed > line) {
-      return cannot("publishes would need " + std::to_string(static_cast<std::uint64_t>(needed)) + " bytes/s, the line carries " +
-                    std::to_string(static_cast<std::uint64_t>(line)) +
+      return cannot("publishes would need " + std::to_string(static_cast<std::uint64_t>(needed)) +
+                    " bytes/s, the line carries " + std::to_string(static_cast<std::uint64_t>(line)) +
                     ", and requests would never be answered again; use a larger divisor or a higher baud rate");
     }
   }
@@ -223,7 +231,8 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
       return cannot("group " + std::to_string(*request.group) + " is in use; close its subscription first");
     }
     if (free == configuration_.groups) {
-      return cannot("all " + std::to_string(configuration_.groups) + " groups of this gateware are in use; close a subscription first");
+      return cannot("all " + std::to_string(configuration_.groups) +
+                    " groups of this gateware are in use; close a subscription first");
     }
     if (!takes_requests()) {
       return {Status::down, "subscribe: the line is gone (" + lost_because_ + ") and is being opened again"};
@@ -265,7 +274,8 @@ Outcome Link::stop_group(const Subscription& subscription, bool last) {
   const std::uint32_t group = group_of(subscription.id);
   Outcome outcome;
   if (last) {
-    outcome = framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
+    outcome =
+        framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
   } else if (framed_) {  // its publishes are nobody's as soon as the group is defined anew
     std::uint32_t state = 0;
     outcome = read_control(protocol::control::publish, std::span(&state, 1), repeatable);

@@ -49,7 +49,8 @@ Outcome MappedEngine::describe(const Exchange& exchange) const {
   outcome.status = exchange.status;
   if (exchange.status == Status::bus_error) {
     outcome.has_address = true;
-    outcome.address = exchange.operation == Operation::read_many ? exchange.addresses[exchange.words] : exchange.address;
+    outcome.address =
+        exchange.operation == Operation::read_many ? exchange.addresses[exchange.words] : exchange.address;
     outcome.text = in_words([&] { return memory_.beyond(outcome.address); });
   } else {
     outcome.text = in_words([&] {
@@ -57,7 +58,8 @@ Outcome MappedEngine::describe(const Exchange& exchange) const {
       return exchange.operation != Operation::read_many ? "mapped memory has no protocol, and none of its requests"
              : !exchange.repeat ? "mapped memory gives words of one moment by reading them twice, and these may not be"
                                 : words + " changed during each of " + std::to_string(settling_passes) +
-                                      " readings: mapped memory cannot give them as of one moment; read them apart, or let the device hold them";
+                                      " readings: mapped memory cannot give them as of one moment; read them apart, or "
+                                      "let the device hold them";
     });
   }
   return outcome;
@@ -92,7 +94,8 @@ Status MappedEngine::read_words(Exchange& exchange) noexcept {
     }
     return Status::bus_error;
   }
-  return !exchange.atomic || memory_.settle(exchange.addresses, exchange.values, settling_passes) ? Status::ok : Status::mismatch;
+  return !exchange.atomic || memory_.settle(exchange.addresses, exchange.values, settling_passes) ? Status::ok
+                                                                                                  : Status::mismatch;
 }
 
 // ---- polling

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MappedEngine: registers that are memory of this machine. There is no protocol: submit() does what is asked, at once, and advance() polls the groups that are
-// due, in place of publishes. What a protocol needs of an engine (bytes, answers, repeats) it has not.
+// MappedEngine: registers that are memory of this machine. There is no protocol: submit() does what is asked, at once,
+// and advance() polls the groups that are due, in place of publishes. What a protocol needs of an engine (bytes,
+// answers, repeats) it has not.
 #pragma once
 
 #include <array>
@@ -17,7 +18,8 @@ class MappedEngine final : public Engine {
  public:
   explicit MappedEngine(MappedMemory& memory) noexcept : memory_(memory) {}
 
-  // One access, as submit() makes it, without an exchange around it. False: it has ended, or the address is beyond the memory.
+  // One access, as submit() makes it, without an exchange around it. False: it has ended, or the address is beyond the
+  // memory.
   [[nodiscard]] bool read(std::uint32_t address, std::uint32_t& value) noexcept;
   [[nodiscard]] bool write(std::uint32_t address, std::uint32_t value) noexcept;
   [[nodiscard]] bool read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept;

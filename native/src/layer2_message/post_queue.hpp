@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Posts: writes without an answer, with one or several words each. They are kept until the device has confirmed them. So they can be sent again,
-// unchanged, from a lost one on.
+// Posts: writes without an answer, with one or several words each. They are kept until the device has confirmed them.
+// So they can be sent again, unchanged, from a lost one on.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ struct Post {
   std::uint32_t value = 0;
 };
 
-// The counts are of posts of the session: confirmed <= sent <= made, except that `sent` goes back after a loss. On the wire they have 16 bits.
+// The counts are of posts of the session: confirmed <= sent <= made, except that `sent` goes back after a loss. On the
+// wire they have 16 bits.
 class PostQueue {
  public:
   static constexpr std::size_t capacity = 8192;  // words and posts: well below the 32767 that the protocol allows
@@ -29,8 +30,12 @@ class PostQueue {
   [[nodiscard]] std::uint64_t told() const noexcept { return told_; }
   [[nodiscard]] std::uint64_t open_words() const noexcept { return words_ - begin(confirmed_); }
   // The number of words of a post that is not confirmed, and the words.
-  [[nodiscard]] std::size_t words(std::uint64_t number) const noexcept { return static_cast<std::size_t>(begin(number + 1) - begin(number)); }
-  [[nodiscard]] const Post& word(std::uint64_t number, std::size_t index) const noexcept { return ring_[(begin(number) + index) % capacity]; }
+  [[nodiscard]] std::size_t words(std::uint64_t number) const noexcept {
+    return static_cast<std::size_t>(begin(number + 1) - begin(number));
+  }
+  [[nodiscard]] const Post& word(std::uint64_t number, std::size_t index) const noexcept {
+    return ring_[(begin(number) + index) % capacity];
+  }
   // Whether a post is still stored, confirmed or not.
   [[nodiscard]] bool known(std::uint64_t number) const noexcept {
     return number < made_ && made_ - number <= capacity && words_ - begin(number) <= capacity;
@@ -52,8 +57,9 @@ class PostQueue {
   }
   [[nodiscard]] bool repeats() const noexcept { return sent_ < reached_; }  // the next one was sent before
 
-  // The device has executed so many posts, given by the low 16 bits. False if that is impossible. Executed posts need not be sent again. The count is
-  // used only when a second answer confirms it, because a damaged answer with a right check would drop posts for ever.
+  // The device has executed so many posts, given by the low 16 bits. False if that is impossible. Executed posts need
+  // not be sent again. The count is used only when a second answer confirms it, because a damaged answer with a right
+  // check would drop posts for ever.
   bool confirm(std::uint32_t count) noexcept {
     const std::uint64_t executed = confirmed_ + ((count - confirmed_) & 0xFFFF);
     if (executed > reached_) {
@@ -74,14 +80,16 @@ class PostQueue {
 
  private:
   // The position of the post's first word. For the next post to be made: of the next word.
-  [[nodiscard]] std::uint64_t begin(std::uint64_t number) const noexcept { return number < made_ ? begins_[number % capacity] : words_; }
+  [[nodiscard]] std::uint64_t begin(std::uint64_t number) const noexcept {
+    return number < made_ ? begins_[number % capacity] : words_;
+  }
 
   std::uint64_t made_ = 0;
   std::uint64_t sent_ = 0;
-  std::uint64_t reached_ = 0;    // the largest value of `sent`
+  std::uint64_t reached_ = 0;  // the largest value of `sent`
   std::uint64_t confirmed_ = 0;
-  std::uint64_t told_ = 0;       // executed, from the last answer
-  std::uint64_t words_ = 0;      // of all posts made
+  std::uint64_t told_ = 0;   // executed, from the last answer
+  std::uint64_t words_ = 0;  // of all posts made
   std::array<Post, capacity> ring_;
   std::array<std::uint64_t, capacity> begins_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The publishes of one group that are not fetched yet: k words and a host time each. When it is full, the newest replace the oldest.
+// The publishes of one group that are not fetched yet: k words and a host time each. When it is full, the newest
+// replace the oldest.
 #pragma once
 
 #include <algorithm>
@@ -49,7 +50,8 @@ class PublishRing {
     return pushed();
   }
 
-  // Moves the oldest publishes out, as many as fit into `times_s`. `values` has room for words() times that. Returns how many.
+  // Moves the oldest publishes out, as many as fit into `times_s`. `values` has room for words() times that. Returns
+  // how many.
   std::size_t drain(std::span<double> times_s, std::span<std::uint32_t> values) noexcept {
     const std::size_t count = std::min(times_s.size(), size());
     std::size_t slot = static_cast<std::size_t>(tail_ % capacity_);
@@ -84,9 +86,9 @@ class PublishRing {
   std::size_t capacity_;
   std::vector<std::uint64_t> times_;
   std::vector<std::uint32_t> values_;
-  std::size_t next_ = 0;     // slot of the next push, head_ % capacity_
-  std::uint64_t head_ = 0;   // ever pushed
-  std::uint64_t tail_ = 0;   // ever drained or lost
+  std::size_t next_ = 0;    // slot of the next push, head_ % capacity_
+  std::uint64_t head_ = 0;  // ever pushed
+  std::uint64_t tail_ = 0;  // ever drained or lost
   std::uint64_t lost_ = 0;
   std::uint64_t missing_ = 0;
 };

@@ -29,7 +29,8 @@ struct Letters {
     case Operation::write_group_rate: return {command::write_group_rate, reply::write_group_rate};
     case Operation::read_group: return {command::read_group, reply::read_group};
     case Operation::enable_publishing: return {command::enable_publishing, reply::enable_publishing};
-    case Operation::enable_checked_publishing: return {command::enable_checked_publishing, reply::enable_checked_publishing};
+    case Operation::enable_checked_publishing:
+      return {command::enable_checked_publishing, reply::enable_checked_publishing};
     case Operation::disable_publishing: return {command::disable_publishing, reply::disable_publishing};
     case Operation::write_event_mask: return {command::write_event_mask, reply::write_event_mask};
     case Operation::read_event_mask: return {command::read_event_mask, reply::read_event_mask};
@@ -43,7 +44,8 @@ struct Letters {
   return needed > protocol::limits::event_mask_bytes_min ? needed : protocol::limits::event_mask_bytes_min;
 }
 
-[[nodiscard]] constexpr std::size_t request_data_bytes(const Exchange& exchange, const Configuration& configuration) noexcept {
+[[nodiscard]] constexpr std::size_t request_data_bytes(const Exchange& exchange,
+                                                       const Configuration& configuration) noexcept {
   switch (exchange.operation) {
     case Operation::read: return configuration.address_bytes;
     case Operation::read_many: return 1 + exchange.addresses.size() * configuration.address_bytes;
@@ -57,7 +59,8 @@ struct Letters {
 }
 
 // The largest number, if the device decides it (read_group).
-[[nodiscard]] constexpr std::size_t reply_data_bytes(const Exchange& exchange, const Configuration& configuration) noexcept {
+[[nodiscard]] constexpr std::size_t reply_data_bytes(const Exchange& exchange,
+                                                     const Configuration& configuration) noexcept {
   switch (exchange.operation) {
     case Operation::read: return configuration.data_bytes;
     case Operation::read_many: return exchange.addresses.size() * configuration.data_bytes;

@@ -24,11 +24,12 @@ struct Statistics {
   std::uint64_t overruns = 0;              // publishes overwritten before they were drained
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
-  std::uint64_t posts = 0;                 // framed: writes without an answer that were sent
-  std::uint64_t missing_publishes = 0;     // framed: gaps in their sequence
-  std::uint64_t sessions = 0;              // framed: sessions opened; more than one: the device was reset, or had another host
-  std::uint64_t restarts = 0;              // framed: sessions that the device had lost
-  std::uint64_t reconnections = 0;         // the line was gone, and is back
+  std::uint64_t posts = 0;              // framed: writes without an answer that were sent
+  std::uint64_t missing_publishes = 0;  // framed: gaps in their sequence
+  // framed: sessions opened; more than one: the device was reset, or had another host
+  std::uint64_t sessions = 0;
+  std::uint64_t restarts = 0;       // framed: sessions that the device had lost
+  std::uint64_t reconnections = 0;  // the line was gone, and is back
 };
 
 }  // namespace unitylink

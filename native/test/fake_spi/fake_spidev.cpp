@@ -5,7 +5,8 @@
 //   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
 //   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place), whose line 25 is the board's `waiting`
 //   unplug=1000      so many bytes after it was opened transfers fail   refuse=22   what setting the speed answers
-// FAKE_SPI_FAIL, looked at each time: the n-th of the calls that open the port and its line, or set them up, answers EMFILE.
+// FAKE_SPI_FAIL, looked at each time: the n-th of the calls that open the port and its line, or set them up, answers
+// EMFILE.
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstdarg>
@@ -161,7 +162,8 @@ int open_instead(const char* name, const char* path, int flags, mode_t mode) {
   if (ours && refused()) {
     return -1;
   }
-  const int descriptor = real<int (*)(const char*, int, ...)>(name)(ours ? p.settings["file"].c_str() : path, flags, mode);
+  const int descriptor =
+      real<int (*)(const char*, int, ...)>(name)(ours ? p.settings["file"].c_str() : path, flags, mode);
   if (gpio) {
     p.chip = descriptor;
   } else if (ours && descriptor >= 0 && p.descriptor < 0) {
@@ -258,7 +260,8 @@ int ioctl(int descriptor, unsigned long request, ...) {
   void* const argument = va_arg(arguments, void*);
   va_end(arguments);
   Port& p = port();
-  const bool sets_up = (descriptor == p.chip && request == GPIO_V2_GET_LINE_IOCTL) || (descriptor == p.descriptor && request != SPI_IOC_MESSAGE(1));
+  const bool sets_up = (descriptor == p.chip && request == GPIO_V2_GET_LINE_IOCTL) ||
+                       (descriptor == p.descriptor && request != SPI_IOC_MESSAGE(1));
   if (descriptor >= 0 && sets_up && refused()) {
     return -1;
   }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libusb-1.0 as far as the FTDI driver uses it, with one chip plugged in. FAKE_USB has `key=value` words with spaces between:
-//   port=5555        the board behind the chip: TCP on this machine      serial=FT1  release=0x0700 (bcdDevice)  packet=512
-//   log=FILE         a line for each control request, and at the end how packets came to be sent
-//   unplug=1000      after so many bytes from the board the chip is gone, in the middle of a transfer
-//   refuse=-3        what opening the chip answers      claim=-6   what claiming answers      take=100   bytes the chip takes a time
+// libusb-1.0 as far as the FTDI driver uses it, with one chip plugged in. FAKE_USB has `key=value` words with spaces
+// between:
+//   port=5555     the board behind the chip: TCP on this machine
+//   serial=FT1  release=0x0700 (bcdDevice)  packet=512
+//   log=FILE      a line for each control request, and at the end how packets came to be sent
+//   unplug=1000   after so many bytes from the board the chip is gone, in the middle of a transfer
+//   refuse=-3     what opening the chip answers
+//   claim=-6      what claiming answers
+//   take=100      bytes the chip takes a time
 #include <algorithm>
 #include <arpa/inet.h>
 #include <chrono>
@@ -143,7 +147,8 @@ int libusb_init(Context** context) {
 }
 void libusb_exit(Context*) {
   Chip& c = chip();
-  c.log("full " + std::to_string(c.full) + " event " + std::to_string(c.by_event) + " timer " + std::to_string(c.by_timer));
+  c.log("full " + std::to_string(c.full) + " event " + std::to_string(c.by_event) + " timer " +
+        std::to_string(c.by_timer));
   c.waiting.clear();
   c.gathered.clear();
   c.full = c.by_event = c.by_timer = c.passed = 0;
@@ -186,8 +191,8 @@ int libusb_release_interface(Handle*, int interface) {
   chip().log("release " + std::to_string(interface));
   return 0;
 }
-int libusb_control_transfer(Handle*, std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index, unsigned char*,
-                            std::uint16_t, unsigned int) {
+int libusb_control_transfer(Handle*, std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index,
+                            unsigned char*, std::uint16_t, unsigned int) {
   Chip& c = chip();
   const std::scoped_lock lock(c.mutex);
   char line[64];
@@ -239,7 +244,8 @@ int libusb_cancel_transfer(Transfer* transfer) {
 }
 int libusb_handle_events_timeout(Context*, Interval* patience) {
   Chip& c = chip();
-  const auto until = Clock::now() + std::chrono::seconds(patience->seconds) + std::chrono::microseconds(patience->microseconds);
+  const auto until =
+      Clock::now() + std::chrono::seconds(patience->seconds) + std::chrono::microseconds(patience->microseconds);
   while (true) {
     Transfer* over = nullptr;
     int board = -1;

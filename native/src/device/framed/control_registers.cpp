@@ -22,7 +22,8 @@ std::uint32_t ControlRegisters::read(std::uint32_t address, Clock now) noexcept 
     case control::request_credit: return configuration_.credit;
     case control::frame_limits: return pair(configuration_.request_max, configuration_.reply_max);
     case control::window: return pair(configuration_.window, configuration_.cache_bytes);
-    case control::groups: return configuration_.publish_mode > 0 ? pair(configuration_.groups, configuration_.group_size) : 0;
+    case control::groups:
+      return configuration_.publish_mode > 0 ? pair(configuration_.groups, configuration_.group_size) : 0;
     case control::exchanges: return pair(configuration_.exchanges, configuration_.exchange_size);
     case control::spec_hash_high: return static_cast<std::uint32_t>(configuration_.spec_hash >> 32);
     case control::spec_hash_low: return static_cast<std::uint32_t>(configuration_.spec_hash);

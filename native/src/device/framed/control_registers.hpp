@@ -22,14 +22,16 @@ class ControlRegisters {
     std::uint32_t& value = counters_[counter - counters_first];
     value += value == 0xFFFFFFFFu ? 0u : 1u;
   }
-  [[nodiscard]] std::uint32_t counter(std::uint32_t address) const noexcept { return counters_[address - counters_first]; }
+  [[nodiscard]] std::uint32_t counter(std::uint32_t address) const noexcept {
+    return counters_[address - counters_first];
+  }
 
   [[nodiscard]] static constexpr bool has(std::uint32_t first, std::uint32_t count) noexcept {
     const auto within = [first, count](std::uint32_t low, std::uint32_t high) {
       return first >= low && first <= high && count <= high - first + 1;
     };
-    return within(protocol::control::magic, protocol::control::spec_hash_low) || within(counters_first, counters_last) ||
-           within(protocol::control::time_low, protocol::control::publish);
+    return within(protocol::control::magic, protocol::control::spec_hash_low) ||
+           within(counters_first, counters_last) || within(protocol::control::time_low, protocol::control::publish);
   }
 
   // Description, counters and time. All others are in the application. A read of time_low stores the upper half.

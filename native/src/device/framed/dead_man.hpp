@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes the outputs safe after so many silent ticks of the base frequency. It stands in front of the bus, as in the gateware.
-// From its trip on, no write of an application reaches the bus until it is armed.
+// Makes the outputs safe after so many silent ticks of the base frequency. It stands in front of the bus, as in the
+// gateware. From its trip on, no write of an application reaches the bus until it is armed.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,9 @@ namespace unitylink::device {
 class DeadMan final : public Bus {
  public:
   DeadMan(const DeviceConfiguration& configuration, Bus& bus) noexcept
-      : configuration_(configuration), bus_(bus), period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {}
+      : configuration_(configuration),
+        bus_(bus),
+        period_(std::max<Clock>(1, configuration.clock_hz / configuration.base_hz)) {}
 
   [[nodiscard]] std::uint32_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] bool running() const noexcept { return ticks_ > 0; }
@@ -42,8 +44,8 @@ class DeadMan final : public Bus {
     make_safe(now);
   }
 
-  // Writes every output that has a safe value. If one was not answered, all are written again at the next tick. A value that is
-  // refused is not repeated.
+  // Writes every output that has a safe value. If one was not answered, all are written again at the next tick. A value
+  // that is refused is not repeated.
   void make_safe(Clock now) {
     missed_ = false;
     for (const SafeValue& safe : configuration_.safe_words) {
@@ -65,7 +67,9 @@ class DeadMan final : public Bus {
   }
   void block(bool held, Clock now) override { bus_.block(held, now); }
   BusReply get(std::uint32_t address, Clock now) override { return bus_.get(address, now); }
-  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override { return bus_.set(address, value, now); }
+  BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) override {
+    return bus_.set(address, value, now);
+  }
 
  private:
   const DeviceConfiguration& configuration_;

@@ -56,9 +56,7 @@ bool FrameRequest::parse(std::uint8_t kind, std::span<const std::uint8_t> payloa
   }
   words.clear();
   switch (operation) {
-    case kind_of::read:
-      address = fields.take(widths.address_bytes);
-      break;
+    case kind_of::read: address = fields.take(widths.address_bytes); break;
     case kind_of::write:
       address = fields.take(widths.address_bytes);
       value = fields.take(widths.data_bytes);
@@ -114,10 +112,8 @@ bool FrameRequest::parse(std::uint8_t kind, std::span<const std::uint8_t> payloa
       break;
     }
     case kind_of::sync:
-    case kind_of::close:
-      break;
-    default:
-      return false;
+    case kind_of::close: break;
+    default: return false;
   }
   return fields.ended_well();
 }
@@ -132,7 +128,8 @@ bool FrameRequest::parse_post(std::uint8_t kind, std::span<const std::uint8_t> p
     words.assign(1, {static_cast<std::uint8_t>(list::write), where, what, 0});
     return fields.ended_well();
   }
-  return parse_list(fields, widths) && std::all_of(words.begin(), words.end(), [](const ListWord& word) { return word.writes(); });
+  return parse_list(fields, widths) &&
+         std::all_of(words.begin(), words.end(), [](const ListWord& word) { return word.writes(); });
 }
 
 }  // namespace unitylink::device

@@ -63,14 +63,14 @@ struct FrameRequest {
   std::uint16_t id = 0;        // or the number of a post
   bool chained = false;
   std::optional<std::uint16_t> barrier;
-  std::uint32_t address = 0;   // of a word, of a control register, or the number of a group
-  std::uint32_t value = 0;     // value to write, count of read_control, or divisor of define_group
+  std::uint32_t address = 0;  // of a word, of a control register, or the number of a group
+  std::uint32_t value = 0;    // value to write, count of read_control, or divisor of define_group
   std::uint8_t flags = 0;
   std::vector<ListWord> words;
   std::vector<std::uint32_t> addresses;  // of define_group
   std::vector<ExchangeWord> members;     // of define_exchange: outputs, then inputs
   std::size_t outputs = 0;
-  std::span<const std::uint8_t> data;    // the outputs of an exchange
+  std::span<const std::uint8_t> data;  // the outputs of an exchange
 
   struct Widths {
     std::size_t address_bytes;

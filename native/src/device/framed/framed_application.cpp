@@ -13,7 +13,7 @@ namespace status = protocol::reply_status;
 
 namespace {
 
-constexpr Clock frame_latency = 2;         // a border taken -> the frame may be executed
+constexpr Clock frame_latency = 2;  // a border taken -> the frame may be executed
 constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::frame::barrier_bit;
 
 bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
@@ -25,13 +25,14 @@ bool changes_session(std::uint32_t kind) noexcept {
 
 // Not a kind that a host sends: a device's kind, or a post with bits that only requests have.
 bool is_foreign(std::uint32_t kind) noexcept {
-  return (kind & protocol::frame::device_bit) != 0 || ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu));
+  return (kind & protocol::frame::device_bit) != 0 ||
+         ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu));
 }
 
 }  // namespace
 
-FramedApplication::FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, DeadMan& dead_man,
-                                     PhysicalTransmitter& physical)
+FramedApplication::FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions,
+                                     DeadMan& dead_man, PhysicalTransmitter& physical)
     : configuration_(configuration),
       subscriptions_(subscriptions),
       bus_(dead_man),

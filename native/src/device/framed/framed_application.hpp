@@ -21,9 +21,9 @@
 
 namespace unitylink::device {
 
-// Frames are executed while others are received. As many wait as in the gateware, and then the port stalls. A frame is executed
-// as a whole at one time, and its answer is sent with one byte per clock. While the answer cannot be sent, posts are executed and
-// publishes are skipped. While no frame is in work, the classic side may use the port.
+// Frames are executed while others are received. As many wait as in the gateware, and then the port stalls. A frame is
+// executed as a whole at one time, and its answer is sent with one byte per clock. While the answer cannot be sent,
+// posts are executed and publishes are skipped. While no frame is in work, the classic side may use the port.
 class FramedApplication {
  public:
   // `dead_man` is the bus, and may refuse accesses.
@@ -108,10 +108,10 @@ class FramedApplication {
   std::vector<Exchange> exchanges_;
   std::vector<Group> groups_;
 
-  Clock at_ = 0;                       // time of the current step; time of the last byte sent
-  WaitingFrames waiting_;              // frames, or CLOSED, that are not yet executed
-  Clock taken_at_ = 0;                 // time of the last byte taken
-  bool paused_ = false;                // an OPEN or CLOSE waits
+  Clock at_ = 0;           // time of the current step; time of the last byte sent
+  WaitingFrames waiting_;  // frames, or CLOSED, that are not yet executed
+  Clock taken_at_ = 0;     // time of the last byte taken
+  bool paused_ = false;    // an OPEN or CLOSE waits
 
   SessionOffer offer_;
   std::uint16_t session_nonce_ = 0;
@@ -122,7 +122,7 @@ class FramedApplication {
   std::uint16_t first_failed_ = 0;
   Status first_failure_ = 0;
 
-  std::vector<std::uint8_t> data_;     // of the current reply, after `posts`
+  std::vector<std::uint8_t> data_;  // of the current reply, after `posts`
   std::vector<std::uint8_t> payload_;
   std::vector<std::uint8_t> out_;
   std::size_t sent_ = 0;

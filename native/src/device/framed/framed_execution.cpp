@@ -19,12 +19,14 @@ namespace {
 constexpr Clock silent_cycle = protocol::limits::bus_timeout_clocks + 1;
 
 std::size_t bytes_of(std::span<const ExchangeWord> words) noexcept {
-  return std::accumulate(words.begin(), words.end(), std::size_t{0}, [](std::size_t sum, const ExchangeWord& w) { return sum + w.bytes; });
+  return std::accumulate(words.begin(), words.end(), std::size_t{0},
+                         [](std::size_t sum, const ExchangeWord& w) { return sum + w.bytes; });
 }
 
 // Only these requests can have replies that the cache does not keep.
 bool may_be_long(std::uint8_t operation) {
-  return operation == request_kind::list || operation == request_kind::exchange || operation == request_kind::read_control;
+  return operation == request_kind::list || operation == request_kind::exchange ||
+         operation == request_kind::read_control;
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
     count(control::discarded_kind);
     return;
   }
-  if (!built(kind & ~protocol::frame::chained_bit & ~protocol::frame::barrier_bit) || !request_.parse(kind, payload, widths())) {
+  if (!built(kind & ~protocol::frame::chained_bit & ~protocol::frame::barrier_bit) ||
+      !request_.parse(kind, payload, widths())) {
     count(control::frames);
     request_.id = static_cast<std::uint16_t>(payload[0] << 8 | payload[1]);
     reply(status::invalid, {});
@@ -51,7 +54,8 @@ void FramedApplication::request(std::uint8_t kind, std::span<const std::uint8_t>
       reply(place.status, place.reply);
     } else {
       data_.clear();
-      const Status why = may_be_long(request_.operation) ? refusal(true) : status::invalid;  // the id belongs to another request
+      // the id belongs to another request
+      const Status why = may_be_long(request_.operation) ? refusal(true) : status::invalid;
       const Status outcome = why != status::ok ? why : perform(true);
       reply(outcome, data_);
     }
@@ -103,16 +107,16 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
   std::size_t reply_bytes = frame_head::reply;
   bool lost_if_repeated = false;
   switch (request_.operation) {
-    case request_kind::read:
-      reply_bytes += word_bytes;
-      break;
+    case request_kind::read: reply_bytes += word_bytes; break;
     case request_kind::list: {
-      const auto reads = std::count_if(request_.words.begin(), request_.words.end(), [](const ListWord& w) { return !w.writes(); });
+      const auto reads =
+          std::count_if(request_.words.begin(), request_.words.end(), [](const ListWord& w) { return !w.writes(); });
       writes = static_cast<std::size_t>(reads) < request_.words.size();
       const std::size_t kept = 2 + word_bytes * static_cast<std::size_t>(reads);
       reply_bytes += kept;
-      lost_if_repeated = kept > configuration_.cache_bytes && std::any_of(request_.words.begin(), request_.words.end(),
-                                                                  [](const ListWord& w) { return w.operation == list::read_fifo; });
+      lost_if_repeated = kept > configuration_.cache_bytes &&
+                         std::any_of(request_.words.begin(), request_.words.end(),
+                                     [](const ListWord& w) { return w.operation == list::read_fifo; });
       break;
     }
     case request_kind::exchange: {
@@ -132,8 +136,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
       }
       reply_bytes += 4 * request_.value;
       break;
-    case request_kind::write_control:
-      return control_refusal();
+    case request_kind::write_control: return control_refusal();
     case request_kind::define_group:
       if (request_.address >= groups_.size() || request_.addresses.size() > configuration_.group_size) {
         return status::no_group;
@@ -146,8 +149,7 @@ FramedApplication::Status FramedApplication::refusal(bool repeated) const noexce
       }
       reply_bytes += bytes_of(std::span(request_.members).subspan(request_.outputs));
       break;
-    default:
-      break;
+    default: break;
   }
   if (writes && bus_.tripped() && !repeated) {
     return status::denied;
@@ -162,7 +164,8 @@ FramedApplication::Status FramedApplication::control_refusal() const noexcept {
   }
   switch (request_.address) {
     case control::deadman_ticks: return bus_.tripped() ? status::denied : status::ok;
-    case control::arm: return request_.value != 1 ? status::invalid : bus_.tripped_in_session() ? status::denied : status::ok;
+    case control::arm:
+      return request_.value != 1 ? status::invalid : bus_.tripped_in_session() ? status::denied : status::ok;
     case control::publish: return request_.value > 1 ? status::invalid : status::ok;
     default: return status::bad_address;
   }

@@ -12,8 +12,8 @@ class PortSplitter {
  public:
   enum class Side : std::uint8_t { classic, framed };
 
-  // Returns where `byte` goes. A 00 that cuts a classic message short goes to both sides. The classic side treats it as an
-  // invalid character.
+  // Returns where `byte` goes. A 00 that cuts a classic message short goes to both sides. The classic side treats it as
+  // an invalid character.
   Side route(std::uint8_t byte) noexcept {
     if (byte == protocol::frame::delimiter) {
       const Side side = state_ == State::classic ? Side::classic : Side::framed;

@@ -15,8 +15,8 @@ class ReplyCache {
   struct Place {
     std::uint16_t id = 0;
     std::uint8_t status = 0;
-    bool empty = true;                 // nothing was executed here
-    bool kept = false;                 // `reply` is the answer; false: the answer was too long
+    bool empty = true;  // nothing was executed here
+    bool kept = false;  // `reply` is the answer; false: the answer was too long
     std::vector<std::uint8_t> reply;
   };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The nonce that a HELLO answer offers, and that one OPEN takes. Without a secret the nonces count, as in the gateware. With a
-// secret, the count goes through a permutation that nobody else knows. So no nonce repeats before all 65,536 were used, and a
-// client that does not receive the answers can only guess. Guesses are limited: after a wrong one no OPEN counts for a while.
-// This time doubles each time, up to a second.
+// The nonce that a HELLO answer offers, and that one OPEN takes. Without a secret the nonces count, as in the gateware.
+// With a secret, the count goes through a permutation that nobody else knows. So no nonce repeats before all 65,536
+// were used, and a client that does not receive the answers can only guess. Guesses are limited: after a wrong one no
+// OPEN counts for a while. This time doubles each time, up to a second.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C side of compiled gateware: what Verilator made of model.v, behind the function table of rtl_model.h.
-// READ_WORDS, WRITE_WORDS, WRITTEN and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a clock of the design, so that
-// one evaluation does for it.
+// READ_WORDS, WRITE_WORDS, WRITTEN and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a
+// clock of the design, so that one evaluation does for it.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -103,7 +103,8 @@ void clock(void* handle, unitylink_rtl_pins* pins) {
   pins->tx_data = top.tx_data;
 }
 
-void set_word([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t index, [[maybe_unused]] std::uint32_t value) {
+void set_word([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t index,
+              [[maybe_unused]] std::uint32_t value) {
 #if READ_WORDS > 0
   put_word(model_of(handle).top->read_words, index, value);
 #endif
@@ -125,7 +126,8 @@ std::uint32_t was_written([[maybe_unused]] const void* handle, [[maybe_unused]] 
 #endif
 }
 
-void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t group, [[maybe_unused]] std::uint32_t high) {
+void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t group,
+               [[maybe_unused]] std::uint32_t high) {
 #if GROUPS > 0
   put_bit(model_of(handle).top->events_next, group, high != 0);
 #endif
@@ -133,8 +135,8 @@ void set_event([[maybe_unused]] void* handle, [[maybe_unused]] std::uint32_t gro
 
 const char* failure(const void* handle) { return static_cast<const Model*>(handle)->failure.c_str(); }
 
-constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS, create,    destroy,
-                                 clock,             set_word,   get_word,    was_written, set_event, failure};
+constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GROUPS,    create, destroy, clock,
+                                 set_word,          get_word,   was_written, set_event, failure};
 
 }  // namespace
 

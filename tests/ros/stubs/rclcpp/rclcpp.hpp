@@ -47,7 +47,9 @@ class Node {
   using SharedPtr = std::shared_ptr<Node>;
   explicit Node(const std::string&) {}
   template <typename M>
-  typename Publisher<M>::SharedPtr create_publisher(const std::string&, const QoS&) { return std::make_shared<Publisher<M>>(); }
+  typename Publisher<M>::SharedPtr create_publisher(const std::string&, const QoS&) {
+    return std::make_shared<Publisher<M>>();
+  }
   template <typename M, typename F>
   SubscriptionBase::SharedPtr create_subscription(const std::string&, const QoS&, F&&, const SubscriptionOptions&) {
     static_assert(std::is_invocable_v<F, std::shared_ptr<const M>>);
@@ -59,10 +61,14 @@ class Node {
     return std::make_shared<ServiceBase>();
   }
   template <typename F>
-  std::shared_ptr<TimerBase> create_wall_timer(std::chrono::milliseconds, F&&, CallbackGroup::SharedPtr = nullptr) { return std::make_shared<TimerBase>(); }
+  std::shared_ptr<TimerBase> create_wall_timer(std::chrono::milliseconds, F&&, CallbackGroup::SharedPtr = nullptr) {
+    return std::make_shared<TimerBase>();
+  }
   CallbackGroup::SharedPtr create_callback_group(CallbackGroupType) { return std::make_shared<CallbackGroup>(); }
   template <typename T>
-  T declare_parameter(const std::string&, const T& standard) { return standard; }
+  T declare_parameter(const std::string&, const T& standard) {
+    return standard;
+  }
   Logger get_logger() const { return {"unitylink"}; }
   std::shared_ptr<Clock> get_clock() { return std::make_shared<Clock>(); }
   const char* get_fully_qualified_name() const { return "/unitylink"; }
