@@ -6,7 +6,8 @@
 #   make extras  what some commands need beside: recordings, plots, the terminal, editors, DDS, SystemRDL, tests of your own
 #   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests these only)
 #   make develop  what single tests and checks need: pytest and its company, the native tests, Debian packages
-#   make check   lint, types, C++ warnings as errors, the import rule
+#   make check   lint, format, types, C++ warnings as errors, the import rule
+#   make format  formats Python and C++ as `make check` wants it
 #   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these only)
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner; ONLY=peers: this part)
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
@@ -40,7 +41,7 @@ SEED ?= 1
 KINDS ?= address,undefined thread
 TESTS ?= tests
 
-.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
+.PHONY: experiments experiments-json develop sbom wheel demo extras demo-walker demo-pa10 demo-ros test check format long bench boards coverage synth formal docs fuzz soak mutants sanitize build native-tests unit clean fresh help
 help:
 	@sed -n '2,/^[^#]/s/^# //p' Makefile
 
@@ -93,6 +94,10 @@ long: $(VENV)/.built $(NATIVE)/.built
 check: $(VENV)/.built
 	@tools/setup.sh group test
 	@tools/check.sh
+
+format: $(VENV)/.built
+	@tools/setup.sh group test
+	@tools/format.sh
 
 bench: $(VENV)/.built $(NATIVE)/.built
 	@tools/setup.sh group all

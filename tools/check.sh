@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What can be said without running the code: lint, types, stale generated files, the import rule (`check.sh sources`), C++ warnings as
+# What can be said without running the code: lint, format, types, stale generated files, the import rule (`check.sh sources`), C++ warnings as
 # errors (`check.sh native`); without a word all of it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,7 +11,8 @@ case "$part" in all | sources | native) ;; *) echo "usage: check.sh [sources|nat
 if [ "$part" != native ]; then            # a line each: `a && b` would let a failing `a` pass
   say "ruff"
   "$bin/ruff" check .
-  "$bin/ruff" format --check .
+  say "format of Python and C++ (make format)"
+  tools/format.sh --check
   say "mypy --strict"
   "$bin/mypy"
   say "generated files"

@@ -14,6 +14,7 @@ SHORT_FORMS = {
     "test": "TESTS=tests/unit/values",
     "develop": "",
     "check": "",
+    "format": "",
     "bench": "QUICK=1",
     "experiments": "QUICK=1 ONLY=simplicity",
     "experiments-json": "",
