@@ -83,7 +83,10 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
 nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat,
                      nb::handle timeout_s) {
   const RequestOptions options = options_of(checked, repeat, timeout_s);
-  const auto at_once = [&](auto words, auto values) { return !atomic && link.read_at_once(words, values); };
+  // Of one moment are words that are read twice: only where that does no harm.
+  const auto at_once = [&](auto words, auto values) {
+    return (!atomic || repeat) && link.read_at_once(words, values, atomic);
+  };
   return read_words(
       addresses, [&](auto words, auto values) { return link.read_many(words, values, atomic, options); }, at_once);
 }

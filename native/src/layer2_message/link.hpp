@@ -128,7 +128,8 @@ class Link {
   // Words of mapped memory, while nobody else holds the link: an access takes less time than to give away what the
   // caller holds, such as Python's lock. False: nothing was done, and the call of the full form tells why, or waits.
   [[nodiscard]] bool read_at_once(std::uint32_t address, std::uint32_t& value) noexcept;
-  [[nodiscard]] bool read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept;
+  [[nodiscard]] bool read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                                  bool atomic) noexcept;
   [[nodiscard]] bool write_at_once(std::uint32_t address, std::uint32_t value) noexcept;
   // In order; after one has failed no further one is sent. Outcome::index says which.
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,

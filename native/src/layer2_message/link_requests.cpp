@@ -204,12 +204,13 @@ bool Link::read_at_once(std::uint32_t address, std::uint32_t& value) noexcept {
   return lock.owns_lock() && mapped_->read(address, value);
 }
 
-bool Link::read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept {
+bool Link::read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                        bool atomic) noexcept {
   if (!mapped_) {
     return false;
   }
   const Lock lock(mutex_, std::try_to_lock);
-  return lock.owns_lock() && mapped_->read_many(addresses, values);
+  return lock.owns_lock() && mapped_->read_many(addresses, values, atomic);
 }
 
 bool Link::write_at_once(std::uint32_t address, std::uint32_t value) noexcept {

@@ -34,11 +34,15 @@ bool MappedEngine::write(std::uint32_t address, std::uint32_t value) noexcept {
 }
 
 // All or nothing: reading may do something.
-bool MappedEngine::read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept {
+bool MappedEngine::read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                             bool atomic) noexcept {
   if (ended_ || !std::ranges::all_of(addresses, [this](std::uint32_t address) { return memory_.has(address); })) {
     return false;
   }
   memory_.load(addresses, values);
+  if (atomic && !memory_.settle(addresses, values, settling_passes)) {
+    return false;
+  }
   statistics_.requests += 1;
   statistics_.replies += 1;
   return true;
@@ -88,7 +92,7 @@ Status MappedEngine::read_words(Exchange& exchange) noexcept {
   if (exchange.atomic && !exchange.repeat) {
     return Status::mismatch;
   }
-  if (!read_many(exchange.addresses, exchange.values)) {
+  if (!read_many(exchange.addresses, exchange.values, false)) {
     while (memory_.has(exchange.addresses[exchange.words])) {
       exchange.words += 1;
     }

@@ -22,7 +22,8 @@ class MappedEngine final : public Engine {
   // memory.
   [[nodiscard]] bool read(std::uint32_t address, std::uint32_t& value) noexcept;
   [[nodiscard]] bool write(std::uint32_t address, std::uint32_t value) noexcept;
-  [[nodiscard]] bool read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) noexcept;
+  [[nodiscard]] bool read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
+                               bool atomic) noexcept;
   // What became of a request that was refused here: bus_error, mismatch.
   [[nodiscard]] Outcome describe(const Exchange& exchange) const;
 
