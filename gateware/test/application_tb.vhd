@@ -182,7 +182,7 @@ begin
           case word_data(10 downto 8) is
             when word_byte => add(to_hstring(word_data(7 downto 0)));
             when word_tail => add(";");
-            when others => add((1 => character'val(to_integer(unsigned(word_data(7 downto 0))))));
+            when others => add((1 => character_of(word_data(7 downto 0))));
           end case;
         end if;
       end if;
@@ -198,19 +198,11 @@ begin
 
   play : process
 
-    procedure tick(clocks : positive := 1) is
-    begin
-      for c in 1 to clocks loop
-        wait until rising_edge(clock);
-      end loop;
-      wait for 1 ps;
-    end procedure;
-
     procedure ask(what : natural; data_bytes : natural; content : std_ulogic_vector(63 downto 0); reply : string;
                   sum : std_ulogic := '0') is
     begin
       clear <= true;
-      tick;
+      tick(clock);
       clear   <= false;
       asked   <= '1';
       command <= what;
@@ -219,16 +211,16 @@ begin
       bytes   <= content;
       wait until rising_edge(clock) and request_done = '1';
       asked <= '0';
-      tick(2);
+      tick(clock, 2);
       assert heard(1 to length) = reply
         report integer'image(what) & ": " & heard(1 to length) & " instead of " & reply severity failure;
     end procedure;
 
     variable before : natural;
   begin
-    tick(2);
+    tick(clock, 2);
     reset <= '0';
-    tick;
+    tick(clock);
     ask(command_read, 1, x"1200000000000000", "#S_R:12121212;");
     ask(command_read, 2, x"3456000000000000", "$S_R:34343434;", sum => '1');
     check_equal(outside, 2, "single accesses are no block");
@@ -279,12 +271,12 @@ begin
       -- A publish: one block.
       before := blocks;
       clear <= true;
-      tick;
+      tick(clock);
       clear <= false;
       publish_due <= '1';
       wait until rising_edge(clock) and subscription_request.publish_take = '1';
       publish_due <= '0';
-      tick(200);
+      tick(clock, 200);
       assert heard(1 to length) = "&PUB:01025555555556565656;"
         report "publish: " & heard(1 to length) severity failure;
       check_equal(blocks, before + 1, "blocks of a publish");
@@ -312,11 +304,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "application_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "application_tb");
 
 end architecture;

@@ -172,13 +172,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for 40000 * maximum(write_period, read_period);
-    assert done
-      report "async_fifo_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, 40000 * maximum(write_period, read_period), "async_fifo_tb");
 
 end architecture;

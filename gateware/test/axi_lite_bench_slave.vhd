@@ -44,13 +44,6 @@ begin
     variable strobe  : std_ulogic_vector(3 downto 0);
     variable refused : boolean;
 
-    procedure pause (clocks : natural) is
-    begin
-      for step in 1 to clocks loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     impure function patience return natural is
     begin
       return random.integer_between(0, wait_clocks_most);
@@ -61,15 +54,15 @@ begin
       check_equal(address(31 downto 10) & address(1 downto 0), std_ulogic_vector'(x"000000"), "a byte address");
       refused := address(9 downto 6) = x"E";
       if address(9 downto 6) = x"F" then
-        pause(slow_clocks + random.integer_between(0, 3 * slow_clocks));
+        wait_clocks(clock, slow_clocks + random.integer_between(0, 3 * slow_clocks));
       else
-        pause(patience);
+        wait_clocks(clock, patience);
       end if;
     end procedure;
 
     procedure take_address is
     begin
-      pause(patience);
+      wait_clocks(clock, patience);
       s2m.awready <= '1';
       wait until rising_edge(clock) and axi_lite_m2s.awvalid = '1';
       address     := axi_lite_m2s.awaddr;
@@ -78,7 +71,7 @@ begin
 
     procedure take_data is
     begin
-      pause(patience);
+      wait_clocks(clock, patience);
       s2m.wready <= '1';
       wait until rising_edge(clock) and axi_lite_m2s.wvalid = '1';
       data       := axi_lite_m2s.wdata;
@@ -96,7 +89,7 @@ begin
       wait until rising_edge(clock) and (axi_lite_m2s.awvalid or axi_lite_m2s.arvalid) = '1';
       check_equal(axi_lite_m2s.awvalid and axi_lite_m2s.arvalid, '0', "two accesses at once");
       if axi_lite_m2s.arvalid = '1' then
-        pause(patience);
+        wait_clocks(clock, patience);
         s2m.arready <= '1';
         wait until rising_edge(clock) and axi_lite_m2s.arvalid = '1';
         address     := axi_lite_m2s.araddr;

@@ -79,12 +79,6 @@ begin
     variable silents : natural := 0;
     variable clocks  : natural;
 
-    procedure tick is
-    begin
-      wait until rising_edge(clock);
-      wait for 1 ps;
-    end procedure;
-
     -- Makes an access, and returns in the clock in which it is done.
     procedure go (write : std_ulogic) is
     begin
@@ -99,14 +93,14 @@ begin
       while bii_response.done = '0' loop
         check_equal(hold, '1', "hold in an access");
         check(clocks <= timeout_clocks, "an access does not end");
-        tick;
+        tick(clock);
         clocks := clocks + 1;
       end loop;
     end procedure;
 
     procedure finish is
     begin
-      tick;
+      tick(clock);
       bii_request.valid <= '0';
       wait for 1 ps;
       check_equal(hold, bii_request.block_hold, "hold after an access");
@@ -139,8 +133,7 @@ begin
 
   begin
     random.seed(seed);
-    tick;
-    tick;
+    tick(clock, 2);
     reset <= '0';
     for access_number in 1 to 1500 loop
       address := random.integer_between(0, 239);
@@ -163,9 +156,7 @@ begin
       judge(write);
       finish;
       if random.chance(30) then
-        for step in 1 to random.integer_between(1, 10) loop
-          tick;
-        end loop;
+        tick(clock, random.integer_between(1, 10));
       end if;
     end loop;
     check(silents > 20, "few accesses were given up on");
@@ -173,9 +164,7 @@ begin
     -- While a late response is outstanding, accesses end without reaching the bus.
     bii_request.block_hold <= '0';
     address := 1;
-    for step in 1 to 5 * timeout_clocks loop
-      tick;
-    end loop;
+    tick(clock, 5 * timeout_clocks);
     address := 255;
     data    := (others => '1');
     before  := executed;
@@ -190,9 +179,7 @@ begin
     check(executed = before + 2 or not known(2), "an answered write behind a late one");
 
     -- A quick slave: three clocks per access, for a write too.
-    for step in 1 to 5 * timeout_clocks loop
-      tick;
-    end loop;
+    tick(clock, 5 * timeout_clocks);
     quick <= true;
     for access_number in 1 to 4 loop
       address := access_number;
@@ -208,13 +195,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 400000;
-    assert done
-      report "axi_lite_master_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 400000, "axi_lite_master_tb");
 
 end architecture;

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Shared by all benches: seeded random numbers, and checks that name the difference.
+-- Shared by all benches: seeded random numbers, checks that name the difference, steps of a clock, bytes as text, and the
+-- watchdog.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -22,9 +23,36 @@ package bench_pkg is
   procedure check_equal (got : std_ulogic; expected : std_ulogic; what : string);
   procedure check (condition : boolean; what : string);
 
-  -- The runner accepts a bench only if it prints this.
+  -- Waits for so many rising edges. `tick` then waits until what changes at the last of them has settled.
   procedure wait_clocks (signal clock : in std_ulogic; count : natural);
+  procedure tick (signal clock : in std_ulogic; count : natural := 1);
+
+  -- Waits for a random number of clocks, which may be none: after each of them another one follows with this chance.
+  procedure pause (signal clock : in std_ulogic; variable random : inout random_t; percent : natural);
+
+  -- Sets `what` for one clock.
+  procedure pulse (signal clock : in std_ulogic; signal what : out std_ulogic);
+
+  -- Offers one word of a stream until it is taken.
+  procedure send (
+    signal clock : in  std_ulogic;
+    signal valid : out std_ulogic;
+    signal ready : in  std_ulogic;
+    signal data  : out std_ulogic_vector;
+    word         : in  std_ulogic_vector
+  );
+
+  function byte_of (c : character) return std_ulogic_vector;
+  function character_of (byte : std_ulogic_vector(7 downto 0)) return character;
+
+  -- The value of a hexadecimal digit, in upper or lower case.
+  function digit_value (c : character) return natural;
+
+  -- The runner accepts a bench only if it prints this.
   procedure report_passed (bench : string);
+
+  -- Stops a bench that has not ended in time. It is called as a concurrent statement.
+  procedure watchdog (signal ended : in boolean; limit : time; bench : string);
 
 end package;
 
@@ -97,10 +125,76 @@ package body bench_pkg is
     end loop;
   end procedure;
 
+  procedure tick (signal clock : in std_ulogic; count : natural := 1) is
+  begin
+    wait_clocks(clock, count);
+    wait for 1 ps;
+  end procedure;
+
+  procedure pause (signal clock : in std_ulogic; variable random : inout random_t; percent : natural) is
+  begin
+    while random.chance(percent) loop
+      wait until rising_edge(clock);
+    end loop;
+  end procedure;
+
+  procedure pulse (signal clock : in std_ulogic; signal what : out std_ulogic) is
+  begin
+    what <= '1';
+    wait_clocks(clock, 1);
+    what <= '0';
+    wait for 1 ps;
+  end procedure;
+
+  procedure send (
+    signal clock : in  std_ulogic;
+    signal valid : out std_ulogic;
+    signal ready : in  std_ulogic;
+    signal data  : out std_ulogic_vector;
+    word         : in  std_ulogic_vector
+  ) is
+  begin
+    valid <= '1';
+    data  <= word;
+    wait until rising_edge(clock) and ready = '1';
+    valid <= '0';
+  end procedure;
+
+  function byte_of (c : character) return std_ulogic_vector is
+  begin
+    return std_ulogic_vector(to_unsigned(character'pos(c), 8));
+  end function;
+
+  function character_of (byte : std_ulogic_vector(7 downto 0)) return character is
+  begin
+    return character'val(to_integer(unsigned(byte)));
+  end function;
+
+  function digit_value (c : character) return natural is
+  begin
+    case c is
+      when '0' to '9' => return character'pos(c) - character'pos('0');
+      when 'A' to 'F' => return character'pos(c) - character'pos('A') + 10;
+      when 'a' to 'f' => return character'pos(c) - character'pos('a') + 10;
+      when others =>
+        report "not a hexadecimal digit: " & c severity failure;
+        return 0;
+    end case;
+  end function;
+
   procedure report_passed (bench : string) is
   begin
     report bench & ": passed"
       severity note;
+  end procedure;
+
+  procedure watchdog (signal ended : in boolean; limit : time; bench : string) is
+  begin
+    wait until ended for limit;
+    assert ended
+      report bench & ": not done in time"
+      severity failure;
+    wait;
   end procedure;
 
 end package body;

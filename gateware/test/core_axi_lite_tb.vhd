@@ -82,9 +82,7 @@ begin
 
   begin
     random.seed(seed);
-    for step in 1 to 3 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 3);
     reset <= '0';
     for turn in 1 to 60 loop
       here        := random.integer_between(0, 15);
@@ -103,9 +101,7 @@ begin
         -- Until the late answer has come, requests end like this one. After that they work again.
         ask("#R:F3", "#?E_BAT");
         ask("#R:" & hex(here), "#?E_BAT");
-        for step in 1 to 20 * timeout_clocks loop
-          wait until rising_edge(clock);
-        end loop;
+        wait_clocks(clock, 20 * timeout_clocks);
       end if;
       ask("#R:" & hex(there), "#S_R:" & digits(words(there)));
     end loop;
@@ -114,13 +110,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "core_axi_lite_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "core_axi_lite_tb");
 
 end architecture;

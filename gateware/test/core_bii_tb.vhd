@@ -82,9 +82,7 @@ begin
     end procedure;
 
   begin
-    for step in 1 to 3 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 3);
     reset <= '0';
     ask("#W:0312345678", "#S_W");
     ask("#R:03", "#S_R:12345678");
@@ -104,13 +102,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 20000;
-    assert done
-      report "core_bii_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 20000, "core_bii_tb");
 
 end architecture;

@@ -101,10 +101,7 @@ begin
 
     procedure send(kind : std_ulogic_vector(2 downto 0); data : byte_t) is
     begin
-      word_valid <= '1';
-      word_data  <= kind & data;
-      wait until rising_edge(clock) and word_ready = '1';
-      word_valid <= '0';
+      send(clock, word_valid, word_ready, word_data, kind & data);
     end procedure;
 
     procedure expect(event : receive_event_t; data : byte_t := x"00"; checked : std_ulogic := '0') is
@@ -165,20 +162,13 @@ begin
     end if;
     wait until rising_edge(clock);
     rx_error <= "000";
-    for c in 1 to 100 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 100);
     check_equal(seen, plan, "events in all");
     report_passed("datalink_tb");
     ended <= true;
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "datalink_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "datalink_tb");
 
 end architecture;

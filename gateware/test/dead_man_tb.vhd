@@ -131,23 +131,18 @@ begin
     variable ticks  : positive;
     variable before : natural;
 
-    procedure clocks (number : natural) is
-    begin
-      wait_clocks(clock, number);
-      wait for 1 ns;
-    end procedure;
 
     procedure give (what : dead_man_request_t) is
     begin
       request <= what;
-      clocks(1);
+      tick(clock);
       request <= dead_man_request_idle;
     end procedure;
 
     procedure wait_trip is
     begin
       while tripped = '0' loop
-        clocks(1);
+        tick(clock);
         check(tripped = '1' or since <= ticks * period, "the trip is not late");
       end loop;
       check(since >= (ticks - 1) * period, "nor early");
@@ -175,10 +170,10 @@ begin
     constant counted : dead_man_request_t := (counted => '1', ticks => (others => '0'), others => '0');
   begin
     random.seed(seed + 100);
-    clocks(3);
+    tick(clock, 3);
     reset <= '0';
     check_equal(tripped, '0', "tripped at power-up");
-    clocks(10 * period);
+    tick(clock, 10 * period);
     check_equal(tripped, '0', "tripped without having been started");
     give(trip);
     check_equal(tripped, '0', "a command to trip when it does not run");
@@ -188,7 +183,7 @@ begin
       give(starting(ticks));
       check_equal(state.running, '1', "running");
       for sign in 1 to random.integer_between(0, 3) loop
-        clocks(random.integer_between(0, (ticks - 1) * period + 5));
+        tick(clock, random.integer_between(0, (ticks - 1) * period + 5));
         exit when tripped = '1';
         give(alive);
       end loop;
@@ -202,13 +197,13 @@ begin
       end if;
       check_equal(state.running & state.tripped & state.tripped_now & state.uncounted, "0111", "the state");
       if deaf then
-        clocks(random.integer_between(1, 3 * written_most));
+        tick(clock, random.integer_between(1, 3 * written_most));
         deaf <= false;
-        clocks(2 * written_most + period);
+        tick(clock, 2 * written_most + period);
         check_safe("safe once somebody answers");
       end if;
       while behind < written_most loop
-        clocks(1);
+        tick(clock);
       end loop;
       check_safe("safe in time");
       working <= true;
@@ -216,7 +211,7 @@ begin
       give(arm);
       give(alive);
       give(starting(1));
-      clocks(5 * written_most + 3 * period);
+      tick(clock, 5 * written_most + 3 * period);
       check_equal(tripped & state.running, "10", "neither arm nor start count in this session");
       check_safe("and stays");
       check(denials > before, "writes are denied");
@@ -231,27 +226,22 @@ begin
 
     give(starting(1));
     give(renew);
-    clocks(5 * period);
+    tick(clock, 5 * period);
     check_equal(tripped, '0', "a new session stops it");
     give(starting(2));
     give(starting(0));
-    clocks(5 * period);
+    tick(clock, 5 * period);
     check_equal(tripped, '0', "so does a start without ticks");
     give(starting(1));
     wait until tripped = '1';
     reset <= '1';
-    clocks(1);
+    tick(clock);
     check_equal(tripped, '0', "reset");
     report_passed("dead_man_tb");
     ended <= true;
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 20 ms;
-    assert ended report "dead_man_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 20 ms, "dead_man_tb");
 
 end architecture;

@@ -62,43 +62,7 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-    variable in_block : boolean := false; -- cyc stays high between accesses
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
+    variable answer : bus_answer_t;
 
     type bank_t is array (0 to words - 1) of std_ulogic_vector(31 downto 0);
     type banks_t is array (0 to 1) of bank_t;
@@ -115,7 +79,7 @@ begin
 
     procedure commit is
     begin
-      write_ok(words, random_word);
+      bus_write(clock, m2s, s2m, words, random_word);
       visible := 1 - visible;
       commits := commits + 1;
     end procedure;
@@ -148,12 +112,15 @@ begin
       data    := random_word;
       case random.integer_between(0, 6) is
         when 0 | 1 =>
-          write_ok(address, data);
+          bus_write(clock, m2s, s2m, address, data, answer);
+          check(not answer.refused, "a write was refused");
           banks(1 - visible)(address) := data;
-          check_equal(clocks, 2, "clocks of a write");
+          check_equal(answer.clocks, 2, "clocks of a write");
         when 2 =>
-          read_expect(address, banks(visible)(address));
-          check_equal(clocks, 2, "clocks of a read");
+          bus_read(clock, m2s, s2m, address, answer);
+          check(not answer.refused, "a read was refused");
+          check_equal(answer.word, banks(visible)(address), "word " & integer'image(address));
+          check_equal(answer.clocks, 2, "clocks of a read");
         when 3 =>
           user_write(address, data);
         when 4 =>
@@ -161,7 +128,7 @@ begin
         when 5 =>
           commit;
         when others =>
-          read_expect(words, commits mod 2 ** integer'(minimum(data_width, 30)));
+          bus_expect(clock, m2s, s2m, words, commits mod 2 ** integer'(minimum(data_width, 30)));
       end case;
       if random.chance(20) then
         wait_clocks(clock, random.integer_between(1, 4));
@@ -171,24 +138,23 @@ begin
     check_equal(pulses, commits, "pulses of committed");
 
     -- The hazard: a word that is not rewritten before a commit has the value of two commits ago.
-    write_ok(0, 16#11#);
-    write_ok(1, 16#22#);
+    bus_write(clock, m2s, s2m, 0, 16#11#);
+    bus_write(clock, m2s, s2m, 1, 16#22#);
     commit;
-    write_ok(0, 16#33#);
-    write_ok(1, 16#44#);
+    bus_write(clock, m2s, s2m, 0, 16#33#);
+    bus_write(clock, m2s, s2m, 1, 16#44#);
     commit;
-    write_ok(0, 16#55#);
+    bus_write(clock, m2s, s2m, 0, 16#55#);
     commit;
-    read_expect(0, 16#55#);
-    read_expect(1, 16#22#);
+    bus_expect(clock, m2s, s2m, 0, 16#55#);
+    bus_expect(clock, m2s, s2m, 1, 16#22#);
     banks(visible)(0)     := x"00000055";
     banks(visible)(1)     := x"00000022";
     banks(1 - visible)(0) := x"00000033";
     banks(1 - visible)(1) := x"00000044";
 
     -- During a block the FPGA's word waits. The next block sees it.
-    in_block := true;
-    read_expect(0, 16#55#);
+    bus_expect(clock, m2s, s2m, 0, 16#55#, keep => true);
     user_write_valid   <= '1';
     user_write_address <= 1;
     user_write_data    <= std_ulogic_vector(to_unsigned(16#66#, data_width));
@@ -196,28 +162,22 @@ begin
       wait_clocks(clock, 1);
       check_equal(user_write_ready, '0', "user_write_ready in a block");
     end loop;
-    read_expect(1, 16#22#);
-    in_block := false;
-    read_expect(0, 16#55#);
+    bus_expect(clock, m2s, s2m, 1, 16#22#, keep => true);
+    bus_expect(clock, m2s, s2m, 0, 16#55#);
     wait until rising_edge(clock) and user_write_ready = '1';
     user_write_valid <= '0';
-    read_expect(1, 16#66#);
+    bus_expect(clock, m2s, s2m, 1, 16#66#);
 
     -- A refused access changes nothing.
-    write(words + 1, x"000000FF");
-    check(refused, "a write beyond the commit was taken");
-    read(words + 1);
-    check(refused, "a read beyond the commit was answered");
-    bus_access(clock, m2s, s2m, '1', to_unsigned(words, 32), x"00000001", "0000", false, word, refused, clocks);
-    check(refused, "a commit without bytes was taken");
-    read_expect(0, 16#55#);
+    bus_refuse(clock, m2s, s2m, '1', words + 1, "a write beyond the commit");
+    bus_refuse(clock, m2s, s2m, '0', words + 1, "a read beyond the commit");
+    bus_refuse(clock, m2s, s2m, '1', words, "a commit without bytes", sel => "0000");
+    bus_expect(clock, m2s, s2m, 0, 16#55#);
 
     -- A reset restarts the count, and keeps the words.
-    reset <= '1';
+    pulse(clock, reset);
     wait_clocks(clock, 1);
-    reset <= '0';
-    wait_clocks(clock, 1);
-    read_expect(words, 0);
+    bus_expect(clock, m2s, s2m, words, 0);
 
     wait_clocks(clock, 2);
     report_passed("double_buffer_slave_tb");
@@ -225,13 +185,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "double_buffer_slave_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "double_buffer_slave_tb");
 
 end architecture;

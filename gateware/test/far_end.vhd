@@ -12,6 +12,7 @@ library ieee;
 
 use work.bench_pkg.all;
 use work.physical_pkg.all;
+use work.stream_bench_pkg.all;
 
 entity far_end is
   generic (
@@ -154,8 +155,8 @@ begin
         tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last);
 
     master : process
-
-      variable came : std_ulogic_vector(7 downto 0);
+      constant half_bit    : time := 2 sec / clock_hz;
+      variable given, came : std_ulogic_vector(7 downto 0);
     begin
       in_ready  <= '0';
       out_valid <= '0';
@@ -163,24 +164,10 @@ begin
       cs_n <= '0';
       wait_clocks(clock, 8);
       while in_valid = '1' loop
-        for bit_number in 7 downto 0 loop
-          mosi <= in_data(bit_number);
-          wait_clocks(clock, 2);
-          sck <= '1';
-          came(bit_number) := miso;
-          wait_clocks(clock, 2);
-          sck <= '0';
-        end loop;
-        in_ready  <= '1';
-        out_valid <= '1';
-        out_data  <= came;
-        wait_clocks(clock, 1);
-        in_ready <= '0';
-        while out_ready = '0' loop
-          wait_clocks(clock, 1);
-        end loop;
-        out_valid <= '0';
-        wait_clocks(clock, 1);
+        given := in_data;
+        pulse(clock, in_ready);
+        spi_exchange(sck, mosi, miso, half_bit, given, came);
+        send(clock, out_valid, out_ready, out_data, came);
       end loop;
       wait_clocks(clock, 4);
       cs_n <= '1';

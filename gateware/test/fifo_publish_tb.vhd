@@ -109,10 +109,7 @@ begin
       while now_clock < at loop
         wait until rising_edge(clock);
       end loop;
-      put_valid <= '1';
-      put_data  <= word;
-      wait until rising_edge(clock) and put_ready = '1';
-      put_valid <= '0';
+      send(clock, put_valid, put_ready, put_data, word);
     end loop;
     wait;
   end process;
@@ -134,10 +131,7 @@ begin
       end loop;
       while entry'length > 0 loop
         hread(entry, byte);
-        rx_valid <= '1';
-        rx_data  <= byte;
-        wait until rising_edge(clock) and rx_ready = '1';
-        rx_valid <= '0';
+        send(clock, rx_valid, rx_ready, rx_data, byte);
       end loop;
     end loop;
     wait;

@@ -104,42 +104,7 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
+    variable answer : bus_answer_t;
 
     variable got, given : natural := 0; -- words read, and written
     variable silence    : natural;      -- clocks in which a word waited and no edge came
@@ -150,19 +115,19 @@ begin
       variable before : natural;
     begin
       before := put_count;
-      read(0);
-      if refused then
+      bus_read(clock, m2s, s2m, 0, answer);
+      if answer.refused then
         check_equal(before, got, "words that wait at a refusal");
       else
-        check_equal(word(data_t'range), word_of(got)(data_t'range), "word " & integer'image(got) & " to the PC");
+        check_equal(answer.word(data_t'range), word_of(got)(data_t'range), "word " & integer'image(got) & " to the PC");
         got := got + 1;
       end if;
     end procedure;
 
     procedure write_one is
     begin
-      write(0, word_of(given));
-      if refused then
+      bus_write(clock, m2s, s2m, 0, word_of(given), answer);
+      if answer.refused then
         check(given - take_count >= depth - 2, "a word was refused with room for it");
       else
         given := given + 1;
@@ -176,24 +141,24 @@ begin
     wait_clocks(clock, 2);
 
     -- Empty: nothing to read, and room for `depth` words.
-    read_expect(1, 0);
-    read_expect(2, depth);
+    bus_expect(clock, m2s, s2m, 1, 0);
+    bus_expect(clock, m2s, s2m, 2, depth);
     check_equal(not_empty, '0', "not_empty of an empty queue");
     read_one;
-    check(refused, "a word came from an empty queue");
+    check(answer.refused, "a word came from an empty queue");
 
     -- Full in both directions: exactly `depth` words and no more.
     for index in 1 to depth + 2 loop
       write_one;
-      check(refused = (index > depth), "write " & integer'image(index) & " of " & integer'image(depth));
+      check(answer.refused = (index > depth), "write " & integer'image(index) & " of " & integer'image(depth));
     end loop;
-    read_expect(2, 0);
+    bus_expect(clock, m2s, s2m, 2, 0);
     put_percent <= 100;
     wait_clocks(clock, depth + 10);
     check_equal(to_pc_ready, '0', "to_pc_ready of a full queue");
     check_equal(put_count, depth, "words put into a full queue");
     check_equal(not_empty, '1', "not_empty of a full queue");
-    read_expect(1, depth);
+    bus_expect(clock, m2s, s2m, 1, depth);
 
     -- Irregular data, at every combination of speeds.
     for mixture in 0 to 8 loop
@@ -236,7 +201,7 @@ begin
       served := edges;
       wait_clocks(clock, random.integer_between(0, 12));
       read_one;
-      check(not refused, "the event line asked for a word that is not there");
+      check(not answer.refused, "the event line asked for a word that is not there");
       wait_clocks(clock, 2);
     end loop;
     put_percent <= 0;
@@ -262,8 +227,8 @@ begin
     check_equal(to_pc_valid, '0', "a word left over");
     check_equal(got, put_count, "words to the PC");
     check_equal(given, take_count, "words from the PC");
-    read_expect(1, 0);
-    read_expect(2, depth);
+    bus_expect(clock, m2s, s2m, 1, 0);
+    bus_expect(clock, m2s, s2m, 2, depth);
 
     -- A word counts from the clock after it was put in, even on its way through the queue.
     for distance in 0 to 5 loop
@@ -272,7 +237,7 @@ begin
       put_percent <= 0;
       wait_clocks(clock, distance);
       read_one;
-      check(refused = (distance = 0), "a read " & integer'image(distance) & " clocks after a word was put in");
+      check(answer.refused = (distance = 0), "a read " & integer'image(distance) & " clocks after a word was put in");
       wait_clocks(clock, 4);
       if distance = 0 then
         read_one;
@@ -280,27 +245,21 @@ begin
     end loop;
 
     -- Refused accesses.
-    write(1, x"00000001");
-    check(refused, "a write of +1 was taken");
-    write(2, x"00000001");
-    check(refused, "a write of +2 was taken");
-    read(3);
-    check(refused, "a read of +3 was answered");
-    bus_access(clock, m2s, s2m, '1', x"00000000", x"00000001", "0000", false, word, refused, clocks);
-    check(refused, "a write without bytes was taken");
-    read_expect(2, depth);
+    bus_refuse(clock, m2s, s2m, '1', 1, "a write of +1");
+    bus_refuse(clock, m2s, s2m, '1', 2, "a write of +2");
+    bus_refuse(clock, m2s, s2m, '0', 3, "a read of +3");
+    bus_refuse(clock, m2s, s2m, '1', 0, "a write without bytes", sel => "0000");
+    bus_expect(clock, m2s, s2m, 2, depth);
 
     -- A reset empties both queues.
     take_percent <= 0;
     wait_clocks(clock, 2);
     write_one;
     wait_clocks(clock, 4);
-    reset <= '1';
-    wait_clocks(clock, 1);
-    reset <= '0';
+    pulse(clock, reset);
     wait_clocks(clock, 1);
     check_equal(from_pc_valid, '0', "from_pc_valid after a reset");
-    read_expect(2, depth);
+    bus_expect(clock, m2s, s2m, 2, depth);
 
     wait_clocks(clock, 2);
     report_passed("fifo_slave_tb");
@@ -308,13 +267,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "fifo_slave_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "fifo_slave_tb");
 
 end architecture;

@@ -142,11 +142,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "fifo_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "fifo_tb");
 
 end architecture;

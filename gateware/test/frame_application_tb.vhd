@@ -106,8 +106,7 @@ begin
       request.valid <= '1';
       wait until rising_edge(clock) and request_done = '1';
       request.valid <= '0';
-      wait until rising_edge(clock);
-      wait for 1 ns;
+      tick(clock);
     end procedure;
 
     procedure answered (count : natural; data : std_ulogic_vector; what : string) is
@@ -146,9 +145,7 @@ begin
     opened(0, 1, "the same again");
     ask(2, x"0001" & x"0020");
     answered(6, x"C0" & x"0001" & x"0000" & x"BEEF", "READ");
-    changed <= '1';
-    wait until rising_edge(clock);
-    changed <= '0';
+    pulse(clock, changed);
     ask(2, x"0001" & x"0020");
     answered(7, x"C0" & x"0001" & x"0000" & x"BEEF", "its kept answer");
     opened(1, 1, "its kept answer");
@@ -177,11 +174,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 1 ms;
-    assert ended report "frame_application_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "frame_application_tb");
 
 end architecture;

@@ -58,14 +58,6 @@ begin
     type bytes_t is array (0 to 255) of std_ulogic_vector(7 downto 0);
     variable payload : bytes_t;
     variable length  : natural;
-
-    procedure pulse (signal what : out std_ulogic) is
-    begin
-      what <= '1';
-      wait until rising_edge(clock);
-      what <= '0';
-      wait for 1 ns;
-    end procedure;
   begin
     random.seed(1);
     wait until rising_edge(clock);
@@ -85,13 +77,8 @@ begin
         when 's' =>
           while step'length >= 2 loop
             hread(step, byte);
-            while random.chance(stall_percent) loop
-              wait until rising_edge(clock);
-            end loop;
-            frame_valid <= '1';
-            frame_data  <= byte;
-            wait until rising_edge(clock) and frame_ready = '1';
-            frame_valid <= '0';
+            pause(clock, random, stall_percent);
+            send(clock, frame_valid, frame_ready, frame_data, byte);
           end loop;
         when 'x' =>
           read(step, number);
@@ -103,27 +90,24 @@ begin
           end loop;
           for count in 1 to 4 loop
             exit when request.valid = '1';
-            wait until rising_edge(clock);
-            wait for 1 ns;
+            tick(clock);
           end loop;
           check_equal(request.valid, '1', "a frame stands");
           check_equal(to_integer(unsigned(request.entry)), number, "its entry");
           check_equal(to_integer(request.length), length, "its length");
           for pass in 1 to 2 loop
-            pulse(rewind);
+            pulse(clock, rewind);
             for place in 0 to length - 1 loop
               check_equal(to_integer(request.left), length - place, "bytes left");
               check_equal(request.data, payload(place), "byte " & integer'image(place));
-              pulse(take);
+              pulse(clock, take);
             end loop;
             check_equal(request.missing, '1', "nothing is left");
           end loop;
-          pulse(done);
+          pulse(clock, done);
           checked := checked + 1;
         when 'n' =>
-          for count in 1 to 4 loop
-            wait until rising_edge(clock);
-          end loop;
+          wait_clocks(clock, 4);
           check_equal(request.valid, '0', "no frame stands");
         when others =>
           report "frame_receiver_tb: a line is " & kind severity failure;
@@ -135,11 +119,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 50 ms;
-    assert ended report "frame_receiver_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 50 ms, "frame_receiver_tb");
 
 end architecture;

@@ -157,11 +157,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 50 ms;
-    assert ended report "frame_transmitter_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 50 ms, "frame_transmitter_tb");
 
 end architecture;

@@ -107,25 +107,13 @@ begin
 
   play : process
 
-    procedure clocks (count : positive) is
-    begin
-      wait_clocks(clock, count);
-      wait for 1 ns;
-    end procedure;
-
-    procedure pulse (signal what : out std_ulogic) is
-    begin
-      what <= '1';
-      clocks(1);
-      what <= '0';
-    end procedure;
 
     procedure at_place (place : natural; repetition_last : std_ulogic) is
     begin
       wait for 1 ns;
       check_equal(to_integer(unsigned(instruction(number_f))), place, "the instruction");
       check_equal(last, repetition_last, "its last time, at " & integer'image(place));
-      clocks(1);
+      tick(clock);
     end procedure;
 
     procedure expects (number : natural; what : string) is
@@ -136,94 +124,94 @@ begin
     end procedure;
 
   begin
-    clocks(2);
+    tick(clock, 2);
     reset <= '0';
 
     -- frame_clock
-    clocks(4);
+    tick(clock, 4);
     check_equal(to_integer(time_now), 4, "clocks since reset");
     check_equal(turned, '0', "half a turn");
-    pulse(look);
+    pulse(clock, look);
     check_equal(half, '0', "half");
 
     -- frame_memory
     index <= "011";
-    clocks(1);
+    tick(clock);
     check_equal(word, x"FFFFFFFE", "a word of the content");
     store <= store_count;
-    clocks(1);
+    tick(clock);
     store <= store_nothing;
-    clocks(1);
+    tick(clock);
     check_equal(word, x"FFFFFFFF", "one more");
     store <= store_count;
-    clocks(1);
+    tick(clock);
     store <= store_nothing;
-    clocks(1);
+    tick(clock);
     check_equal(word, x"FFFFFFFF", "no more than full");
     store <= store_next;
-    clocks(1);
+    tick(clock);
     store <= store_nothing;
-    clocks(1);
+    tick(clock);
     check_equal(word, x"00000000", "and around");
     put_word <= x"CAFE0123";
     index    <= "101";
-    clocks(1);
+    tick(clock);
     enable   <= '0';
     store    <= store_data;
-    clocks(2);
+    tick(clock, 2);
     check_equal(word, x"0000FFFF", "nothing is stored unless it is enabled");
     enable   <= '1';
-    clocks(1);
+    tick(clock);
     check_equal(word, x"0000FFFF", "nothing is looked at while something is stored");
     store    <= store_nothing;
-    clocks(1);
+    tick(clock);
     check_equal(word, x"CAFE0123", "what was stored");
 
     -- frame_bus
     check_equal(bii_request.valid, '0', "no access");
-    pulse(hold);
-    pulse(reads);
-    clocks(3);
+    pulse(clock, hold);
+    pulse(clock, reads);
+    tick(clock, 3);
     check_equal(bii_request.valid & bii_request.write & bii_request.block_hold, "101", "a read, held");
     check_equal(bii_request.address, x"00000123", "address");
     check_equal(over, '0', "not done");
     bii_response <= (done => '1', status => ok, data => x"00005555");
     wait for 1 ns;
     check_equal(found, '1', "found");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
-    clocks(1);
+    tick(clock);
     check_equal(bii_request.valid & over & failed & silent_bus, "0100", "done");
-    pulse(writes);
+    pulse(clock, writes);
     check_equal(bii_request.valid & bii_request.write, "11", "a write");
     check_equal(bii_request.data, x"0000CDEF", "data, as wide as the bus");
     bii_response <= (done => '1', status => error, data => x"00000000");
     wait for 1 ns;
     check_equal(found, '0', "nothing found by a write");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus, "110", "refused");
-    pulse(free);
+    pulse(clock, free);
     check_equal(bii_request.block_hold, '0', "free");
-    pulse(reads);
+    pulse(clock, reads);
     check_equal(over, '0', "another one");
     bii_response <= (done => '1', status => silent, data => x"00000000");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus, "111", "nobody answered");
-    pulse(reads);
+    pulse(clock, reads);
     bii_response <= (done => '1', status => ok, data => x"00000000");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus, "100", "all is well again");
-    pulse(writes);
+    pulse(clock, writes);
     bii_response <= (done => '1', status => denied, data => x"00000000");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus & denied_write, "1101", "the dead-man has tripped");
-    pulse(reads);
+    pulse(clock, reads);
     bii_response <= (done => '1', status => error, data => x"00000000");
-    clocks(1);
+    tick(clock);
     bii_response <= bii_response_idle;
     check_equal(over & failed & silent_bus & denied_write, "1100", "refused, by a slave");
 
@@ -234,14 +222,14 @@ begin
     publish     <= '1';
     tripped     <= '1';
     d_turned    <= '1';
-    pulse(rx_overrun);
-    pulse(publish_overrun);
+    pulse(clock, rx_overrun);
+    pulse(clock, publish_overrun);
     expects(entry_half_turn, "half a turn");
     d_turned <= '0';
     expects(entry_receive_overrun, "an overrun");
-    pulse(begins);
+    pulse(clock, begins);
     expects(entry_publish_overrun, "an overrun of publishes");
-    pulse(begins);
+    pulse(clock, begins);
     expects(entry_trip, "a trip");
     tripped <= '0';
     wait for 1 ns;
@@ -306,11 +294,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 1 ms;
-    assert ended report "frame_units_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "frame_units_tb");
 
 end architecture;

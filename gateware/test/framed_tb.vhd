@@ -95,7 +95,7 @@ begin
         asked_both <= true;
       end if;
       if text_valid = '1' then
-        heard(heard_most + 1) <= character'val(to_integer(unsigned(text_data)));
+        heard(heard_most + 1) <= character_of(text_data);
         heard_most            <= heard_most + 1;
       end if;
       if wire_valid = '1' then
@@ -115,11 +115,8 @@ begin
     talking <= true;
     while talk loop
       for index in text'range loop
-        classic_valid <= '1';
-        classic_data  <= std_ulogic_vector(to_unsigned(character'pos(text(index)), 8));
-        wait until rising_edge(clock) and classic_ready = '1';
+        send(clock, classic_valid, classic_ready, classic_data, byte_of(text(index)));
       end loop;
-      classic_valid <= '0';
       texts         <= texts + 1;
       wait until rising_edge(clock);
     end loop;
@@ -133,11 +130,8 @@ begin
       constant bytes : std_ulogic_vector(0 to data'length - 1) := data;
     begin
       for index in 0 to data'length / 8 - 1 loop
-        frame_valid <= '1';
-        frame_data  <= bytes(8 * index to 8 * index + 7);
-        wait until rising_edge(clock) and frame_ready = '1';
+        send(clock, frame_valid, frame_ready, frame_data, bytes(8 * index to 8 * index + 7));
       end loop;
-      frame_valid <= '0';
     end procedure;
 
     variable expected : natural := 0;
@@ -189,9 +183,7 @@ begin
     check_equal(tail(14), x"C0010209010511223344BF9A8200", "the last of eight reads");
     talk <= false;
     wait until not talking;
-    for pause in 1 to 100 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 100);
     check(asked_both, "both sides were asked at the same time");
     check(not both_busy, "but never in a message at the same time");
     check_equal(word, x"11223344", "no text has written");
@@ -203,8 +195,7 @@ begin
     wait_frames(1);
     for pause in 1 to 100 loop
       exit when session_open = '0';
-      wait until rising_edge(clock);
-      wait for 1 ns;
+      tick(clock);
     end loop;
     check_equal(session_open, '0', "the session is over");
     report_passed("framed_tb");
@@ -212,11 +203,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait until ended for 1 ms;
-    assert ended report "framed_tb: not done in time" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "framed_tb");
 
 end architecture;

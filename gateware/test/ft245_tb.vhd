@@ -182,10 +182,7 @@ begin
       while index >= allowed_out or moments.chance(stalls) loop
         wait until rising_edge(clock);
       end loop;
-      to_fpga_valid <= '1';
-      to_fpga_data  <= data.vector(8);
-      wait until rising_edge(clock) and to_fpga_ready = '1';
-      to_fpga_valid <= '0';
+      send(clock, to_fpga_valid, to_fpga_ready, to_fpga_data, data.vector(8));
     end loop;
     wait;
   end process;
@@ -283,9 +280,7 @@ begin
     running <= false;
     wait for 1 us;
     wait until rising_edge(clock);
-    reset <= '1';
-    wait until rising_edge(clock);
-    reset <= '0';
+    pulse(clock, reset);
     wait for 1 us;
     running <= true;
     while tx_ready = '0' loop
@@ -301,13 +296,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for total * 6 us + total * 100 * clock_period;
-    assert done
-      report "ft245_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, total * 6 us + total * 100 * clock_period, "ft245_tb");
 
 end architecture;

@@ -58,42 +58,6 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
 
     variable outputs, direction, watch, levels, new_levels : pins_t := (others => '0');
     variable expected : natural := 0;
@@ -117,19 +81,19 @@ begin
       data := random.vector(32);
       case random.integer_between(0, 6) is
         when 0 =>
-          write_ok(1, data);
+          bus_write(clock, m2s, s2m, 1, data);
           outputs := data(pins_t'range);
         when 1 =>
-          write_ok(2, data);
+          bus_write(clock, m2s, s2m, 2, data);
           direction := data(pins_t'range);
         when 2 =>
-          write_ok(3, data);
+          bus_write(clock, m2s, s2m, 3, data);
           outputs := outputs or data(pins_t'range);
         when 3 =>
-          write_ok(4, data);
+          bus_write(clock, m2s, s2m, 4, data);
           outputs := outputs and not data(pins_t'range);
         when 4 =>
-          write_ok(5, data);
+          bus_write(clock, m2s, s2m, 5, data);
           watch := data(pins_t'range);
         when 5 =>
           -- Pins change in the middle of a clock.
@@ -157,21 +121,17 @@ begin
       wait_clocks(clock, 3);
       check_equal(pin_out, outputs, "pin_out");
       check_equal(pin_drive, direction, "pin_drive");
-      read_expect(0, extended(levels));
-      read_expect(random.integer_between(3, 4), extended(outputs));
-      read_expect(1, extended(outputs));
-      read_expect(2, extended(direction));
-      read_expect(5, extended(watch));
+      bus_expect(clock, m2s, s2m, 0, extended(levels));
+      bus_expect(clock, m2s, s2m, random.integer_between(3, 4), extended(outputs));
+      bus_expect(clock, m2s, s2m, 1, extended(outputs));
+      bus_expect(clock, m2s, s2m, 2, extended(direction));
+      bus_expect(clock, m2s, s2m, 5, extended(watch));
     end loop;
     check(expected > 10, "the bench made too few events");
 
-    write(0, x"00000000");
-    check(refused, "a write of the inputs was taken");
-    read(6);
-    check(refused, "a read of +6 was answered");
-    reset <= '1';
-    wait_clocks(clock, 1);
-    reset <= '0';
+    bus_refuse(clock, m2s, s2m, '1', 0, "a write of the inputs");
+    bus_refuse(clock, m2s, s2m, '0', 6, "a read of +6");
+    pulse(clock, reset);
     wait_clocks(clock, 1);
     check_equal(pin_drive, pins_t'(others => '0'), "pin_drive after a reset");
     check_equal(pin_out, pins_t'(others => '0'), "pin_out after a reset");
@@ -182,13 +142,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "gpio_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "gpio_tb");
 
 end architecture;

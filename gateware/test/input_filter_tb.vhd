@@ -42,9 +42,7 @@ begin
     variable changes  : natural := 0;
   begin
     random.seed(seed);
-    for index in 1 to 5 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 5);
     check_equal(levels, pins, "levels after a reset");
     reset   <= '0';
     history := (others => pins);
@@ -77,13 +75,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 5000;
-    assert done
-      report "input_filter_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 5000, "input_filter_tb");
 
 end architecture;

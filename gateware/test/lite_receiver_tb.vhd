@@ -72,7 +72,7 @@ begin
       case receive.event is
         when nothing => null;
         when start => add("(");
-        when letter => add((1 => character'val(to_integer(unsigned(receive.data)))));
+        when letter => add((1 => character_of(receive.data)));
         when colon => add(":");
         when byte => add(to_hstring(receive.data));
         when good => add(")");
@@ -88,7 +88,7 @@ begin
     begin
       for place in text'range loop
         rx_valid <= '1';
-        rx_data  <= std_ulogic_vector(to_unsigned(character'pos(text(place)), 8));
+        rx_data  <= byte_of(text(place));
         loop
           tick;
           exit when rx_ready = '1';
@@ -139,11 +139,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 100 us;
-    assert ended report "lite_receiver_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 100 us, "lite_receiver_tb");
 
 end architecture;

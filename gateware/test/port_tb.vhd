@@ -181,4 +181,6 @@ begin
     wait;
   end process;
 
+  watchdog(join_ended, bytes * 1 us, "port_tb");
+
 end architecture;

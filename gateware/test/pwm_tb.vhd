@@ -73,42 +73,6 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
 
     constant off   : natural := 0;
     constant on_pwm : natural := 1;
@@ -155,29 +119,29 @@ begin
     count_high(0, 100, 0, "high before it is enabled");
 
     -- Off while the period is zero, for all widths.
-    write_ok(2, 10);
-    write_ok(0, on_pwm);
+    bus_write(clock, m2s, s2m, 2, 10);
+    bus_write(clock, m2s, s2m, 0, on_pwm);
     count_high(0, 100, 0, "high with no period");
 
     for index in 1 to 12 loop
       period := random.integer_between(4, 300);
-      write_ok(0, off);
-      write_ok(1, period);
+      bus_write(clock, m2s, s2m, 0, off);
+      bus_write(clock, m2s, s2m, 1, period);
       for channel in 0 to channels - 1 loop
         widths(channel) := random.integer_between(1, period - 1);
-        write_ok(2 + channel, widths(channel));
+        bus_write(clock, m2s, s2m, 2 + channel, widths(channel));
       end loop;
-      write_ok(0, on_pwm);
+      bus_write(clock, m2s, s2m, 0, on_pwm);
       wait_clocks(clock, 3 * period + 10);
       for channel in 0 to channels - 1 loop
         expect_channel(channel, widths(channel), period, 0);
-        read_expect(2 + channel, widths(channel));
+        bus_expect(clock, m2s, s2m, 2 + channel, widths(channel));
       end loop;
       -- A new width comes at any time: each pulse is a whole old one or a whole new one.
       before    := widths;
       widths(1) := random.integer_between(1, period - 1);
       wait_clocks(clock, random.integer_between(0, period));
-      write_ok(3, widths(1));
+      bus_write(clock, m2s, s2m, 3, widths(1));
       for clock_index in 1 to 3 * period loop
         wait_clocks(clock, 1);
         check(high_clocks(1) = before(1) or high_clocks(1) = widths(1), "a pulse of neither width");
@@ -187,48 +151,45 @@ begin
     end loop;
 
     -- Always high and never high.
-    write_ok(1, 50);
-    write_ok(2, 50);
-    write_ok(3, 0);
-    write_ok(4, 25);
+    bus_write(clock, m2s, s2m, 1, 50);
+    bus_write(clock, m2s, s2m, 2, 50);
+    bus_write(clock, m2s, s2m, 3, 0);
+    bus_write(clock, m2s, s2m, 4, 25);
     wait_clocks(clock, 700);
     count_high(0, 200, 200, "high clocks at a width of the whole period");
     count_high(1, 200, 0, "high clocks at a width of zero");
     count_high(2, 200, 100, "high clocks at half");
 
     -- Values beyond the counter's range become the longest possible, and a read gives this value.
-    write_ok(2, x"FFFFFFFF");
-    read_expect(2, 2 ** counter_bits - 1);
-    write_ok(1, x"00010000");
-    read_expect(1, 2 ** counter_bits - 1);
+    bus_write(clock, m2s, s2m, 2, x"FFFFFFFF");
+    bus_expect(clock, m2s, s2m, 2, 2 ** counter_bits - 1);
+    bus_write(clock, m2s, s2m, 1, x"00010000");
+    bus_expect(clock, m2s, s2m, 1, 2 ** counter_bits - 1);
 
     -- Servo mode: microseconds at 50 Hz, within the limits; zero is no pulse.
-    write_ok(2, 1500);
-    write_ok(3, 10);
-    write_ok(4, 60000);
-    write_ok(0, servo);
-    read_expect(0, servo);
+    bus_write(clock, m2s, s2m, 2, 1500);
+    bus_write(clock, m2s, s2m, 3, 10);
+    bus_write(clock, m2s, s2m, 4, 60000);
+    bus_write(clock, m2s, s2m, 0, servo);
+    bus_expect(clock, m2s, s2m, 0, servo);
     wait_clocks(clock, clocks_of(20_000) * 5 / 2);
     expect_channel(0, clocks_of(1500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
     expect_channel(1, clocks_of(500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
     expect_channel(2, clocks_of(2500), clocks_of(20_000), 1 + clocks_of(20_000) / 1000);
-    write_ok(2, 0);
+    bus_write(clock, m2s, s2m, 2, 0);
     wait_clocks(clock, clocks_of(20_000));
     before := pulses;
     wait_clocks(clock, clocks_of(20_000));
     check_equal(pulses(0), before(0), "pulses of a limp servo");
     check(pulses(1) > before(1), "the others go on");
 
-    write_ok(0, off);
+    bus_write(clock, m2s, s2m, 0, off);
     wait_clocks(clock, 3);
     count_high(1, 100, 0, "high after it was disabled");
-    read(2 + channels);
-    check(refused, "a read beyond the channels was answered");
-    reset <= '1';
+    bus_refuse(clock, m2s, s2m, '0', 2 + channels, "a read beyond the channels");
+    pulse(clock, reset);
     wait_clocks(clock, 1);
-    reset <= '0';
-    wait_clocks(clock, 1);
-    read_expect(2, 0);
+    bus_expect(clock, m2s, s2m, 2, 0);
 
     wait_clocks(clock, 2);
     report_passed("pwm_tb");
@@ -236,13 +197,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 500000;
-    assert done
-      report "pwm_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 500000, "pwm_tb");
 
 end architecture;

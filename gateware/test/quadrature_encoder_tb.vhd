@@ -43,43 +43,7 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-    variable in_block : boolean := false; -- cyc stays high between accesses
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
+    variable answer : bus_answer_t;
 
     variable quarter  : natural range 0 to 3 := 0; -- of a period
     variable position : integer := 0;
@@ -107,10 +71,10 @@ begin
     procedure expect_all is
     begin
       settle;
-      read_expect(0, as_word(position));
-      read_expect(1, as_word(indexed));
-      read_expect(2, as_word(turns));
-      read_expect(3, as_word(wrong));
+      bus_expect(clock, m2s, s2m, 0, as_word(position));
+      bus_expect(clock, m2s, s2m, 1, as_word(indexed));
+      bus_expect(clock, m2s, s2m, 2, as_word(turns));
+      bus_expect(clock, m2s, s2m, 3, as_word(wrong));
     end procedure;
 
   begin
@@ -144,14 +108,14 @@ begin
         when 1 =>
           settle;
           position := random.integer_between(-2 ** (data_width - 2), 2 ** (data_width - 2) - 1);
-          write_ok(0, as_word(position));
+          bus_write(clock, m2s, s2m, 0, as_word(position));
         when 2 =>
           settle;
           step(2);
           wrong := wrong + 1;
         when 3 =>
           wrong := random.integer_between(0, 5);
-          write_ok(3, as_word(wrong));
+          bus_write(clock, m2s, s2m, 3, as_word(wrong));
         when 4 =>
           -- A spike shorter than the filter is not a step.
           settle;
@@ -170,42 +134,38 @@ begin
     -- A preset meets a step, at every distance: the step counts before the preset or after it, but is never lost.
     for distance in 0 to stable_clocks + 8 loop
       settle;
-      write_ok(0, as_word(0));
+      bus_write(clock, m2s, s2m, 0, as_word(0));
       settle;
       step(1);
       wait_clocks(clock, distance);
-      write_ok(0, as_word(100));
+      bus_write(clock, m2s, s2m, 0, as_word(100));
       settle;
-      read(0);
-      check(word = as_word(100) or word = as_word(101), "a preset that met a step gave x" & to_hstring(word));
-      check((distance > 0 or word = as_word(101)) and (distance < stable_clocks + 6 or word = as_word(100)),
+      bus_read(clock, m2s, s2m, 0, answer);
+      check(answer.word = as_word(100) or answer.word = as_word(101), "a preset that met a step gave x" & to_hstring(answer.word));
+      check((distance > 0 or answer.word = as_word(101)) and (distance < stable_clocks + 6 or answer.word = as_word(100)),
             "which of both came first");
     end loop;
 
     -- It wraps at the word.
-    write_ok(0, as_word(2 ** (data_width - 2) + (2 ** (data_width - 2) - 1)));
+    bus_write(clock, m2s, s2m, 0, as_word(2 ** (data_width - 2) + (2 ** (data_width - 2) - 1)));
     settle;
     step(1);
     settle;
-    read_expect(0, std_ulogic_vector(shift_left(to_unsigned(1, 32), data_width - 1)));
+    bus_expect(clock, m2s, s2m, 0, std_ulogic_vector(shift_left(to_unsigned(1, 32), data_width - 1)));
 
     -- In a block, reads give the position of the moment when cyc rose.
-    write_ok(0, as_word(7));
+    bus_write(clock, m2s, s2m, 0, as_word(7));
     settle;
-    in_block := true;
-    read_expect(3, as_word(wrong));
+    bus_expect(clock, m2s, s2m, 3, as_word(wrong), keep => true);
     step(1);
     settle;
-    read_expect(0, as_word(7));
-    in_block := false;
-    read_expect(0, as_word(7));
+    bus_expect(clock, m2s, s2m, 0, as_word(7), keep => true);
+    bus_expect(clock, m2s, s2m, 0, as_word(7));
     wait_clocks(clock, 2);
-    read_expect(0, as_word(8));
+    bus_expect(clock, m2s, s2m, 0, as_word(8));
 
-    write(1, x"00000000");
-    check(refused, "a write of the index position was taken");
-    read(4);
-    check(refused, "a read of +4 was answered");
+    bus_refuse(clock, m2s, s2m, '1', 1, "a write of the index position");
+    bus_refuse(clock, m2s, s2m, '0', 4, "a read of +4");
 
     -- A reset with the signals high is not a step.
     reset <= '1';
@@ -224,13 +184,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "quadrature_encoder_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "quadrature_encoder_tb");
 
 end architecture;

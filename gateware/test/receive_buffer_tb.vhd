@@ -102,9 +102,7 @@ begin
     check_equal(line_ready, '0', "full");
     check_equal(rx_error, no_receive_error, "the error waits behind the bytes");
 
-    reset <= '1';
-    wait until rising_edge(clock);
-    reset <= '0';
+    pulse(clock, reset);
     wait until rising_edge(clock);
     check_equal(rx_valid, '0', "empty after a reset");
     check_equal(line_ready, '1', "room after a reset");
@@ -164,11 +162,6 @@ begin
     end if;
   end process;
 
-  watchdog : process is
-  begin
-    wait for items * 1 us;
-    assert done report "receive_buffer_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(done, items * 1 us, "receive_buffer_tb");
 
 end architecture;

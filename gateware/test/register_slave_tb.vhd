@@ -71,43 +71,7 @@ begin
   master : process is
 
     variable random  : random_t;
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
-    variable in_block : boolean := false; -- cyc stays high between accesses
-
-    procedure write (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure read (address : natural) is
-    begin
-      bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", in_block, word, refused, clocks);
-    end procedure;
-
-    procedure write_ok (address : natural; data : std_ulogic_vector(31 downto 0)) is
-    begin
-      write(address, data);
-      check(not refused, "write of " & integer'image(address) & " was refused");
-    end procedure;
-
-    procedure write_ok (address : natural; data : natural) is
-    begin
-      write_ok(address, std_ulogic_vector(to_unsigned(data, 32)));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : std_ulogic_vector(31 downto 0)) is
-    begin
-      read(address);
-      check(not refused, "read of " & integer'image(address) & " was refused");
-      check_equal(word, expected, "word " & integer'image(address));
-    end procedure;
-
-    procedure read_expect (address : natural; expected : natural) is
-    begin
-      read_expect(address, std_ulogic_vector(to_unsigned(expected, 32)));
-    end procedure;
+    variable answer : bus_answer_t;
 
     variable model  : word_vector_t(0 to words - 1) := initial;
     variable writes : natural := 0;
@@ -149,24 +113,25 @@ begin
       data := random.vector(32);
       case random.integer_between(0, 2) is
         when 0 =>
-          write(address, data);
+          bus_write(clock, m2s, s2m, address, data, answer);
           if is_writable(address) then
-            check(not refused, "a write was refused");
+            check(not answer.refused, "a write was refused");
             model(address) := masked(data);
             writes         := writes + 1;
           else
-            check(refused, "a write of " & integer'image(address) & " was taken");
+            check(answer.refused, "a write of " & integer'image(address) & " was taken");
           end if;
-          check_equal(clocks, 2, "clocks of a write");
+          check_equal(answer.clocks, 2, "clocks of a write");
           wait_clocks(clock, 1); -- the next access is another block: a snapshot shows the new word, too
         when 1 =>
+          bus_read(clock, m2s, s2m, address, answer);
           if exists(address) then
-            read_expect(address, model(address));
+            check(not answer.refused, "a read was refused");
+            check_equal(answer.word, model(address), "word " & integer'image(address));
           else
-            read(address);
-            check(refused, "a read of " & integer'image(address) & " was answered");
+            check(answer.refused, "a read of " & integer'image(address) & " was answered");
           end if;
-          check_equal(clocks, 2, "clocks of a read");
+          check_equal(answer.clocks, 2, "clocks of a read");
         when others =>
           address := random.integer_between(0, words - 1);
           if writable(address) = '0' then
@@ -183,42 +148,39 @@ begin
     check_equal(strobes, writes, "written strobes");
 
     -- A write that does not select all bytes changes nothing.
-    bus_access(clock, m2s, s2m, '1', to_unsigned(1, 32), not model(1), "1110", false, word, refused, clocks);
-    check(refused, "a write of part of a word was taken");
-    read_expect(1, model(1));
+    bus_refuse(clock, m2s, s2m, '1', 1, "a write of part of a word", not model(1), sel => "1110");
+    bus_expect(clock, m2s, s2m, 1, model(1));
 
     -- A block sees the words of its first clock, or without snapshots the current words.
     status(0) <= masked(x"12345678");
     wait_clocks(clock, 3);
-    in_block := true;
-    read_expect(0, masked(x"12345678"));
+    bus_expect(clock, m2s, s2m, 0, masked(x"12345678"), keep => true);
     status(0) <= masked(x"9ABCDEF0");
     status(3) <= masked(x"0F1E2D3C");
     wait_clocks(clock, 3);
     if snapshot then
-      read_expect(0, masked(x"12345678"));
-      read_expect(3, model(3));
+      bus_expect(clock, m2s, s2m, 0, masked(x"12345678"), keep => true);
+      bus_expect(clock, m2s, s2m, 3, model(3), keep => true);
     else
-      read_expect(0, masked(x"9ABCDEF0"));
-      read_expect(3, masked(x"0F1E2D3C"));
+      bus_expect(clock, m2s, s2m, 0, masked(x"9ABCDEF0"), keep => true);
+      bus_expect(clock, m2s, s2m, 3, masked(x"0F1E2D3C"), keep => true);
     end if;
     -- It also sees the words that it writes itself. All other words stay as they were.
-    write_ok(1, masked(x"13579BDF"));
+    bus_write(clock, m2s, s2m, 1, masked(x"13579BDF"), keep => true);
     wait_clocks(clock, 1);
-    read_expect(1, masked(x"13579BDF"));
-    write_ok(1, masked(x"2468ACE0"));
-    write_ok(2, masked(x"55AA55AA"));
-    read_expect(1, masked(x"2468ACE0"));
+    bus_expect(clock, m2s, s2m, 1, masked(x"13579BDF"), keep => true);
+    bus_write(clock, m2s, s2m, 1, masked(x"2468ACE0"), keep => true);
+    bus_write(clock, m2s, s2m, 2, masked(x"55AA55AA"), keep => true);
+    bus_expect(clock, m2s, s2m, 1, masked(x"2468ACE0"), keep => true);
     wait_clocks(clock, 1);
-    read_expect(2, masked(x"55AA55AA"));
+    bus_expect(clock, m2s, s2m, 2, masked(x"55AA55AA"), keep => true);
     if snapshot then
-      read_expect(3, model(3));
+      bus_expect(clock, m2s, s2m, 3, model(3), keep => true);
     end if;
-    in_block := false;
-    read(0);
+    bus_read(clock, m2s, s2m, 0, answer);
     wait_clocks(clock, 2);
-    read_expect(0, masked(x"9ABCDEF0"));
-    read_expect(3, masked(x"0F1E2D3C"));
+    bus_expect(clock, m2s, s2m, 0, masked(x"9ABCDEF0"));
+    bus_expect(clock, m2s, s2m, 3, masked(x"0F1E2D3C"));
 
     -- An access that ends in the clock of its answer is not answered later.
     m2s <= (cyc => '1', stb => '1', we => '0', adr => x"00000001", dat => x"00000000", sel => "1111");
@@ -226,11 +188,9 @@ begin
     m2s <= wishbone_m2s_idle;
     wait_clocks(clock, 3);
 
-    reset <= '1';
+    pulse(clock, reset);
     wait_clocks(clock, 1);
-    reset <= '0';
-    wait_clocks(clock, 1);
-    read_expect(1, initial(1));
+    bus_expect(clock, m2s, s2m, 1, initial(1));
 
     wait_clocks(clock, 2);
     report_passed("register_slave_tb");
@@ -238,13 +198,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 100000;
-    assert done
-      report "register_slave_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 100000, "register_slave_tb");
 
 end architecture;

@@ -261,22 +261,9 @@ begin
     variable first  : boolean;
     variable good   : boolean;
 
-    function digit(c : character) return natural is
-    begin
-      case c is
-        when '0' to '9' => return character'pos(c) - character'pos('0');
-        when 'a' to 'f' => return character'pos(c) - character'pos('a') + 10;
-        when others =>
-          report "replay_tb: a digit of a step is " & c severity failure;
-          return 0;
-      end case;
-    end function;
-
     procedure send(byte : natural) is
     begin
-      while random.chance(stall_percent) loop
-        wait until rising_edge(clock);
-      end loop;
+      pause(clock, random, stall_percent);
       if dead then
         return;
       end if;
@@ -291,13 +278,10 @@ begin
       rx_valid <= '0';
     end procedure;
 
-    variable high : character;
-    variable low  : character;
+    variable place : positive;
   begin
     random.seed(seed);
-    for count in 1 to 4 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 4);
     reset <= '0';
     wait until rising_edge(clock);
     while not endfile(steps) loop
@@ -307,10 +291,10 @@ begin
       start := now_clock;
       if kind = 's' then
         first := true;
-        while step'length >= 2 loop
-          read(step, high);
-          read(step, low);
-          send(16 * digit(high) + digit(low));
+        place := step'left;
+        while place < step'right loop  -- a read of each digit would copy what is left of the line, each time
+          send(16 * digit_value(step(place)) + digit_value(step(place + 1)));
+          place := place + 2;
           if first then
             first := false;
             write(answer, string'("o ") & integer'image(now_clock));
@@ -324,9 +308,7 @@ begin
         assert good report "replay_tb: a step has no number" severity failure;
         case kind is
           when 'w' =>
-            for count in 1 to number loop
-              wait until rising_edge(clock);
-            end loop;
+            wait_clocks(clock, number);
           when 'q' =>
             while now_clock < maximum(start, last_activity) + number loop
               wait until rising_edge(clock);
@@ -352,9 +334,7 @@ begin
             end if;
           when 'r' =>
             reset <= '1';
-            for count in 1 to number loop
-              wait until rising_edge(clock);
-            end loop;
+            wait_clocks(clock, number);
             reset <= '0';
           when others =>
             report "replay_tb: a step is " & kind severity failure;

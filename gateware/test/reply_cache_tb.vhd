@@ -56,26 +56,14 @@ begin
     variable next_id, now_id, place, past, distance, length : natural := 0;
     variable executed, recalls, refusals : natural := 0;
 
-    procedure clocks (count : positive) is
-    begin
-      wait_clocks(clock, count);
-      wait for 1 ns;
-    end procedure;
-
-    procedure pulse (signal what : out std_ulogic) is
-    begin
-      what <= '1';
-      clocks(1);
-      what <= '0';
-    end procedure;
   begin
     random.seed(seed);
-    clocks(1);
+    tick(clock);
     for index in 0 to window - 1 loop
       places(index) := (id => (65536 + index - window) mod 65536, empty => true, status => 0, length => 0);
       forget_index  <= to_unsigned(index, 7);
       status_in     <= std_ulogic_vector(to_unsigned(no_status, 4));
-      pulse(forget);
+      pulse(clock, forget);
     end loop;
     next_id := 0;
     for step in 1 to steps loop
@@ -88,11 +76,11 @@ begin
       place    := now_id mod window;
       distance := (now_id + 65536 - places(place).id) mod 65536;
       id <= std_ulogic_vector(to_unsigned(now_id, 16));
-      clocks(2);
+      tick(clock, 2);
       check((new_id = '1') = (distance > 0 and distance < 32768), "new id " & integer'image(now_id));
       check((repeated = '1') = (distance = 0 and not places(place).empty), "repeated id " & integer'image(now_id));
       before <= '1';
-      clocks(2);
+      tick(clock, 2);
       past     := (now_id + 65535) mod 65536;
       distance := (places(past mod window).id + 65536 - past) mod 65536;
       check((order = '1') = (distance >= 32768), "order before " & integer'image(now_id));
@@ -100,22 +88,22 @@ begin
         refusals := refusals + 1;
       end if;
       before <= '0';
-      clocks(2);
+      tick(clock, 2);
       if repeated = '1' then
         check_equal(to_integer(unsigned(status)), places(place).status, "status");
         check((too_long = '1') = (places(place).length > 16), "too long");
         if too_long = '0' then
           check_equal(to_integer(kept), places(place).length, "length");
-          pulse(start);
+          pulse(clock, start);
           for index in 0 to places(place).length - 1 loop
-            clocks(1);
+            tick(clock);
             check_equal(data_out, bytes(place, index), "byte " & integer'image(index));
-            pulse(recall);
+            pulse(clock, recall);
           end loop;
           recalls := recalls + 1;
         end if;
       elsif new_id = '1' and random.chance(80) then
-        pulse(start);
+        pulse(clock, start);
         length := random.integer_between(0, 20);
         if random.chance(5) then
           length := 200;
@@ -126,11 +114,11 @@ begin
           if index < 16 then
             bytes(place, index) := data_in;
           end if;
-          pulse(keep);
+          pulse(clock, keep);
         end loop;
         places(place) := (id => now_id, empty => false, status => random.integer_between(0, 2), length => length);
         status_in     <= std_ulogic_vector(to_unsigned(places(place).status, 4));
-        pulse(remember);
+        pulse(clock, remember);
         executed := executed + 1;
         next_id  := (now_id + 1) mod 65536;
       end if;
@@ -140,5 +128,7 @@ begin
     ended <= true;
     wait;
   end process;
+
+  watchdog(ended, steps * 2 us, "reply_cache_tb");
 
 end architecture;

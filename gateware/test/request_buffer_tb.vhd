@@ -65,19 +65,13 @@ begin
 
     procedure take_one is
     begin
-      take <= '1';
-      wait until rising_edge(clock);
-      take <= '0';
-      wait for 1 ps;
+      pulse(clock, take);
     end procedure;
 
     procedure done is
     begin
-      request_done <= '1';
-      wait until rising_edge(clock);
-      request_done <= '0';
-      wait until rising_edge(clock);
-      wait for 1 ps;
+      pulse(clock, request_done);
+      tick(clock);
     end procedure;
 
     procedure understand(letters : string; marked : boolean; command : natural; optional : boolean := true) is
@@ -88,9 +82,7 @@ begin
       end if;
       message(letters, marked);
       event(good);
-      for c in 1 to 2 loop
-        wait until rising_edge(clock);
-      end loop;
+      wait_clocks(clock, 2);
       wait for 1 ps;
       check_equal(request.valid, '1', "valid " & letters);
       check_equal(request.error, '0', "error " & letters);
@@ -154,10 +146,7 @@ begin
     take_bytes(5, 10);
     check_equal(request.missing, '1', "nothing behind the first");
     -- Back to the start, and read again.
-    rewind <= '1';
-    wait until rising_edge(clock);
-    rewind <= '0';
-    wait for 1 ps;
+    pulse(clock, rewind);
     check_equal(to_integer(unsigned(request.command)), command_read, "the command again");
     take_one;
     take_bytes(3, 10);
@@ -185,9 +174,7 @@ begin
     -- A reset drops complete requests.
     message("R", true, 1, 0);
     event(good);
-    reset <= '1';
-    wait until rising_edge(clock);
-    reset <= '0';
+    pulse(clock, reset);
     for c in 1 to 3 loop
       wait until rising_edge(clock);
       check_equal(request.valid, '0', "valid after reset");
@@ -197,11 +184,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 100 us;
-    assert ended report "request_buffer_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 100 us, "request_buffer_tb");
 
 end architecture;

@@ -67,7 +67,7 @@ begin
             return (event => byte, checked => '0',
                     data => std_ulogic_vector(to_unsigned(character'pos(c) - character'pos('0'), 8)));
           when others =>
-            return (event => letter, checked => '0', data => std_ulogic_vector(to_unsigned(character'pos(c), 8)));
+            return (event => letter, checked => '0', data => byte_of(c));
         end case;
       end function;
     begin
@@ -159,11 +159,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "request_stream_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "request_stream_tb");
 
 end architecture;

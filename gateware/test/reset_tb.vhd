@@ -37,18 +37,9 @@ architecture bench of reset_tb is
   signal clear        : boolean := false;
 
   function byte(text : string; place : positive) return std_ulogic_vector is
-    variable value : natural := 0;
-    variable c     : character;
+    constant high : positive := text'low + 2 * place - 2;
   begin
-    for digit in 2 * place - 1 to 2 * place loop
-      c := text(text'low + digit - 1);
-      if c >= 'a' then
-        value := 16 * value + character'pos(c) - character'pos('a') + 10;
-      else
-        value := 16 * value + character'pos(c) - character'pos('0');
-      end if;
-    end loop;
-    return std_ulogic_vector(to_unsigned(value, 8));
+    return std_ulogic_vector(to_unsigned(16 * digit_value(text(high)) + digit_value(text(high + 1)), 8));
   end function;
 
 begin
@@ -75,7 +66,7 @@ begin
       if clear then
         length <= 0;
       elsif tx_valid = '1' and reset = '0' then
-        heard(length + 1) <= character'val(to_integer(unsigned(tx_data)));
+        heard(length + 1) <= character_of(tx_data);
         length <= length + 1;
       end if;
     end if;
@@ -83,34 +74,24 @@ begin
 
   play : process
 
-    procedure tick(clocks : natural) is
-    begin
-      for c in 1 to clocks loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
-
     procedure ask(text : string; reply : string) is
     begin
       clear <= true;
-      tick(1);
+      wait_clocks(clock, 1);
       clear <= false;
       for place in text'range loop
-        rx_valid <= '1';
-        rx_data  <= std_ulogic_vector(to_unsigned(character'pos(text(place)), 8));
-        wait until rising_edge(clock) and rx_ready = '1';
+        send(clock, rx_valid, rx_ready, rx_data, byte_of(text(place)));
       end loop;
-      rx_valid <= '0';
-      tick(45);
+      wait_clocks(clock, 45);
       assert heard(1 to length) = reply
         report "after a reset: " & heard(1 to length) & " instead of " & reply severity failure;
     end procedure;
 
   begin
-    tick(3);
+    wait_clocks(clock, 3);
     for moment in 1 to size + 160 loop
       reset <= '0';
-      tick(1);
+      wait_clocks(clock, 1);
       for c in 1 to moment loop
         if c <= size then
           rx_valid <= '1';
@@ -123,10 +104,10 @@ begin
       rx_valid <= '0';
       reset <= '1';
       clear <= true;
-      tick(1);
+      wait_clocks(clock, 1);
       reset <= '0';
       clear <= false;
-      tick(5);
+      wait_clocks(clock, 5);
       check_equal(length, 0, "bytes after a reset at clock " & integer'image(moment));
       check_equal(wishbone_m2s.cyc, '0', "bus cycle after a reset");
       if datalink = "none" then
@@ -137,18 +118,13 @@ begin
         ask("#RSI:00" & LF, "#S_RSI:000000" & LF);
       end if;
       reset <= '1';
-      tick(1);
+      wait_clocks(clock, 1);
     end loop;
     report_passed("reset_tb");
     ended <= true;
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "reset_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "reset_tb");
 
 end architecture;

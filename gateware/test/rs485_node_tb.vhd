@@ -125,11 +125,8 @@ begin
 
     procedure hear (byte : byte_t; error : receive_error_t := no_receive_error) is
     begin
-      line_valid <= '1';
-      line_data  <= byte;
       line_error <= error;
-      wait until rising_edge(clock) and line_ready = '1';
-      line_valid <= '0';
+      send(clock, line_valid, line_ready, line_data, byte);
       wait until rising_edge(clock);
     end procedure;
 
@@ -224,11 +221,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait for 10 ms;
-    assert done report "rs485_node_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(done, 10 ms, "rs485_node_tb");
 
 end architecture;

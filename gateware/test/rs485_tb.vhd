@@ -79,14 +79,9 @@ begin
 
       procedure say (byte : byte_t; last : std_ulogic := '0') is
       begin
-        while moments.chance(20) loop
-          wait until rising_edge(clock);
-        end loop;
-        tx_valid <= '1';
-        tx_data  <= byte;
+        pause(clock, moments, 20);
         tx_last  <= last;
-        wait until rising_edge(clock) and tx_ready = '1';
-        tx_valid <= '0';
+        send(clock, tx_valid, tx_ready, tx_data, byte);
       end procedure;
 
       variable within : boolean := false;
@@ -382,13 +377,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for (rounds + 60) * 2000 * bit_time;
-    assert done
-      report "rs485_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, (rounds + 60) * 2000 * bit_time, "rs485_tb");
 
 end architecture;

@@ -66,12 +66,6 @@ begin
   play : process is
     variable random : random_t;
 
-    procedure say is
-    begin
-      due <= '1';
-      wait until rising_edge(clock);
-      due <= '0';
-    end procedure;
   begin
     random.seed(seed);
     wait_clocks(clock, 3);
@@ -80,26 +74,26 @@ begin
     check_equal(pulses, 0, "pulses before any was due");
 
     -- At once: low in the next clock.
-    say;
+    pulse(clock, due);
     wait until rising_edge(clock);
     check_equal(siwu_n, '0', "siwu_n a clock behind due");
 
     -- Three during a pulse make one more.
-    say;
-    say;
-    say;
+    pulse(clock, due);
+    pulse(clock, due);
+    pulse(clock, due);
     wait for 5 * pulse_ns * 1 ns + 10 * clock_period;
     check_equal(pulses, 2, "pulses of four that came together");
 
     -- As many pulses as are due, if that is not too often, and never none at all.
     for index in 1 to 100 loop
-      say;
+      pulse(clock, due);
       wait_clocks(clock, random.integer_between(0, 30));
     end loop;
     wait for 5 * pulse_ns * 1 ns + 10 * clock_period;
     check(not owed, "the last one was given");
 
-    say;
+    pulse(clock, due);
     wait_clocks(clock, 1);
     reset <= '1';
     wait_clocks(clock, 2);
@@ -110,13 +104,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait for 20000 * clock_period + 1 ms;
-    assert done
-      report "siwu_pulse_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, 20000 * clock_period + 1 ms, "siwu_pulse_tb");
 
 end architecture;

@@ -9,6 +9,7 @@ library ieee;
   use ieee.numeric_std.all;
   use work.bench_pkg.all;
   use work.physical_pkg.all;
+  use work.stream_bench_pkg.all;
 
 entity spi_slave_tb is
   generic (
@@ -75,13 +76,9 @@ begin
       if place = size then
         size  := sizes.integer_between(1, 2 * depth);
         place := 0;
-        for pause in 1 to moments.integer_between(0, 3000) loop
-          wait until rising_edge(clock);
-        end loop;
+        wait_clocks(clock, moments.integer_between(0, 3000));
       end if;
-      while moments.chance(stall_percent) loop
-        wait until rising_edge(clock);
-      end loop;
+      pause(clock, moments, stall_percent);
       since_pause := since_pause + 1;
       if since_pause > depth and moments.chance(5) then -- the bus lets the core wait for as long as 20 bytes take
         since_pause := 0;
@@ -89,11 +86,8 @@ begin
         wait until rising_edge(clock);
       end if;
       place    := place + 1;
-      tx_valid <= '1';
-      tx_data  <= std_ulogic_vector(to_unsigned(data.integer_between(1, 255), 8));
       tx_last  <= '1' when place = size or index = bytes - 1 else '0';
-      wait until rising_edge(clock) and tx_ready = '1';
-      tx_valid <= '0';
+      send(clock, tx_valid, tx_ready, tx_data, std_ulogic_vector(to_unsigned(data.integer_between(1, 255), 8)));
       said     <= index + 1;
     end loop;
     wait;
@@ -128,24 +122,12 @@ begin
     variable size                              : positive;     -- of a transfer
 
     -- Clocks so many bits of a byte.
-    procedure exchange (give : std_ulogic_vector(7 downto 0); take : out std_ulogic_vector(7 downto 0); bits : positive := 8) is
-    begin
-      for index in 1 to bits loop
-        mosi <= give(8 - index);
-        wait for half_bit;
-        sck             <= '1';
-        take(8 - index) := miso;
-        wait for half_bit;
-        sck <= '0';
-      end loop;
-    end procedure;
-
     procedure give_and_take is
       variable give, take : std_ulogic_vector(7 downto 0);
     begin
       give  := out_data.vector(8);
       given <= given + 1;
-      exchange(give, take);
+      spi_exchange(sck, mosi, miso, half_bit, give, take);
       check_equal(miso_drive, '1', "miso_drive");
       if take = x"00" then
         check_equal(left, 0, "bytes of a message behind filler");
@@ -191,7 +173,7 @@ begin
         end if;
       end loop;
       if moments.chance(20) then
-        exchange(x"A5", take, moments.integer_between(1, 7)); -- the transfer breaks off: this byte is not received
+        spi_exchange(sck, mosi, miso, half_bit, x"A5", take, moments.integer_between(1, 7)); -- the transfer breaks off: this byte is not received
       end if;
       wait for half_bit;
       cs_n <= '1';
@@ -229,13 +211,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for bytes * 5000 * (clock_period + half_bit);
-    assert done
-      report "spi_slave_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, bytes * 5000 * (clock_period + half_bit), "spi_slave_tb");
 
 end architecture;

@@ -178,14 +178,9 @@ begin
     wait until puts_on;
     for index in 0 to words - 1 loop
       if random.chance(40) then
-        for pause in 1 to random.integer_between(1, 6000) loop
-          wait until rising_edge(clock);
-        end loop;
+        wait_clocks(clock, random.integer_between(1, 6000));
       end if;
-      put_data  <= word_of(index);
-      put_valid <= '1';
-      wait until rising_edge(clock) and put_ready = '1';
-      put_valid <= '0';
+      send(clock, put_valid, put_ready, put_data, word_of(index));
     end loop;
     wait;
   end process;
@@ -198,10 +193,7 @@ begin
     procedure send (text : string) is
     begin
       for index in text'range loop
-        pc_tx_valid <= '1';
-        pc_tx_data  <= std_ulogic_vector(to_unsigned(character'pos(text(index)), 8));
-        wait until rising_edge(clock) and pc_tx_ready = '1';
-        pc_tx_valid <= '0';
+        send(clock, pc_tx_valid, pc_tx_ready, pc_tx_data, byte_of(text(index)));
       end loop;
     end procedure;
 
@@ -213,7 +205,7 @@ begin
         wait until rising_edge(clock) and pc_rx_valid = '1' and pc_rx_ready = '1';
         exit when pc_rx_data = x"0A";
         length           := length + 1;
-        received(length) := character'val(to_integer(unsigned(pc_rx_data)));
+        received(length) := character_of(pc_rx_data);
       end loop;
       pc_rx_ready <= '0';
     end procedure;
@@ -233,14 +225,9 @@ begin
     -- The word at the end of a reply, or `back` words before it.
     impure function word_received (back : natural) return integer is
       variable result : signed(31 downto 0) := (others => '0');
-      variable digit  : natural;
     begin
       for index in length - 8 * back - 7 to length - 8 * back loop
-        digit := character'pos(received(index)) - character'pos('0');
-        if digit > 9 then
-          digit := character'pos(received(index)) - character'pos('a') + 10;
-        end if;
-        result := result(27 downto 0) & to_signed(digit, 5)(3 downto 0);
+        result := result(27 downto 0) & to_signed(digit_value(received(index)), 5)(3 downto 0);
       end loop;
       return to_integer(result);
     end function;
@@ -320,13 +307,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for bit_time * 60000;
-    assert done
-      report "stack_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, bit_time * 60000, "stack_tb");
 
 end architecture;

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The host's side of a core's byte streams as a procedure: it sends a request, and receives the reply.
+-- The host's side of a core's byte streams as procedures: it sends a request and receives the reply, or exchanges bytes as the
+-- master of SPI.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -21,6 +22,17 @@ package stream_bench_pkg is
     signal tx_data  : in  std_ulogic_vector(7 downto 0);
     request         : in  string;
     reply           : in  string
+  );
+
+  -- Sends the first `bits` of `give`, and receives as many. The chip select is the caller's.
+  procedure spi_exchange (
+    signal sck  : out std_ulogic;
+    signal mosi : out std_ulogic;
+    signal miso : in  std_ulogic;
+    half_bit    : in  time;
+    give        : in  std_ulogic_vector(7 downto 0);
+    take        : out std_ulogic_vector(7 downto 0);
+    bits        : in  positive := 8
   );
 
   -- In lower case, as the gateware sends it.
@@ -45,11 +57,8 @@ package body stream_bench_pkg is
     variable length   : natural := 0;
   begin
     for index in line'range loop
-      rx_valid <= '1';
-      rx_data  <= std_ulogic_vector(to_unsigned(character'pos(line(index)), 8));
-      wait until rising_edge(clock) and rx_ready = '1';
+      send(clock, rx_valid, rx_ready, rx_data, byte_of(line(index)));
     end loop;
-    rx_valid <= '0';
     for step in 1 to reply_clocks_most loop
       wait until rising_edge(clock);
       if tx_valid = '1' and tx_data = x"0A" then
@@ -57,10 +66,30 @@ package body stream_bench_pkg is
         return;
       elsif tx_valid = '1' then
         length           := length + 1;
-        received(length) := character'val(to_integer(unsigned(tx_data)));
+        received(length) := character_of(tx_data);
       end if;
     end loop;
     report request & " was not answered" severity failure;
+  end procedure;
+
+  procedure spi_exchange (
+    signal sck  : out std_ulogic;
+    signal mosi : out std_ulogic;
+    signal miso : in  std_ulogic;
+    half_bit    : in  time;
+    give        : in  std_ulogic_vector(7 downto 0);
+    take        : out std_ulogic_vector(7 downto 0);
+    bits        : in  positive := 8
+  ) is
+  begin
+    for index in 7 downto 8 - bits loop
+      mosi <= give(index);
+      wait for half_bit;
+      sck         <= '1';
+      take(index) := miso;
+      wait for half_bit;
+      sck <= '0';
+    end loop;
   end procedure;
 
   function digits (word : std_ulogic_vector) return string is

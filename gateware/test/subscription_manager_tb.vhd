@@ -44,14 +44,6 @@ begin
 
   play : process
 
-    procedure tick(clocks : natural := 1) is
-    begin
-      for c in 1 to clocks loop
-        wait until rising_edge(clock);
-      end loop;
-      wait for 1 ps;
-    end procedure;
-
     procedure look(group_number : natural; place : natural := 0) is
     begin
       request.group_number <= to_unsigned(group_number, 8);
@@ -81,24 +73,20 @@ begin
         if place > 0 then
           request.word <= std_ulogic_vector(to_unsigned(address_of(group_number, count - place), 32));
         end if;
-        request.write_word <= '1';
-        tick;
-        request.write_word <= '0';
+        pulse(clock, request.write_word);
       end loop;
-      request.fill <= '1';
-      tick;
-      request.fill <= '0';
+      pulse(clock, request.fill);
     end procedure;
 
     procedure rate(group_number : natural; value : natural) is
     begin
       look(group_number);
-      tick;
+      tick(clock);
       request.rate       <= std_ulogic_vector(to_unsigned(value, 32));
       request.write_rate <= '1';
       wait until rising_edge(clock) and response.done = '1';
       request.write_rate <= '0';
-      tick(3);
+      tick(clock, 3);
       check(response.inactive = '1' xor value /= 0, "inactive");
     end procedure;
 
@@ -106,24 +94,17 @@ begin
     begin
       look(0, index);
       request.word       <= std_ulogic_vector(to_unsigned(value, 32));
-      request.write_mask <= '1';
-      tick;
-      request.write_mask <= '0';
-      wait for 1 ps;
+      pulse(clock, request.write_mask);
     end procedure;
 
     procedure enable is
     begin
-      request.enable <= '1';
-      tick;
-      request.enable <= '0';
+      pulse(clock, request.enable);
     end procedure;
 
     procedure disable is
     begin
-      request.disable <= '1';
-      tick;
-      request.disable <= '0';
+      pulse(clock, request.disable);
     end procedure;
 
     -- Takes the publish that is due.
@@ -131,22 +112,20 @@ begin
     begin
       for waited in 1 to 4 * period loop
         exit when response.publish = '1';
-        tick;
+        tick(clock);
       end loop;
       check_equal(response.publish, '1', "publish of group " & integer'image(group_number));
       check_equal(to_integer(response.publish_group), group_number, "group to publish");
-      tick;
+      tick(clock);
       look(group_number);
-      request.publish_take <= '1';
-      tick;
-      request.publish_take <= '0';
-      tick(2);
+      pulse(clock, request.publish_take);
+      tick(clock, 2);
     end procedure;
 
     procedure none(clocks : positive) is
     begin
       for c in 1 to clocks loop
-        tick;
+        tick(clock);
         check_equal(response.publish, '0', "publish without a cause");
       end loop;
     end procedure;
@@ -154,12 +133,12 @@ begin
     variable start : natural;
     constant last  : natural := groups - 1;
   begin
-    tick(2);
+    tick(clock, 2);
     reset <= '0';
-    tick;
+    tick(clock);
     -- Every address of every group is at its place. A group that was not filled has no address.
     look(last);
-    tick(2);
+    tick(clock, 2);
     check_equal(response.empty, '1', "an empty group");
     check_equal(response.inactive, '1', "rate of a group never set");
     for group_number in 0 to last loop
@@ -169,12 +148,12 @@ begin
       for index in 0 to size_of(group_number) - 1 loop
         if index mod 16 = 0 or index = size_of(group_number) - 1 then
           look(group_number, size_of(group_number) - index);
-          tick(2);
+          tick(clock, 2);
           check_equal(to_integer(unsigned(response.word)), address_of(group_number, index), "address");
         end if;
       end loop;
       look(group_number, 0);
-      tick(2);
+      tick(clock, 2);
       check_equal(to_integer(unsigned(response.word)), size_of(group_number) mod 2 ** maximum(minimum(address_width, 20), 8), "count");
       check_equal(response.empty, '0', "a group with addresses");
     end loop;
@@ -199,7 +178,7 @@ begin
       exit when last > period / 8;  -- more groups than a period can serve
     end loop;
     disable;
-    tick(3);
+    tick(clock, 3);
     if last <= period / 8 then
       none(2 * period);
       -- Rate 3: after two periods, then every third. Further causes join the publish that waits.
@@ -215,7 +194,7 @@ begin
         check_equal(now_clock - start, (3 * round + 2) * period + strobe_to_publish, "clocks at rate 3");
         taken(0);
       end loop;
-      tick(7 * period);
+      tick(clock, 7 * period);
       taken(0);
       none(period / 2);
       rate(0, 0);
@@ -226,13 +205,13 @@ begin
       taken(1);
       none(2 * period);
       events(1) <= '0';
-      tick(4);
+      tick(clock, 4);
       events(1) <= '1';
-      tick(2);
+      tick(clock, 2);
       events(1) <= '0';
-      tick(2);
+      tick(clock, 2);
       events(1) <= '1';
-      tick(5);
+      tick(clock, 5);
       taken(1);
       none(period);
       events(0) <= '1';
@@ -247,7 +226,7 @@ begin
       -- An event while publishing is off is not lost.
       disable;
       events(0) <= '1';
-      tick;
+      tick(clock);
       events(0) <= '0';
       none(50);
       enable;
@@ -255,12 +234,12 @@ begin
       none(period);
       -- If a rate and an event of one group come together, the rate is served first.
       rate(0, 1);
-      tick(period);
+      tick(clock, period);
       taken(0);
       events(0) <= '1';
-      tick;
+      tick(clock);
       events(0) <= '0';
-      tick(period);
+      tick(clock, period);
       taken(0);
       taken(0);
       rate(0, 0);
@@ -274,11 +253,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 10 ms;
-    assert ended report "subscription_manager_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 10 ms, "subscription_manager_tb");
 
 end architecture;

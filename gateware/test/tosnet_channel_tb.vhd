@@ -73,9 +73,7 @@ begin
 
   begin
     random.seed(seed);
-    for step in 1 to 3 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 3);
     reset <= '0';
     for step in 1 to 6000 loop
       write_valid <= '1' when random.chance(40) else '0';
@@ -88,9 +86,7 @@ begin
     check(taken > 500, "few words have passed");
 
     write_valid <= '0';
-    reset       <= '1';
-    wait until rising_edge(clock);
-    reset <= '0';
+    pulse(clock, reset);
     wait until rising_edge(clock);
     check_equal(pending, '0', "pending after a reset");
     check_equal(write_ready, '1', "room after a reset");
@@ -99,13 +95,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 20000;
-    assert done
-      report "tosnet_channel_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 20000, "tosnet_channel_tb");
 
 end architecture;

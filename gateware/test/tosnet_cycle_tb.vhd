@@ -42,12 +42,6 @@ begin
 
   play : process is
 
-    procedure tick is
-    begin
-      wait until rising_edge(clock);
-      wait for 1 ps;
-    end procedure;
-
     -- Waits for the end of a cycle, with or without a commit.
     procedure pass (commit : std_ulogic := '0') is
       variable before : std_ulogic;
@@ -55,19 +49,18 @@ begin
       pending <= commit;
       for step in 1 to cycle_clocks - 1 loop
         check_equal(ends, '0', "the end of a cycle");
-        tick;
+        tick(clock);
       end loop;
       check_equal(ends, '1', "the end of a cycle");
       check_equal(exchange, online, "an exchange");
       before := read_pointer;
-      tick;
+      tick(clock);
       check_equal(read_pointer, not before, "the read pointer");
       pending <= '0';
     end procedure;
 
   begin
-    tick;
-    tick;
+    tick(clock, 2);
     reset <= '0';
     for count in 1 to 2 loop
       pass;
@@ -88,13 +81,11 @@ begin
     check_equal(to_integer(packets), max_skipped_writes + 5, "packets while offline");
     check_equal(was_online, '0', "the status while offline");
     check_equal(to_integer(resets), 0, "returns");
-    damaged <= '1';
-    tick;
-    damaged <= '0';
+    pulse(clock, damaged);
     check_equal(to_integer(errors), 1, "errors");
     check_equal(packet_error, '1', "packet error");
     for step in 2 to cycle_clocks loop
-      tick;
+      tick(clock);
     end loop;
     check_equal(packet_error, '1', "packet error while nothing else came");
     online <= '1';
@@ -108,13 +99,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 2000;
-    assert done
-      report "tosnet_cycle_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 2000, "tosnet_cycle_tb");
 
 end architecture;

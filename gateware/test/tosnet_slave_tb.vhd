@@ -207,22 +207,8 @@ begin
   master : process is
 
     variable random   : random_t;
-    variable word     : std_ulogic_vector(31 downto 0);
-    variable refused  : boolean;
-    variable clocks   : positive;
+    variable answer   : bus_answer_t;
     variable count    : natural;
-
-    procedure go (we : std_ulogic; address : natural; data : std_ulogic_vector(31 downto 0); keep : boolean := false) is
-    begin
-      bus_access(clock, m2s, s2m, we, to_unsigned(address, 32), data, "1111", keep, word, refused, clocks);
-    end procedure;
-
-    procedure pause (least : natural) is
-    begin
-      for step in 1 to least loop
-        wait until rising_edge(clock);
-      end loop;
-    end procedure;
 
     impure function some_address (we : boolean) return natural is
     begin
@@ -251,20 +237,20 @@ begin
     begin
       for index in 1 to number loop
         if random.chance(50) then
-          go('1', some_address(true), random.vector(32));
+          bus_write(clock, m2s, s2m, some_address(true), random.vector(32), answer);
         elsif random.chance(80) then
-          go('0', some_address(false), x"00000000");
+          bus_read(clock, m2s, s2m, some_address(false), answer);
         else
           for step in 1 to random.integer_between(1, 2 * cycle_clocks) loop
-            go('0', some_address(false), x"00000000", keep => true);
+            bus_read(clock, m2s, s2m, some_address(false), answer, keep => true);
             if random.chance(10) then
-              pause(random.integer_between(1, 20));
+              wait_clocks(clock, random.integer_between(1, 20));
             end if;
           end loop;
-          go('0', tosnet_status_c, x"00000000");
+          bus_read(clock, m2s, s2m, tosnet_status_c, answer);
         end if;
         if random.chance(50) then
-          pause(random.integer_between(1, cycle_clocks));
+          wait_clocks(clock, random.integer_between(1, cycle_clocks));
         end if;
       end loop;
     end procedure;
@@ -273,7 +259,7 @@ begin
     begin
       wait until rising_edge(clock);
       reset <= '1';
-      pause(3);
+      wait_clocks(clock, 3);
       reset <= '0';
     end procedure;
 
@@ -285,63 +271,54 @@ begin
       wait until rising_edge(clock) and s2m.ack = '1' for clock_period * 2200;
       check_equal(s2m.ack, '1', "an answer after a reset");
       m2s <= wishbone_m2s_idle;
-      pause(2);
+      wait_clocks(clock, 2);
     end procedure;
 
   begin
     random.seed(seed);
-    pause(5);
+    wait_clocks(clock, 5);
     reset <= '0';
-    pause(1);
+    wait_clocks(clock, 1);
     wait_for_memory;
     traffic(accesses);
 
     -- What the twin does not model. Its check ends here, with a reset.
     quiet <= true;
-    go('0', 16#FFFF#, x"00000000"); -- the last line of the log
+    bus_read(clock, m2s, s2m, 16#FFFF#, answer); -- the last line of the log
     restart;
-    pause(1);
+    wait_clocks(clock, 1);
     check_equal(halted, '0', "halted after a reset");
     wait_for_memory;
     if words > 0 then
-      go('0', write_addresses(0), x"00000000");
-      check_equal(word, std_ulogic_vector'(x"00000000"), "a word of the PC after a reset");
+      bus_read(clock, m2s, s2m, write_addresses(0), answer);
+      check_equal(answer.word, std_ulogic_vector'(x"00000000"), "a word of the PC after a reset");
       check_equal(write_words(0), std_ulogic_vector'(x"00000000"), "a word of the nodes after a reset");
-      bus_access(clock, m2s, s2m, '1', to_unsigned(write_addresses(0), 32), x"00000001", "0111", false, word, refused, clocks);
-      check(refused, "a write that leaves a byte out was taken");
-      check_equal(clocks, 2, "clocks of a write");
-      go('1', write_addresses(0), x"00000007");
-      go('1', tosnet_status_c, x"00000001");
-      pause(2 * cycle_clocks + 2);
+      bus_access(clock, m2s, s2m, '1', to_unsigned(write_addresses(0), 32), x"00000001", answer, sel => "0111");
+      check(answer.refused, "a write that leaves a byte out was taken");
+      check_equal(answer.clocks, 2, "clocks of a write");
+      bus_write(clock, m2s, s2m, write_addresses(0), x"00000007", answer);
+      bus_write(clock, m2s, s2m, tosnet_status_c, x"00000001", answer);
+      wait_clocks(clock, 2 * cycle_clocks + 2);
       check_equal(write_words(0), std_ulogic_vector'(x"00000007"), "a committed word");
     end if;
-    bus_access(clock, m2s, s2m, '1', to_unsigned(tosnet_status_c, 32), x"00000001", "1110", false, word, refused, clocks);
-    check(refused, "a commit that leaves a byte out was taken");
-    go('0', 2048 + tosnet_status_c, x"00000000");
-    check(refused, "an address beyond the map was answered");
+    bus_refuse(clock, m2s, s2m, '1', tosnet_status_c, "a commit that leaves a byte out", sel => "1110");
+    bus_refuse(clock, m2s, s2m, '0', 2048 + tosnet_status_c, "a read beyond the map");
     count := 0;
     loop
-      go('1', tosnet_async_tx_data_c, std_ulogic_vector(to_unsigned(count, 32)));
-      exit when refused;
+      bus_write(clock, m2s, s2m, tosnet_async_tx_data_c, std_ulogic_vector(to_unsigned(count, 32)), answer);
+      exit when answer.refused;
       count := count + 1;
     end loop;
     check_equal(count, async_depth, "asynchronous words there is room for");
-    go('0', tosnet_async_tx_status_c, x"00000000");
-    check_equal(word(6), '1', "FULL");
+    bus_read(clock, m2s, s2m, tosnet_async_tx_status_c, answer);
+    check_equal(answer.word(6), '1', "FULL");
 
-    pause(2);
+    wait_clocks(clock, 2);
     report_passed("tosnet_slave_tb");
     done <= true;
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 3000000;
-    assert done
-      report "tosnet_slave_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 3000000, "tosnet_slave_tb");
 
 end architecture;

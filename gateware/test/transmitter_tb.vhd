@@ -61,13 +61,13 @@ begin
         heard_of := head_heard;
         if length = 0 then
           first      <= now_clock;
-          heard_of   := character'val(to_integer(unsigned(tx_data)));
+          heard_of   := character_of(tx_data);
           head_heard <= heard_of;
         end if;
         check((tx_last = '1') = (tx_data = x"0A"), "tx_last with " & to_hstring(tx_data));
         check((tx_publish = '1') = (heard_of = '%' or heard_of = '&'), "tx_publish of " & heard_of);
         last <= now_clock;
-        heard(length + 1) <= character'val(to_integer(unsigned(tx_data)));
+        heard(length + 1) <= character_of(tx_data);
         length <= length + 1;
       end if;
       tx_ready <= '1';
@@ -81,10 +81,7 @@ begin
 
     procedure give(kind : std_ulogic_vector(2 downto 0); content : std_ulogic_vector(7 downto 0)) is
     begin
-      word_valid <= '1';
-      word_data  <= kind & content;
-      wait until rising_edge(clock) and word_ready = '1';
-      word_valid <= '0';
+      send(clock, word_valid, word_ready, word_data, kind & content);
     end procedure;
 
     -- Sends letters and marks, as the application does.
@@ -97,7 +94,7 @@ begin
 
     procedure head(c : character) is
     begin
-      give(word_head, std_ulogic_vector(to_unsigned(character'pos(c), 8)));
+      give(word_head, byte_of(c));
     end procedure;
 
     procedure bytes(data : std_ulogic_vector) is
@@ -111,9 +108,7 @@ begin
     procedure expect(text : string) is
     begin
       give(word_tail, x"00");
-      for c in 1 to 40 loop
-        wait until rising_edge(clock);
-      end loop;
+      wait_clocks(clock, 40);
       assert heard(1 to length) = text & LF
         report "transmitter_tb: " & heard(1 to length) & " instead of " & text severity failure;
       if stalls = 0 then
@@ -177,11 +172,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 1 ms;
-    assert ended report "transmitter_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 1 ms, "transmitter_tb");
 
 end architecture;

@@ -3,7 +3,7 @@
 -- The PC's end of a UART, for benches of whole designs. It plays a file of steps, and writes the bytes received in each
 -- step on a line.
 --
---   s 2352...   sends these bytes, then waits until no byte has come for the time of 30 characters
+--   s 2352...   sends these bytes, then waits until no byte has come for the time of 22 characters
 --   w 5000      waits for so many clocks
 
 library ieee;
@@ -31,7 +31,8 @@ end entity;
 architecture test of uart_player is
 
   constant clocks_most  : positive := 2_000_000; -- of one step
-  constant quiet_clocks : positive := 30 * 10 * (clock_hz / baud_hz);
+  -- Behind the last byte that the uart accepts, 16 wait in its FIFO and one is on the line. The reply takes one more.
+  constant quiet_clocks : positive := 22 * 10 * (clock_hz / baud_hz);
 
   signal rx_valid : std_ulogic;
   signal rx_data  : std_ulogic_vector(7 downto 0);

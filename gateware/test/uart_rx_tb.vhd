@@ -307,13 +307,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for (1 sec / baud_hz) * (24 * (18 * bytes + 1500) + 8000);
-    assert done
-      report "uart_rx_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, (1 sec / baud_hz) * (24 * (18 * bytes + 1500) + 8000), "uart_rx_tb");
 
 end architecture;

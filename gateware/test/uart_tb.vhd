@@ -77,10 +77,7 @@ begin
     data.seed(seed + 2);
     wait until reset = '0';
     for index in 1 to bytes loop
-      b_tx.valid <= '1';
-      b_tx.data  <= data.vector(8);
-      wait until rising_edge(b_clock) and b_tx.ready = '1';
-      b_tx.valid <= '0';
+      send(b_clock, b_tx.valid, b_tx.ready, b_tx.data, data.vector(8));
     end loop;
     wait;
   end process;
@@ -138,10 +135,7 @@ begin
 
     procedure send (value : std_ulogic_vector(7 downto 0)) is
     begin
-      a_tx.valid <= '1';
-      a_tx.data  <= value;
-      wait until rising_edge(a_clock) and a_tx.ready = '1';
-      a_tx.valid <= '0';
+      send(a_clock, a_tx.valid, a_tx.ready, a_tx.data, value);
     end procedure;
 
     procedure settle is
@@ -208,13 +202,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for bit_time * (bytes * 80 + 4000);
-    assert done
-      report "uart_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, bit_time * (bytes * 80 + 4000), "uart_tb");
 
 end architecture;

@@ -59,23 +59,16 @@ begin
   begin
     data.seed(seed);
     moments.seed(seed + 1);
-    for index in 1 to 5 loop
-      wait until rising_edge(clock);
-    end loop;
+    wait_clocks(clock, 5);
     check_equal(line, '1', "line in reset");
     reset <= '0';
     while sent < 2 * bytes loop
-      tx_valid <= '1';
-      tx_data  <= data.vector(8);
-      wait until rising_edge(clock) and tx_ready = '1';
-      tx_valid <= '0';
+      send(clock, tx_valid, tx_ready, tx_data, data.vector(8));
       tx_data  <= x"AA";
       sent     <= sent + 1;
       wait for 0 ns;
       if pauses then
-        for index in 1 to moments.integer_between(0, 15 * (clock_hz / baud_hz + 1)) loop
-          wait until rising_edge(clock);
-        end loop;
+        wait_clocks(clock, moments.integer_between(0, 15 * (clock_hz / baud_hz + 1)));
       end if;
     end loop;
     wait;
@@ -136,13 +129,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for bit_time * (bytes * 80 + 1000);
-    assert done
-      report "uart_tx_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, bit_time * (bytes * 80 + 1000), "uart_tx_tb");
 
 end architecture;

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A Wishbone master as procedures. An access that does not end within `access_clocks_most` fails the bench.
+-- A Wishbone master as procedures. An access that does not end within `access_clocks_most` fails the bench. With `keep` it
+-- leaves cyc high, as inside a block.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,7 +13,13 @@ package wishbone_bench_pkg is
 
   constant access_clocks_most : positive := 20;
 
-  -- One access. `keep` leaves cyc high, as inside a block.
+  type bus_answer_t is record
+    word    : std_ulogic_vector(31 downto 0);
+    refused : boolean;
+    clocks  : positive;
+  end record;
+
+  -- One access, which the slave may refuse.
   procedure bus_access (
     signal clock : in  std_ulogic;
     signal m2s   : out wishbone_m2s_t;
@@ -20,20 +27,20 @@ package wishbone_bench_pkg is
     we           : in  std_ulogic;
     address      : in  unsigned(31 downto 0);
     data         : in  std_ulogic_vector(31 downto 0);
-    sel          : in  std_ulogic_vector(3 downto 0);
-    keep         : in  boolean;
-    word         : out std_ulogic_vector(31 downto 0);
-    refused      : out boolean;
-    clocks       : out positive
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false;
+    sel          : in  std_ulogic_vector(3 downto 0) := "1111"
   );
 
-  -- A single access to a whole word, which must not be refused.
+  -- A write and a read, which the slave may refuse.
   procedure bus_write (
     signal clock : in  std_ulogic;
     signal m2s   : out wishbone_m2s_t;
     signal s2m   : in  wishbone_s2m_t;
     address      : in  natural;
-    data         : in  std_ulogic_vector(31 downto 0)
+    data         : in  std_ulogic_vector(31 downto 0);
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false
   );
 
   procedure bus_read (
@@ -41,7 +48,57 @@ package wishbone_bench_pkg is
     signal m2s   : out wishbone_m2s_t;
     signal s2m   : in  wishbone_s2m_t;
     address      : in  natural;
-    word         : out std_ulogic_vector(31 downto 0)
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false
+  );
+
+  -- A write that must not be refused.
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  std_ulogic_vector(31 downto 0);
+    keep         : in  boolean := false
+  );
+
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  natural
+  );
+
+  -- A read that must not be refused, and must give this word.
+  procedure bus_expect (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    expected     : in  std_ulogic_vector(31 downto 0);
+    keep         : in  boolean := false
+  );
+
+  procedure bus_expect (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    expected     : in  natural;
+    keep         : in  boolean := false
+  );
+
+  -- A write or a read that must be refused.
+  procedure bus_refuse (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    we           : in  std_ulogic;
+    address      : in  natural;
+    what         : in  string;
+    data         : in  std_ulogic_vector(31 downto 0) := x"00000001";
+    sel          : in  std_ulogic_vector(3 downto 0)  := "1111"
   );
 
 end package;
@@ -55,20 +112,16 @@ package body wishbone_bench_pkg is
     we           : in  std_ulogic;
     address      : in  unsigned(31 downto 0);
     data         : in  std_ulogic_vector(31 downto 0);
-    sel          : in  std_ulogic_vector(3 downto 0);
-    keep         : in  boolean;
-    word         : out std_ulogic_vector(31 downto 0);
-    refused      : out boolean;
-    clocks       : out positive
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false;
+    sel          : in  std_ulogic_vector(3 downto 0) := "1111"
   ) is
   begin
     m2s <= (cyc => '1', stb => '1', we => we, adr => std_ulogic_vector(address), dat => data, sel => sel);
     for count in 1 to access_clocks_most loop
       wait until rising_edge(clock);
       if s2m.ack = '1' or s2m.err = '1' then
-        word    := s2m.dat;
-        refused := s2m.err = '1';
-        clocks  := count;
+        answer  := (word => s2m.dat, refused => s2m.err = '1', clocks => count);
         m2s     <= wishbone_m2s_idle;
         m2s.cyc <= '1' when keep else '0';
         return;
@@ -83,14 +136,12 @@ package body wishbone_bench_pkg is
     signal m2s   : out wishbone_m2s_t;
     signal s2m   : in  wishbone_s2m_t;
     address      : in  natural;
-    data         : in  std_ulogic_vector(31 downto 0)
+    data         : in  std_ulogic_vector(31 downto 0);
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false
   ) is
-    variable word    : std_ulogic_vector(31 downto 0);
-    variable refused : boolean;
-    variable clocks  : positive;
   begin
-    bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, "1111", false, word, refused, clocks);
-    check(not refused, "a write to " & integer'image(address) & " was refused");
+    bus_access(clock, m2s, s2m, '1', to_unsigned(address, 32), data, answer, keep);
   end procedure;
 
   procedure bus_read (
@@ -98,13 +149,79 @@ package body wishbone_bench_pkg is
     signal m2s   : out wishbone_m2s_t;
     signal s2m   : in  wishbone_s2m_t;
     address      : in  natural;
-    word         : out std_ulogic_vector(31 downto 0)
+    answer       : out bus_answer_t;
+    keep         : in  boolean := false
   ) is
-    variable refused : boolean;
-    variable clocks  : positive;
   begin
-    bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", "1111", false, word, refused, clocks);
-    check(not refused, "a read of " & integer'image(address) & " was refused");
+    bus_access(clock, m2s, s2m, '0', to_unsigned(address, 32), x"00000000", answer, keep);
+  end procedure;
+
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  std_ulogic_vector(31 downto 0);
+    keep         : in  boolean := false
+  ) is
+    variable answer : bus_answer_t;
+  begin
+    bus_write(clock, m2s, s2m, address, data, answer, keep);
+    check(not answer.refused, "a write of " & integer'image(address) & " was refused");
+  end procedure;
+
+  procedure bus_write (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    data         : in  natural
+  ) is
+  begin
+    bus_write(clock, m2s, s2m, address, std_ulogic_vector(to_unsigned(data, 32)));
+  end procedure;
+
+  procedure bus_expect (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    expected     : in  std_ulogic_vector(31 downto 0);
+    keep         : in  boolean := false
+  ) is
+    variable answer : bus_answer_t;
+  begin
+    bus_read(clock, m2s, s2m, address, answer, keep);
+    check(not answer.refused, "a read of " & integer'image(address) & " was refused");
+    check_equal(answer.word, expected, "word " & integer'image(address));
+  end procedure;
+
+  procedure bus_expect (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    address      : in  natural;
+    expected     : in  natural;
+    keep         : in  boolean := false
+  ) is
+  begin
+    bus_expect(clock, m2s, s2m, address, std_ulogic_vector(to_unsigned(expected, 32)), keep);
+  end procedure;
+
+  procedure bus_refuse (
+    signal clock : in  std_ulogic;
+    signal m2s   : out wishbone_m2s_t;
+    signal s2m   : in  wishbone_s2m_t;
+    we           : in  std_ulogic;
+    address      : in  natural;
+    what         : in  string;
+    data         : in  std_ulogic_vector(31 downto 0) := x"00000001";
+    sel          : in  std_ulogic_vector(3 downto 0)  := "1111"
+  ) is
+    variable answer : bus_answer_t;
+  begin
+    bus_access(clock, m2s, s2m, we, to_unsigned(address, 32), data, answer, sel => sel);
+    check(answer.refused, what & " was not refused");
   end procedure;
 
 end package body;

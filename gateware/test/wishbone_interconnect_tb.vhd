@@ -77,9 +77,7 @@ begin
         wait until (rising_edge(clock) and to_slaves(slave).stb = '1') or done;
         exit when done;
         check_equal(to_slaves(slave).cyc, '1', "cyc with stb");
-        for index in 1 to random.integer_between(0, 5) loop
-          wait until rising_edge(clock);
-        end loop;
+        wait_clocks(clock, random.integer_between(0, 5));
         from_slaves(slave).dat <= answer_of(
           slave, to_slaves(slave).we, unsigned(to_slaves(slave).adr), to_slaves(slave).dat);
         if unsigned(to_slaves(slave).adr) = 2 then
@@ -97,10 +95,8 @@ begin
     variable random  : random_t;
     variable address : unsigned(31 downto 0);
     variable data    : std_ulogic_vector(31 downto 0);
-    variable word    : std_ulogic_vector(31 downto 0);
     variable we      : std_ulogic;
-    variable refused : boolean;
-    variable clocks  : positive;
+    variable answer  : bus_answer_t;
     variable asked   : integer; -- the slave, or -1
     variable hits    : natural := 0;
   begin
@@ -127,16 +123,16 @@ begin
 
       we   := random.vector(1)(0);
       data := random.vector(32);
-      bus_access(clock, m2s, s2m, we, address, data, "1111", random.chance(50), word, refused, clocks);
+      bus_access(clock, m2s, s2m, we, address, data, answer, keep => random.chance(50));
       if asked < 0 then
-        check(refused, "an access that no slave has was answered");
-        check_equal(clocks, 1, "clocks of an access that no slave has");
+        check(answer.refused, "an access that no slave has was answered");
+        check_equal(answer.clocks, 1, "clocks of an access that no slave has");
       elsif address - address_map(asked).base = 2 then
-        check(refused, "the slave's err was lost");
+        check(answer.refused, "the slave's err was lost");
       else
         hits := hits + 1;
-        check(not refused, "an access was refused");
-        check_equal(word, answer_of(asked, we, address - address_map(asked).base, data), "answer");
+        check(not answer.refused, "an access was refused");
+        check_equal(answer.word, answer_of(asked, we, address - address_map(asked).base, data), "answer");
       end if;
 
       -- A held cyc reaches all slaves, and stb reaches none.
@@ -154,13 +150,6 @@ begin
     wait;
   end process;
 
-  watchdog : process is
-  begin
-    wait until done for clock_period * 50000;
-    assert done
-      report "wishbone_interconnect_tb: not done in time"
-      severity failure;
-    wait;
-  end process;
+  watchdog(done, clock_period * 50000, "wishbone_interconnect_tb");
 
 end architecture;

@@ -41,18 +41,12 @@ begin
     variable value  : std_ulogic_vector(31 downto 0);
     variable got    : std_ulogic_vector(31 downto 0);
 
-    procedure tick is
-    begin
-      wait until rising_edge(clock);
-      wait for 1 ps;
-    end procedure;
-
     procedure access_word(address : std_ulogic_vector(31 downto 0); we : std_ulogic; inside : boolean) is
     begin
       wishbone_m2s <= (cyc => '1', stb => '1', we => we, adr => address, dat => value, sel => "1111");
       wait for 1 ps;
       check_equal(wishbone_s2m.ack or wishbone_s2m.err, '0', "answer in the first clock");
-      tick;
+      tick(clock);
       got := wishbone_s2m.dat;
       if inside then
         check_equal(wishbone_s2m.ack, '1', "acknowledge");
@@ -61,7 +55,7 @@ begin
         check_equal(wishbone_s2m.ack, '0', "acknowledge beyond the end");
         check_equal(wishbone_s2m.err, '1', "refusal beyond the end");
       end if;
-      tick;
+      tick(clock);
       wishbone_m2s.stb <= '0';
       wait for 1 ps;
       check_equal(wishbone_s2m.ack or wishbone_s2m.err, '0', "a second answer");
@@ -69,8 +63,7 @@ begin
 
   begin
     random.seed(9);
-    tick;
-    tick;
+    tick(clock, 2);
     reset <= '0';
     for number in 1 to 400 loop
       index := random.integer_between(0, words - 1);
@@ -96,11 +89,6 @@ begin
     wait;
   end process;
 
-  watchdog : process
-  begin
-    wait for 100 us;
-    assert ended report "wishbone_memory_tb: took too long" severity failure;
-    wait;
-  end process;
+  watchdog(ended, 100 us, "wishbone_memory_tb");
 
 end architecture;

@@ -20,6 +20,12 @@ ENTITIES = {
 BENCHES = "\n".join(
     file.read_text(encoding="utf-8") for file in (ROOT / "gateware" / "test").glob("*_tb.vhd")
 )
+ENDS_BY_ITSELF = {
+    "fifo_publish_tb": "at its last clock",
+    "lockstep_tb": "at the end of its file",
+    "rate_pkg_tb": "it has no clock",
+    "replay_tb": "at the end of its file, and each step has its own limit",
+}
 PAGES = {file.stem for file in (ROOT / "docs" / "gateware").glob("*.md")}
 
 
@@ -45,3 +51,11 @@ def test_files_are_short_and_licensed(file: Path) -> None:
     assert text.startswith("-- SPDX-License-Identifier: BSD-3-Clause")
     assert len(text.splitlines()) <= 450
     assert all(len(line) <= 130 for line in text.splitlines())
+
+
+@pytest.mark.parametrize(
+    "bench", sorted((ROOT / "gateware" / "test").glob("*_tb.vhd")), ids=lambda file: file.stem
+)
+def test_bench_has_a_watchdog_that_names_it(bench: Path) -> None:
+    named = re.findall(r'^  watchdog\(\w+, .+, "(\w+)"\);$', bench.read_text(encoding="utf-8"), re.MULTILINE)
+    assert named == ([] if bench.stem in ENDS_BY_ITSELF else [bench.stem])
