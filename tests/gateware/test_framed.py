@@ -90,7 +90,8 @@ RUNS = [  # seed, window, generics
     (5, 32, {"fifo_words": 16, "stall_percent": 20}),
     (6, 128, {}),
     (7, 2, {"protocol": "framed", "stall_percent": 10}),
-    *((seed, 8, {"registers": REGISTERS}) for seed in range(8, 12)),
+    *((seed, 8, {"registers": REGISTERS}) for seed in (8, 9)),
+    *(pytest.param(seed, 8, {"registers": REGISTERS}, marks=pytest.mark.long) for seed in (10, 11)),
 ]
 
 
@@ -105,9 +106,9 @@ def test_a_scenario(rtl: Any, seed: int, window: int, generics: dict[str, Any]) 
     steps = [step for step in Scenario(seed, settings, addresses=addresses) if step]
     memory = [Frame(p.REQUEST_KIND_READ, field((n, 2), (n, a))).encode(EPOCH) for n in range(BAD)]
     expected = [reference.feed(step) for step in steps]
-    again = opening(reference.nonce + 1)
-    steps += [again, *memory]
-    expected += [reference.feed(step) for step in (again, *memory)]
+    again = [opening(reference.nonce + 1), b"".join(memory)]
+    steps += again
+    expected += [reference.feed(step) for step in again]
     answers = play(rtl, settings, steps, **generics)
     for number, (step, told) in enumerate(zip(steps, answers, strict=True)):
         assert without_clock(told) == without_clock(expected[number]), f"step {number}: {step.hex(' ')}"

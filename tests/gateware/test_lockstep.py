@@ -10,7 +10,9 @@ import ctypes
 import random
 from collections import deque
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -26,8 +28,11 @@ from unitylink.simulate.rtl.verilog import either_edge_will_do
 
 TOP = "lockstep_design"
 CLOCKS = 6_000
-CONFIGURATIONS: list[dict[str, Any]] = [
-    {},
+CLOCKS_OF_A_DEFECT = 2_000  # both show in the first messages
+PLAIN: dict[str, Any] = {}
+SHARES_PLAIN = pytest.mark.xdist_group("lockstep plain")  # one process, which synthesises it once
+CONFIGURATIONS: list[Any] = [
+    pytest.param(PLAIN, marks=SHARES_PLAIN),
     {"address_width": 12, "data_width": 13, "groups": 9, "group_size": 5, "rate_bytes": 1, "publish_mode": 1},
     {"address_width": 24, "read_many": 0, "publish_mode": 0, "checksum": "xor"},
     {"protocol": "both", "address_width": 16},
@@ -169,17 +174,24 @@ def play(model: Model, requests: Requests | Frames, clocks: int) -> tuple[list[s
     return stimuli, responses
 
 
+@cache
+def synthesised(generics: tuple[tuple[str, Any], ...]) -> tuple[str, str]:
+    """The netlist as GHDL prints it in Verilog and in VHDL."""
+    sources = [*gateware_sources(), gateware_folder() / "test" / f"{TOP}.vhd"]
+    with TemporaryDirectory(prefix="unitylink-lockstep-") as work:
+        synthesis = Ghdl(Path(work), sources)
+        verilog, vhdl = (
+            synthesis.synthesise(TOP, language, dict(generics)) for language in ("verilog", "vhdl")
+        )
+    return verilog, vhdl
+
+
 class Lockstep:
     """Runs one netlist of lockstep_design, and GHDL on its source, with the same stimulus."""
 
     def __init__(self, ghdl: Any, folder: Path, generics: dict[str, Any]) -> None:
         self.ghdl, self.folder, self.generics = ghdl, folder, generics
-        sources = [*gateware_sources(), gateware_folder() / "test" / f"{TOP}.vhd"]
-        work = folder / "synthesis"
-        work.mkdir()
-        synthesis = Ghdl(work, sources)
-        self.verilog = synthesis.synthesise(TOP, "verilog", generics)
-        self.vhdl = synthesis.synthesise(TOP, "vhdl", generics)
+        self.verilog, self.vhdl = synthesised(tuple(generics.items()))
 
     def compare(self, verilog: str, clocks: int) -> tuple[list[str], list[str]]:
         library = self.folder / f"model_{len(list(self.folder.glob('*.so')))}.so"
@@ -228,13 +240,14 @@ def test_netlist_and_source(ghdl: Any, tmp_path: Path, generics: dict[str, Any])
     assert len(sent) > CLOCKS / 8
 
 
+@SHARES_PLAIN
 @pytest.mark.parametrize("defect", ["default arms", "wide constants"])
 def test_netlist_as_ghdl_prints_it_differs(ghdl: Any, tmp_path: Path, defect: str) -> None:
     """If this fails, GHDL prints it right and the repair may go."""
-    lockstep = Lockstep(ghdl, tmp_path, {})
+    lockstep = Lockstep(ghdl, tmp_path, PLAIN)
     if defect == "default arms":
         verilog = with_sized_constants(lockstep.verilog)
     else:
         verilog = with_default_arms(lockstep.verilog, lockstep.vhdl)
     assert verilog != repaired(lockstep.verilog, lockstep.vhdl)
-    assert first_difference(*lockstep.compare(verilog, CLOCKS)) is not None
+    assert first_difference(*lockstep.compare(verilog, CLOCKS_OF_A_DEFECT)) is not None

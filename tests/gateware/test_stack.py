@@ -8,6 +8,6 @@ from typing import Any
 import pytest
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_uart_core_interconnect_and_every_slave(ghdl: Any, seed: int) -> None:
     ghdl.run("stack_tb", seed=seed)

@@ -91,7 +91,7 @@ def log_of(path: Path) -> list[Line]:
 CASES: dict[str, dict[str, Any]] = {
     "plain": {},
     "cycle_of_a_clock": {"cycle_clocks": 1, "seed": 2},
-    "long_cycle": {"cycle_clocks": 400, "seed": 3},
+    "long_cycle": {"cycle_clocks": 150, "seed": 3},
     "halts": {"cycle_clocks": 50, "max_skipped_writes": 3, "network_faults": True, "seed": 4},
     "listed_words": {"whole_memory": False, "seed": 5},
     "one_word": {"whole_memory": False, "words": 1, "cycle_clocks": 20, "seed": 6},

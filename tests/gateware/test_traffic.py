@@ -120,8 +120,7 @@ def spoken(text: str, *, ending: str = "#\n") -> list[tuple[str, Any]]:
 
     `ending` ends a message that is still open, where the datalink does not care.
     """
-    steps = [("send", text), ("quiet", QUIET), ("send", ending), ("quiet", QUIET), ("send", "#DPS\n")]
-    return [*steps, ("quiet", QUIET)]
+    return [("send", text), ("quiet", QUIET), ("send", ending + "#DPS\n"), ("quiet", QUIET)]
 
 
 def split(answer: bytes) -> tuple[list[bytes], list[bytes]]:
