@@ -56,7 +56,8 @@ class Ghdl:
         output = self._call("-r", "--std=08", bench, *settings, *checks, *options)
         assert re.search(rf"{bench}: passed", output), f"{bench} stopped before its end\n{output}"
         doubts = [line for line in output.splitlines() if "(assertion warning)" in line]  # as of numeric_std
-        assert not (self.strict and doubts), f"{bench}: {len(doubts)} warnings, the first: {doubts[0]}"
+        remedy = "a metavalue is a signal without a value before the reset: give it an initial one"
+        assert not (self.strict and doubts), f"{bench}: {len(doubts)} warnings ({remedy}), first {doubts[0]}"
         return output
 
     def refuse(self, bench: str, message: str, **generics: int | str | bool) -> None:

@@ -6,12 +6,6 @@
 
 namespace unitylink::device {
 
-namespace {
-
-constexpr std::uint8_t overrun = 4;
-
-}  // namespace
-
 Device::Device(const DeviceConfiguration& configuration)
     : configuration_(configuration),
       bus_(configuration_,

@@ -12,7 +12,6 @@ namespace {
 constexpr Clock reset_clocks = 4;
 constexpr Clock chunk_clocks = 4096;      // about a millisecond of work
 constexpr Clock looks_per_second = 2000;  // for output without a request
-constexpr std::uint8_t overrun = 4;
 
 // The library stays mapped, because a model may leave thread-local destructors behind.
 const unitylink_rtl* load(const std::string& library, const RtlWords& words, std::uint32_t groups) {

@@ -15,6 +15,8 @@ namespace unitylink::device {
 
 class Tosnet;
 
+constexpr std::uint8_t overrun = 4;  // the bit of receive_error() for a byte that was lost at a full receive FIFO
+
 struct DeviceStatistics {
   std::uint64_t bytes_received = 0;  // taken by the datalink
   std::uint64_t bytes_sent = 0;      // given to the host

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t speed_hz_default = 10'000'000;
-constexpr std::uint64_t poll_ns_default = 1'000'000;
+constexpr std::uint64_t poll_ns_alone = 1'000'000;
 constexpr std::uint64_t poll_ns_beside_line = 100'000'000;
 constexpr std::size_t message_bytes = 1024;  // of the link's, in a transfer
 constexpr std::size_t look_bytes = 32;       // of filler behind them: an answer to one read comes within these
@@ -121,7 +121,7 @@ Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& drive
     return wrong_url(url, "speed_hz=" + *text + " is not a clock rate in Hz such as 10000000");
   }
   const std::string* place = url.option("waiting");
-  std::uint64_t poll_ns = place == nullptr ? poll_ns_default : poll_ns_beside_line;
+  std::uint64_t poll_ns = place == nullptr ? poll_ns_alone : poll_ns_beside_line;
   if (const std::string* text = url.option("poll"); text != nullptr && !parse_seconds(*text, poll_ns)) {
     return wrong_url(url, "poll=" + *text + " is not a time in seconds from 1e-6 to 3600");
   }

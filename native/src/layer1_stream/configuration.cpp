@@ -48,7 +48,7 @@ class Cursor {
   std::string_view text_;
 };
 
-struct Bytes {
+struct ReplyBytes {
   std::array<std::uint8_t, fields_before_frequency + frequency_bytes_max + fields_after_frequency> value{};
   // whether it was sent as ','
   std::array<bool, fields_before_frequency + frequency_bytes_max + fields_after_frequency> as_comma{};
@@ -58,7 +58,7 @@ struct Bytes {
   }
 };
 
-bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noexcept {
+bool split(std::string_view text, std::size_t frequency_bytes, ReplyBytes& bytes) noexcept {
   Cursor cursor(text);
   const std::size_t count = fields_before_frequency + frequency_bytes + fields_after_frequency;
   for (std::size_t index = 0; index < count; ++index) {
@@ -75,7 +75,7 @@ bool split(std::string_view text, std::size_t frequency_bytes, Bytes& bytes) noe
 }
 
 // The gateware of 2012 leaves a byte that it sends as ',' out of its checksum. Both ways of counting are accepted.
-bool checksum_right(const Bytes& bytes, std::size_t count, const Crc8& sum, std::uint8_t checksum) noexcept {
+bool checksum_right(const ReplyBytes& bytes, std::size_t count, const Crc8& sum, std::uint8_t checksum) noexcept {
   std::uint8_t with = protocol::crc8::initial;
   for (const char letter : protocol::reply::read_configuration) {
     with = sum.update(with, static_cast<std::uint8_t>(letter));
@@ -109,7 +109,7 @@ bool has_comma_byte(const Configuration& configuration) noexcept {
 std::optional<Configuration> parse_configuration(std::string_view fields, const Crc8& sum,
                                                  std::optional<std::uint8_t> checksum, bool of_2012) noexcept {
   for (std::size_t length = 1; length <= frequency_bytes_max; ++length) {
-    Bytes bytes{};
+    ReplyBytes bytes{};
     if (!split(fields, length, bytes) || (!of_2012 && bytes.any_as_comma())) {
       continue;
     }

@@ -21,8 +21,6 @@ std::vector<std::uint32_t> addresses_of(std::span<const ExchangeWord> words) {
   return addresses;
 }
 
-std::uint32_t highest(std::uint32_t bytes) noexcept { return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1; }
-
 }  // namespace
 
 struct Link::ExchangeLayout {

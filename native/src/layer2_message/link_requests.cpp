@@ -11,10 +11,6 @@ namespace {
 
 std::string hex(std::uint32_t value) { return hex_address(value, 0); }
 
-constexpr std::uint32_t highest(std::uint32_t bytes) noexcept {
-  return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1;
-}
-
 Outcome no_room(std::size_t addresses, std::size_t values) {
   return {Status::range,
           "room for " + std::to_string(values) + " values, but " + std::to_string(addresses) + " addresses"};

@@ -56,7 +56,7 @@ def command(link: str, spec_file: str | None, installing: bool, as_json: bool) -
         )
     if not scheme_of(link).stream:
         raise Failure(f"{link} is memory of this machine, not a port", "`unitylink info` looks at it")
-    if scheme_of(link).name == "fd":
+    if scheme_of(link).once:
         raise Failure(
             f"{link} can be opened only once, and the doctor opens it several times",
             "`unitylink info` asks it",

@@ -45,6 +45,7 @@ BAUD_RATES_HZ = (
     57_600,
     500_000,
 )
+_NETWORK = ("tcp", "udp")
 _ROUND_TRIPS = 50
 _SLACK_S = 0.005  # time that an operating system may take
 _SAMPLE_BYTES = 24
@@ -207,7 +208,7 @@ class _Doctor:
         try:
             driver = self.open_driver(place.url)
         except LinkError as error:
-            if place.scheme in ("tcp", "udp"):
+            if place.scheme in _NETWORK:
                 return [self.unreachable(error)]
             if place.scheme == "ftdi":
                 return [finding("ftdi-refused", reason=error.message)]
@@ -219,7 +220,9 @@ class _Doctor:
                 return self.wrong_answer(driver, answer)
             found = self.round_trips(driver)
         except LinkError as error:
-            return [self.unreachable(error)]
+            if place.scheme in _NETWORK:
+                return [self.unreachable(error)]
+            raise  # the driver says what happened to its port: there is no host to ping
         finally:
             driver.close()
         if self.spec is not None and not _stopped(found):

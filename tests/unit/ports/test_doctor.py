@@ -130,6 +130,32 @@ def test_unreachable(fake: FakeMachine, clock: Clock) -> None:
     assert "tcp://10.1.2.3:5555" in found.cause and "port 5555" in found.remedy
 
 
+@pytest.mark.parametrize(
+    ("link", "codes"), [(LINK, None), ("fd:7", None), ("tcp://10.1.2.3:5555", ["unreachable"])]
+)
+def test_a_line_that_is_lost_while_the_board_is_asked(
+    fake: FakeMachine, clock: Clock, link: str, codes: list[str] | None
+) -> None:
+    """A port that is unplugged then is no network device, and there is no host to ping."""
+
+    class Unplugged(Board):
+        def send(self, data: bytes, *, timeout_s: float = 0) -> None:
+            raise LinkClosed("unplugged")
+
+    fake.usb_port()
+
+    def examined() -> list[Finding]:
+        return examine(
+            link, machine=fake.machine(), open_driver=lambda _: Unplugged(healthy, clock), clock=clock
+        )
+
+    if codes is None:
+        with pytest.raises(LinkClosed, match="unplugged"):
+            examined()
+    else:
+        assert [finding.code for finding in examined()] == codes
+
+
 def test_a_port_that_cannot_be_opened_for_another_reason_is_an_error(fake: FakeMachine, clock: Clock) -> None:
     fake.usb_port()
 
