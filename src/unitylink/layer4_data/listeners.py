@@ -83,7 +83,11 @@ class Listeners(Generic[T]):
 
         remove = self.on_publish(take)
         try:
+            older = len(waiting)
             first = newest()
+            if first is not None:  # what had come before it was asked for is in it, or older
+                for _ in range(older):
+                    waiting.popleft()
             begin()
         except BaseException:
             remove()
@@ -109,7 +113,8 @@ class Listeners(Generic[T]):
             while waiting or alive():
                 while waiting:
                     one = waiting.popleft()
-                    if first is None or one[0] > first[0]:  # otherwise it is the one from the beginning
+                    # Not by the time: that of `first` may be the PC's, and that of a publish is the device's.
+                    if first is None or one != first:  # otherwise it came while it was asked for
                         yield one
                 try:
                     await asyncio.wait_for(arrived.wait(), ALIVE_CHECK_S)

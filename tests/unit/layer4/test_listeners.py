@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An iteration over publishes tells each once, whatever the clocks say, and begins with the newest."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import pytest
+
+from unitylink.layer4_data.listeners import Listeners
+
+Pair = tuple[float, int]
+
+
+def told(
+    listeners: Listeners[int], newest: Callable[[], Pair | None], then: list[Pair], count: int
+) -> list[Pair]:
+    async def some() -> list[Pair]:
+        found = []
+        async for one in listeners.stream(lambda: None, lambda: True, newest):
+            found.append(one)
+            while then:
+                listeners.tell(*then.pop(0))
+            if len(found) == count:
+                break
+        return found
+
+    return asyncio.run(asyncio.wait_for(some(), 30))
+
+
+@pytest.mark.parametrize("time_s", [9.0, 10.0, 11.0])
+def test_a_change_is_told_though_its_time_is_before_that_of_the_first(time_s: float) -> None:
+    """The first was read by the PC, at the PC's time; the device's clock may be behind."""
+    found = told(Listeners("x"), lambda: (10.0, 0), [(time_s, 1), (12.0, 2)], 3)
+    assert found == [(10.0, 0), (time_s, 1), (12.0, 2)]
+
+
+def test_a_publish_that_comes_while_the_newest_is_asked_for_is_told_once() -> None:
+    listeners: Listeners[int] = Listeners("x")
+
+    def newest() -> Pair:
+        listeners.tell(10.0, 5)
+        return 10.0, 5
+
+    assert told(listeners, newest, [(11.0, 6)], 2) == [(10.0, 5), (11.0, 6)]
