@@ -6,8 +6,8 @@
 --   rx --> datalink --> request_buffer --> application <--> bii, subscription
 --   tx <--    "     <-- fifo <-----------------+
 --
--- Ports     may_begin: low while another application has the bus. busy: this one is in a message. locked: a session of the
---           framed protocol is open, so nothing may be changed. All other ports: see core_bii.
+-- Ports     may_begin: low while another application has the bus. busy: this one is in a message. locked: a session of
+--           the framed protocol is open, so nothing may be changed. All other ports: see core_bii.
 -- Errors    While locked, a write ends like one that the bus refuses, and changes nothing. A request that would change
 --           groups or publishing is an unknown command.
 

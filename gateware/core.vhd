@@ -4,7 +4,8 @@
 --
 --   rx, tx <--> core_bii <--> wishbone_master <--> wishbone
 --
--- core_bii.vhd and wishbone_master.vhd have all details. The cycle figures in docs/gateware/core.md are for this entity.
+-- core_bii.vhd and wishbone_master.vhd have all details. The cycle figures in docs/gateware/core.md are for this
+-- entity.
 
 library ieee;
   use ieee.std_logic_1164.all;

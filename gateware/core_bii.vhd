@@ -1,23 +1,25 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The Unity-Link core without a bus: one protocol or both on byte streams, requests and publishes on the bus-independent
--- interface. `core` adds a Wishbone master, and `core_axi_lite` an AXI4-Lite one. You may add another.
+-- The Unity-Link core without a bus: one protocol or both on byte streams, requests and publishes on the
+-- bus-independent interface. `core` adds a Wishbone master, and `core_axi_lite` an AXI4-Lite one. You may add another.
 --
 --   rx --> port_splitter --> classic, framed <--> application_switch <--> dead_man <--> bii
 --   tx <-- port_joiner   <------+                        |
 --                                              subscription_manager <-- events
 --
--- Settings  docs/settings.md; core_settings(NAME => VALUE, ...) makes them. A protocol that is not chosen uses no logic.
--- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message. tx_publish: with all bytes of
---           a publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
+-- Settings  docs/settings.md; core_settings(NAME => VALUE, ...) makes them. A protocol that is not chosen uses no
+--           logic.
+-- Ports     rx, tx: byte streams, valid/ready/data. tx_last: with the last byte of a message. tx_publish: with all
+--           bytes of a publish. rx_error: one-clock pulses of the physical layer (bit 0 parity, 1 framing, 2 overrun).
 --           events: one line for each group, synchronous to the clock. bii: see bii_pkg; word addresses.
---           tripped: from the dead-man (dead_man), high from its trip until `arm` or reset; low if there is no dead-man.
--- Latency   From the last byte of a request to the first byte of its reply: 6 clocks. Then one byte per clock, as far as
---           the bus and the reply allow. The figures are in docs/gateware/core.md, and tests/gateware/test_cycles.py checks
---           them.
+--           tripped: from the dead-man (dead_man), high from its trip until `arm` or reset; low if there is no
+--           dead-man.
+-- Latency   From the last byte of a request to the first byte of its reply: 6 clocks. Then one byte per clock, as far
+--           as the bus and the reply allow. The figures are in docs/gateware/core.md, and tests/gateware/test_cycles.py
+--           checks them.
 -- Errors    docs/classic-protocol.md section 4. An error affects only its own message.
--- Pressure  tx_ready stalls replies, then execution, then rx_ready, but never the dead-man. Two requests are kept: the one
---           in execution and the next one.
+-- Pressure  tx_ready stalls replies, then execution, then rx_ready, but never the dead-man. Two requests are kept: the
+--           one in execution and the next one.
 -- Checksum  "none" also removes checked requests and EPC.
 -- Datalink  "lite" and "none" keep nothing: a request is executed while it comes in (docs/gateware/datalink.md).
 

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A board around the generated hello_led_top: LEDs, buttons, and a counter of milliseconds. `unitylink build` finds it by its name.
+-- A board around the generated hello_led_top: LEDs, buttons, and a counter of milliseconds. `unitylink build` finds it
+-- by its name.
 --
 -- Generics  clock_hz, baud_hz: the board's and the line's.
 -- Ports     reset: high starts anew; `unitylink build` holds it until the clock is steady. usb_rx, usb_tx: the link.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The generated profile_design and the logic of one's own, on byte streams: for RtlBoard, or any physical layer. On a board
--- with a UART profile_top takes the place of profile_design; its other ports are these.
+-- The generated profile_design and the logic of one's own, on byte streams: for RtlBoard, or any physical layer. On a
+-- board with a UART profile_top takes the place of profile_design; its other ports are these.
 --
 -- Ports, latency, errors, pressure: those of profile_design.
 

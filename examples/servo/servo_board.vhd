@@ -3,7 +3,8 @@
 -- A board around the generated servo_top: pins, and logic of one's own. This is all the VHDL that is written by hand.
 --
 -- Generics  clock_hz: the crystal. baud_hz: as in the spec.
--- Ports     reset: high starts anew; `unitylink build` holds it until the clock is steady. limit_switch: low when closed; asynchronous, as the encoder's lines are.
+-- Ports     reset: high starts anew; `unitylink build` holds it until the clock is steady. limit_switch: low when
+--           closed; asynchronous, as the encoder's lines are.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -6,9 +6,9 @@
 -- Ports     request, take, rewind, request_done: see request_buffer. busy: a message is in hand.
 --           subscription: see subscription_pkg. bii: see bii_pkg.
 --           word: valid/ready. The datalink turns words into characters.
--- Latency   The head of a reply is sent in the clock in which the request is valid, if nothing else is in hand. Clocks in
---           all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write 8 + AB + DB,
---           each word of a read-many 3 + AB + DB, each word of a publish 4 + DB.
+-- Latency   The head of a reply is sent in the clock in which the request is valid, if nothing else is in hand. Clocks
+--           in all, with a 2-clock bus and no stalls, for AB address and DB data bytes: read 9 + AB + DB, write 8 + AB
+--           + DB, each word of a read-many 3 + AB + DB, each word of a publish 4 + DB.
 -- Errors    The E_ codes of docs/classic-protocol.md section 4. A refused request changes nothing. An error within a
 --           read-many or publish ends it there, and the bus is released.
 -- Arbitration  Only between messages. publish_mode 2 prefers publishes, and 1 prefers requests. The other side gets its
@@ -98,7 +98,7 @@ architecture rtl of application is
   signal publish : std_ulogic;             -- the next message is a publish
   signal publish_begun : std_ulogic := '0';
   signal serving : std_ulogic := '0';      -- the message in hand is a request
-  signal turns   : natural range 0 to turns_most := 0;  -- messages of the preferred side in a row, while the other waited
+  signal turns   : natural range 0 to turns_most := 0;  -- messages of the preferred side while the other waited
   signal yields  : std_ulogic := '0';      -- the next turn belongs to the other side
   signal checked_publish : std_ulogic := '0';
 
@@ -107,8 +107,8 @@ architecture rtl of application is
   signal failed      : std_ulogic;
   signal failure     : unsigned(1 downto 0) := "00";  -- position for the access that failed; 0: none failed
 
-  -- Checks of the byte of the request that is in `address` now. They are made when the byte comes, because a jump has no
-  -- time for them.
+  -- Checks of the byte of the request that is in `address` now. They are made when the byte comes, because a jump has
+  -- no time for them.
   signal bad_read_many, bad_size, bad_group : std_ulogic := '0';
 
   alias lowest : std_ulogic_vector(7 downto 0) is address(7 downto 0);

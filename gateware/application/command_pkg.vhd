@@ -16,7 +16,7 @@ package command_pkg is
   -- arguments ends with its colon and has no further letters. One without arguments ends with its last letter.
   type recogniser_t is array (0 to 1023) of command_t;
 
-  constant letter_begin : std_ulogic_vector(4 downto 0) := "00000";  -- from every state to the first state of a new message
+  constant letter_begin : std_ulogic_vector(4 downto 0) := "00000";  -- from every state to the first of a message
   constant letter_colon : std_ulogic_vector(4 downto 0) := "11011";
 
   function recogniser(has_read_many, has_publishing, has_checksum, has_configuration : boolean) return recogniser_t;

@@ -3,9 +3,9 @@
 -- An instruction of the application's program: what it does, what it sends, and which instruction follows.
 --
 -- An instruction does everything in one clock and goes on at `following`, or at `target` if its `condition` holds. No
--- access begins while a byte of the request is missing. An instruction that sends waits for the datalink. One that takes
--- waits for the request, and one that begins waits for work. One that awaits waits for the end of the access. If the
--- access failed, it goes on at one of the positions below.
+-- access begins while a byte of the request is missing. An instruction that sends waits for the datalink. One that
+-- takes waits for the request, and one that begins waits for work. One that awaits waits for the end of the access. If
+-- the access failed, it goes on at one of the positions below.
 --
 -- Only sending and taking delay the other actions of an instruction. So an instruction that begins or awaits changes no
 -- registers, one that finishes only sends, and one that loads `count` or `group_number` neither sends nor takes.

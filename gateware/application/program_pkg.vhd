@@ -50,8 +50,9 @@ package body program_pkg is
 
     constant never        : natural := 0;
     constant take_address : instruction_t := act(do_take) or act(do_shift_address);
-    constant acts         : instruction_t := take_address or act(do_shift_data) or act(do_count) or act(do_load_address) or
-      act(do_load_count) or act(do_load_group) or act(do_read) or act(do_write) or act(do_finish);
+    constant acts         : instruction_t := take_address or act(do_shift_data) or act(do_count) or
+      act(do_load_address) or act(do_load_count) or act(do_load_group) or act(do_read) or act(do_write) or
+      act(do_finish);
 
     variable code : program_t(0 to 511) := (others => nothing_done);
     variable free : natural := 4;                       -- the first free position
@@ -162,8 +163,8 @@ package body program_pkg is
       end loop;
     end procedure;
 
-    -- Sends a word of a block. The access is open, and `count` is the number of words after this one. `again` fetches the
-    -- next word.
+    -- Sends a word of a block. The access is open, and `count` is the number of words after this one. `again` fetches
+    -- the next word.
     procedure block_word(again : natural) is
     begin
       branch := here;

@@ -4,14 +4,14 @@
 --
 --   receive --> | letters -> recogniser -> command | data bytes -> one of two halves of a memory | --> request
 --
--- A half has an entry of 8 data bits for each data byte. An entry before them says what the message is: its command, and
--- where its data end. For a datalink error it is the error code instead. The error takes the place of its message, so
--- replies and errors leave in the order of their causes. While one request is executed, the next one is received.
+-- A half has an entry of 8 data bits for each data byte. An entry before them says what the message is: its command,
+-- and where its data end. For a datalink error it is the error code instead. The error takes the place of its message,
+-- so replies and errors leave in the order of their causes. While one request is executed, the next one is received.
 --
 -- Ports     receive: at most one event per clock, never refused. Between messages, none may come while room is low.
---           request: valid until request_done. Its command and similar fields are valid until the first take. After that,
---           `data` is the first byte not yet taken. The next byte comes in the clock after take. rewind: back to the
---           state before the first take.
+--           request: valid until request_done. Its command and similar fields are valid until the first take. After
+--           that, `data` is the first byte not yet taken. The next byte comes in the clock after take. rewind: back to
+--           the state before the first take.
 -- Latency   A request is valid two clocks after its `good`.
 -- Errors    None of its own. Letters of an unknown command give `command_unknown` or another number without a command.
 

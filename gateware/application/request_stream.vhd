@@ -1,18 +1,19 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Passes requests on while they come in, one byte at a time. It is the request_buffer of the datalinks "lite" and "none".
+-- Passes requests on while they come in, one byte at a time. It is the request_buffer of the datalinks "lite" and
+-- "none".
 --
 --   receive --> | letters -> recogniser -> command | one data byte | --> request
 --
 -- Ports     receive: at most one event per clock, and none while room is low.
 --           request: valid from the colon, or from the end of the command, until request_done. Its command and similar
---           fields are valid until the first take. After that `data` is the next byte, with `ready`. `missing`: none will
---           come. Bytes after a request that is done are dropped up to the next `start`.
+--           fields are valid until the first take. After that `data` is the next byte, with `ready`. `missing`: none
+--           will come. Bytes after a request that is done are dropped up to the next `start`.
 --           message_end: comes with the colon or byte in `receive` after which a request needs no more. "none" uses it.
 -- Latency   A request is valid one clock after its colon or end, and a byte one clock after it came. One byte per two
 --           clocks.
--- Errors    None of its own. A `bad` outside a message is passed on. Letters of an unknown command give a number without
---           a command.
+-- Errors    None of its own. A `bad` outside a message is passed on. Letters of an unknown command give a number
+--           without a command.
 
 library ieee;
   use ieee.std_logic_1164.all;

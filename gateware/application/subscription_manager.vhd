@@ -3,13 +3,14 @@
 -- The publish groups: their addresses, rates and events. It chooses the group that publishes next.
 --
 -- While publishing is on, a strobe comes every clock_hz / base_hz clocks, the first one at once. Each strobe starts a
--- scan of all groups, one per clock. A group whose rate is reached becomes due. An event input also makes its group due,
--- by level or by rising edge. A group that is already due is not queued again. If rate and event come together, the rate
--- is served first. Among the due groups the choice goes downwards and around, from the group that was served last.
+-- scan of all groups, one per clock. A group whose rate is reached becomes due. An event input also makes its group
+-- due, by level or by rising edge. A group that is already due is not queued again. If rate and event come together,
+-- the rate is served first. Among the due groups the choice goes downwards and around, from the group that was served
+-- last.
 --
 -- Ports     See subscription_pkg. Requests are taken at once, except write_rate, which waits for `done`. A strobe that
---           comes meanwhile waits 2 clocks for it. `publish` is low during a scan: take it if it was high one clock ago.
---           The event inputs must be synchronous to the clock.
+--           comes meanwhile waits 2 clocks for it. `publish` is low during a scan: take it if it was high one clock
+--           ago. The event inputs must be synchronous to the clock.
 -- Latency   From strobe to `publish` always groups + 5 clocks. From an event input 2 clocks, or until after the scan.
 -- Errors    None. An empty group never becomes due, and rate 0 is off. Addresses, counts and rates are in block RAM.
 
@@ -58,7 +59,7 @@ architecture rtl of subscription_manager is
 
   signal words : word_memory_t;  -- see subscription_pkg
   signal rates : rate_memory_t := (others => (others => '0'));  -- the rate less one
-  signal tally : rate_memory_t := (others => (others => '0'));  -- strobes counted towards the rate; always less than the rate
+  signal tally : rate_memory_t := (others => (others => '0'));  -- strobes counted towards the rate, always fewer
 
   -- One flag for each group.
   signal filled  : flags_t := (others => '0');  -- it has addresses
@@ -131,7 +132,8 @@ architecture rtl of subscription_manager is
 begin
 
   assert period > groups + 4
-    report "subscription_manager: at least groups + 5 clocks must lie between two strobes; lower base_hz" severity failure;
+    report "subscription_manager: at least groups + 5 clocks must lie between two strobes; lower base_hz"
+    severity failure;
 
   group_number <= to_integer(request.group_number) when request.group_number < groups else 0;
   read_group   <= scan when phase = looking else group_number;

@@ -18,8 +18,8 @@ package address_map_pkg is
   function last_address (span : address_range_t) return unsigned;
   function overlaps (one : address_range_t; other : address_range_t) return boolean;
 
-  -- Whether size and base fit: the size is a power of two, and the base a multiple of it. Then decoding needs a comparison
-  -- and no subtraction.
+  -- Whether size and base fit: the size is a power of two, and the base a multiple of it. Then decoding needs a
+  -- comparison and no subtraction.
   function is_aligned (span : address_range_t) return boolean;
 
 end package;

@@ -4,16 +4,17 @@
 --
 -- Addresses  AXI counts bytes: word a is at 4 * a, for every data_width. So a word address has at most 30 bits.
 -- Latency    Address and data are on the bus one clock after bii_request.valid. `done` comes in the same clock as the
---            response. A read or write takes 3 clocks if the slave takes the address at once and answers in the next clock.
--- Block      AXI4-Lite cannot hold its bus. `hold` is high from the first to the last access of a block, and during each
---            single access, like Wishbone's cyc. It is for slaves that show one moment for a whole block. Other masters may
---            come between.
--- Errors     SLVERR and DECERR end an access with status `error`. After `timeout_clocks` clocks without a response it ends
---            with status `silent`.
--- Late       AXI cannot cancel an access. After a timeout, the access stays on the bus until its response comes, and this
---            response is dropped. Only then does the next access start, so a late response is never used for another
---            access. Until then every access ends with `silent` after timeout_clocks, and does not reach the bus. A write
---            that ended with `silent` may still happen.
+--            response. A read or write takes 3 clocks if the slave takes the address at once and answers in the next
+--            clock.
+-- Block      AXI4-Lite cannot hold its bus. `hold` is high from the first to the last access of a block, and during
+--            each single access, like Wishbone's cyc. It is for slaves that show one moment for a whole block. Other
+--            masters may come between.
+-- Errors     SLVERR and DECERR end an access with status `error`. After `timeout_clocks` clocks without a response it
+--            ends with status `silent`.
+-- Late       AXI cannot cancel an access. After a timeout, the access stays on the bus until its response comes, and
+--            this response is dropped. Only then does the next access start, so a late response is never used for
+--            another access. Until then every access ends with `silent` after timeout_clocks, and does not reach the
+--            bus. A write that ended with `silent` may still happen.
 -- Pressure   valid waits for ready on every channel. bii_request waits.
 -- Reset      Drops the current access. Reset the slaves in the same clock, as AXI demands.
 

@@ -2,9 +2,10 @@
 --
 -- The bus-independent interface, between the application layer and any bus.
 --
--- The application raises valid, and keeps write, address and data stable until done. done is high for one clock, together
--- with the status. `block_hold` is high from before the first access to after the last access of words that belong
--- together. A master keeps its bus for that time. Every access ends: if no slave answers, the master answers `silent`.
+-- The application raises valid, and keeps write, address and data stable until done. done is high for one clock,
+-- together with the status. `block_hold` is high from before the first access to after the last access of words that
+-- belong together. A master keeps its bus for that time. Every access ends: if no slave answers, the master answers
+-- `silent`.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -5,18 +5,18 @@
 --   +0 .. words - 1   write: the hidden bank                       read: the visible bank
 --   +words            write any value: commit, the banks swap      read: number of commits so far
 --
--- Hazard     A commit swaps the banks and does not copy. A word that is not written before a commit has its value of two
---            commits ago.
--- FPGA side  user_read_data is the visible word at user_read_address, one clock later. The FPGA writes words of its own to
---            the visible bank by user_write_valid/ready. committed is high for one clock when a commit took effect. Read
---            words that belong together after it.
--- Block      While cyc is high, user_write_ready is low, so a read-many or a publish sees one moment. The FPGA's word waits
---            for the end of the block, and the next block sees it.
+-- Hazard     A commit swaps the banks and does not copy. A word that is not written before a commit has its value of
+--            two commits ago.
+-- FPGA side  user_read_data is the visible word at user_read_address, one clock later. The FPGA writes words of its own
+--            to the visible bank by user_write_valid/ready. committed is high for one clock when a commit took effect.
+--            Read words that belong together after it.
+-- Block      While cyc is high, user_write_ready is low, so a read-many or a publish sees one moment. The FPGA's word
+--            waits for the end of the block, and the next block sees it.
 -- Latency    ack or err one clock after strobe: 2 clocks per access.
 -- Errors     err for an address beyond +words, and for a write that does not select all bytes by sel. Such an access
 --            changes nothing.
--- Reset      Sets the number of commits to zero and makes the first bank visible. Both banks are zero at power-up (initial
---            value of block RAM), and a reset keeps their words.
+-- Reset      Sets the number of commits to zero and makes the first bank visible. Both banks are zero at power-up
+--            (initial value of block RAM), and a reset keeps their words.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -8,12 +8,12 @@
 --
 -- Generics  writable has one character for each address, address 0 first: "0110" is four words, of which 1 and 2 may be
 --           written. '-' is a hole: there is no word at this address, and its ports are not used.
---           snapshot true: a read gives the words of the clock before cyc rose. So all words of a read-many or a publish
---           are of one moment, over all such slaves. A word that is written while cyc is high is live from then on, until
---           cyc falls. So the master reads back what it wrote.
+--           snapshot true: a read gives the words of the clock before cyc rose. So all words of a read-many or a
+--           publish are of one moment, over all such slaves. A word that is written while cyc is high is live from then
+--           on, until cyc falls. So the master reads back what it wrote.
 -- Latency   ack or err one clock after strobe: 2 clocks per access.
--- Errors    err for an address that does not exist, for a write to one that is not writable, and for a write that does not
---           select all bytes by sel. A register is written whole or not at all. Such an access changes nothing.
+-- Errors    err for an address that does not exist, for a write to one that is not writable, and for a write that does
+--           not select all bytes by sel. A register is written whole or not at all. Such an access changes nothing.
 -- Reset     write_words become `initial`, which has one word for each address, or zero where it has none. written stays
 --           low.
 
@@ -61,7 +61,8 @@ architecture rtl of register_slave is
 
   constant first : word_vector_t(0 to words - 1) := first_words;
 
-  -- GHDL 2.0 synthesises a constant of 64, 96, 128 ... bits as zero if its last 32 bits are zero. So there is one more bit.
+  -- GHDL 2.0 synthesises a constant of 64, 96, 128 ... bits as zero if its last 32 bits are zero. So there is one more
+  -- bit.
   subtype flags_t is std_ulogic_vector(0 to words - 1 + boolean'pos(words mod 32 = 0));
 
   -- The addresses that have this character in `writable`.

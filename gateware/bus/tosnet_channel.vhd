@@ -4,8 +4,8 @@
 --
 --   write_valid/ready/data --> | up to `depth` words | -- three per cycle --> read_valid/ready/data
 --
--- Travel    A cycle passes up to three words to the reading side, the oldest first. They must have been written before the
---           cycle.
+-- Travel    A cycle passes up to three words to the reading side, the oldest first. They must have been written before
+--           the cycle.
 -- pending   Words have arrived. read_valid follows within two clocks. Wait for it if no word may be missed.
 -- Pressure  write_ready is low while `depth` words are in the queue, arrived or not. Nothing is lost.
 -- Reset     Empties the queue.

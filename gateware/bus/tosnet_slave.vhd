@@ -1,30 +1,34 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. There is no
--- ring yet. The logic around this entity takes the place of the nodes, and a counter gives the network cycle.
+-- TosNet's memory map on the Wishbone bus: the shared memory of the ring's nodes, its commits, and its status. There is
+-- no ring yet. The logic around this entity takes the place of the nodes, and a counter gives the network cycle.
 -- docs/gateware/tosnet_slave.md has the bits.
 --
---   000-3FF  shared memory, node * 64 + register * 8 + 4 if IN + word. The PC writes IN words and its own node's OUT words
+--   000-3FF  shared memory, node * 64 + register * 8 + 4 if IN + word. The PC writes IN words and its own node's OUT
+--            words
 --   400      read: status. write any value: commit              401, 402, 403  packet, reset and error counter
 --   500-50F  network registers                                  600-602, 700, 702  asynchronous channel
 --
 -- Cycle     Every cycle_clocks a pending commit takes effect, and read_words are sampled. `cycle` is high in the first
 --           clock of each. So the written words belong to one moment, and so do the read words.
--- Commit    write_words are the last committed words of write_addresses. All change in one clock, in which `committed` is
---           high. A write to the memory while a commit is pending aborts the commit (CWA). The write itself takes effect.
+-- Commit    write_words are the last committed words of write_addresses. All change in one clock, in which `committed`
+--           is high. A write to the memory while a commit is pending aborts the commit (CWA). The write itself takes
+--           effect.
 -- Hazard    A commit swaps two banks and does not copy. A word that is not rewritten has its value of two commits ago.
 -- Block     While cyc is high, the PC reads words of one moment. A cycle that ends meanwhile is seen after the block.
 -- Memory    whole_memory: every word exists, as in TosNet, in 64 Kibit of block RAM. Otherwise only the words of
 --           write_addresses and read_addresses exist. Words that no node reads are kept for the PC. Words that no node
 --           gives are zero.
--- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or the
---           gateware starts again. Use it to bring outputs to a safe state.
--- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait. One
---           clock of damaged is one cycle with an error.
+-- Halt      More than max_skipped_writes cycles without a commit (0: any number) raise `halted`, until the network or
+--           the gateware starts again. Use it to bring outputs to a safe state.
+-- Ring      online and damaged take the place of the ring. While online is low, nothing is exchanged and commits wait.
+--           One clock of damaged is one cycle with an error.
 -- Latency   ack or err one clock after strobe: 2 clocks per access. After a reset, accesses wait until the memory is
---           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that has just arrived.
--- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select all
---           bytes by sel, and a full or empty asynchronous queue. Such an access changes only the error bits of the status.
+--           cleared, one clock per word, two banks. A read waits one clock for an asynchronous word that has just
+--           arrived.
+-- Errors    err for a word that may not be written or read, an address without meaning, a write that does not select
+--           all bytes by sel, and a full or empty asynchronous queue. Such an access changes only the error bits of the
+--           status.
 -- Reset     All words are zero, and no commit is pending.
 
 library ieee;
@@ -46,7 +50,7 @@ entity tosnet_slave is
     cycle_clocks       : positive                     := 5000;
     max_skipped_writes : natural range 0 to 65535     := 0;
     whole_memory       : boolean                      := true;
-    async_depth        : natural range 0 to 2 ** 16   := 128 -- words each way, a power of two; 0: no asynchronous channel
+    async_depth        : natural range 0 to 2 ** 16   := 128 -- words each way, a power of two; 0: no channel
   );
   port (
     clock        : in  std_ulogic;
@@ -321,8 +325,8 @@ begin
     generic map (cycle_clocks => cycle_clocks, max_skipped_writes => max_skipped_writes)
     port map (
       clock => clock, reset => reset, online => online, damaged => damaged, pending => pending,
-      ends => cycle_ends, exchange => exchange, was_online => was_online, packet_error => packet_error, halted => halted,
-      read_pointer => read_pointer, packets => packets, resets => resets, errors => errors);
+      ends => cycle_ends, exchange => exchange, was_online => was_online, packet_error => packet_error,
+      halted => halted, read_pointer => read_pointer, packets => packets, resets => resets, errors => errors);
 
   -- In the clock that ends a cycle, the access comes first: a commit takes effect, and a write still aborts one.
   pending <= commit or (commit_pending and not store);
@@ -380,7 +384,8 @@ begin
 
   tx_steer <= whole_write when address = tosnet_async_tx_control_c else '0';
   tx_valid <= whole_write and tx_ready when address = tosnet_async_tx_data_c else '0';
-  rx_take  <= '1' when asked = '1' and wishbone_m2s.we = '0' and within = '1' and address = tosnet_async_rx_data_c else '0';
+  rx_take  <= '1' when asked = '1' and wishbone_m2s.we = '0' and within = '1' and
+                       address = tosnet_async_rx_data_c else '0';
 
   channel : if async_depth > 0 generate
 

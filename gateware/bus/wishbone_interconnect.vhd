@@ -6,11 +6,11 @@
 --   master_m2s --decode--+--> slaves_m2s(1)   address_map(1): base x"00000400", 3 words
 --                        +--> err             everywhere else
 --
--- Addresses  A slave gets addresses of its own, from 0 on: the base is subtracted. Any base and size are possible. A size
---            that is a power of two, with a base that is a multiple of it, needs no adder. Ranges that overlap or pass the
---            end stop elaboration.
--- cyc        goes to every slave, and stb to one. So all slaves that keep one moment (double buffers, snapshots) keep the
---            same moment.
+-- Addresses  A slave gets addresses of its own, from 0 on: the base is subtracted. Any base and size are possible. A
+--            size that is a power of two, with a base that is a multiple of it, needs no adder. Ranges that overlap or
+--            pass the end stop elaboration.
+-- cyc        goes to every slave, and stb to one. So all slaves that keep one moment (double buffers, snapshots) keep
+--            the same moment.
 -- Latency    None: decode, strobe and answer are in the same clock.
 -- Errors     An access outside all ranges is answered with err in its first clock. The master's timeout ends an access
 --            whose slave never answers.

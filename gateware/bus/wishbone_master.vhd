@@ -5,12 +5,12 @@
 -- Latency   None of its own: strobe comes in the same clock as bii_request.valid, and done in the same clock as ack. An
 --           access takes as many clocks as the slave: 2 with a registered acknowledge.
 -- Block     cyc stays high from the first access while bii_request.block_hold is high.
--- Errors    err ends an access with status `error`. After `timeout_clocks` clocks without ack or err the access ends with
---           status `silent`, cyc falls, and no slave is addressed.
--- Late ack  A slave may still answer after a timeout. So the bus rests, with cyc low, for another `timeout_clocks` clocks,
---           or until that answer has come and gone. Only then does the next access start, so a late ack is not used for
---           another access. (Wishbone demands that a slave forgets an access when cyc falls. A slave that answers more than
---           twice `timeout_clocks` late breaks that rule.)
+-- Errors    err ends an access with status `error`. After `timeout_clocks` clocks without ack or err the access ends
+--           with status `silent`, cyc falls, and no slave is addressed.
+-- Late ack  A slave may still answer after a timeout. So the bus rests, with cyc low, for another `timeout_clocks`
+--           clocks, or until that answer has come and gone. Only then does the next access start, so a late ack is not
+--           used for another access. (Wishbone demands that a slave forgets an access when cyc falls. A slave that
+--           answers more than twice `timeout_clocks` late breaks that rule.)
 -- Pressure  bii_request waits. Nothing else can wait.
 
 library ieee;

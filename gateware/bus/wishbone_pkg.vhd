@@ -7,12 +7,12 @@
 --
 -- Addresses count words (one address for each data word), as in the protocol and in UL-spec. There is no byte address.
 --
--- In a cycle, the master raises cyc and stb, with we, adr, dat and sel stable. The slave answers with ack or err for one
--- clock, at the earliest in the same clock. The master lowers stb in the clock after the answer. A slave must not answer
--- unless cyc and stb are both high.
+-- In a cycle, the master raises cyc and stb, with we, adr, dat and sel stable. The slave answers with ack or err for
+-- one clock, at the earliest in the same clock. The master lowers stb in the clock after the answer. A slave must not
+-- answer unless cyc and stb are both high.
 --
--- While cyc stays high, the accesses are one indivisible block. A slave with two banks keeps the bank of the first clock
--- until cyc falls.
+-- While cyc stays high, the accesses are one indivisible block. A slave with two banks keeps the bank of the first
+-- clock until cyc falls.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -18,7 +18,8 @@
 --           room after 3 to 4 clocks of the writer. One word per clock, if depth is at least 8.
 -- Capacity  `depth` words in the memory and one in the output register.
 -- Reset     Each reset is synchronous to its clock. Both sides must be in reset at the same time once, and neither may
---           leave before the other has been in it. ft245_sync shows a way. Until then nothing is ready and nothing valid.
+--           leave before the other has been in it. ft245_sync shows a way. Until then nothing is ready and nothing
+--           valid.
 
 library ieee;
   use ieee.std_logic_1164.all;

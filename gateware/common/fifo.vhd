@@ -5,10 +5,10 @@
 --   write_valid/ready/data --> | memory of `depth` words | --> output register --> read_valid/ready/data
 --
 -- Ports     A word moves on a side in every clock in which its valid and ready are both high.
--- Latency   A word written into an empty buffer is on read_data two clocks later. After that, one word per clock on both
---           sides.
--- Capacity  `depth` words in the memory and one in the output register. The read side is a plain synchronous memory read,
---           so large buffers become block RAM.
+-- Latency   A word written into an empty buffer is on read_data two clocks later. After that, one word per clock on
+--           both sides.
+-- Capacity  `depth` words in the memory and one in the output register. The read side is a plain synchronous memory
+--           read, so large buffers become block RAM.
 -- Pressure  write_ready is low while the memory is full. Nothing is ever lost or overwritten.
 -- Reset     Empties the buffer. The memory keeps its contents, which are not used.
 

@@ -3,8 +3,8 @@
 -- Makes any rate from any clock: the constants of a phase accumulator. It also gives the number of clocks in a time.
 --
 -- A register of phase_bits + 1 bits adds phase_increment to its low phase_bits bits in every clock. Its top bit is then
--- high for one clock at `rate_hz` on average. It is never more than one clock early or late, and its rate is at most 0.05
--- % wrong:
+-- high for one clock at `rate_hz` on average. It is never more than one clock early or late, and its rate is at most
+-- 0.05 % wrong:
 --
 --   signal phase : unsigned(phase_bits(clock_hz, rate_hz) downto 0);
 --   phase <= ('0' & phase(phase'high - 1 downto 0)) + phase_increment(clock_hz, rate_hz);

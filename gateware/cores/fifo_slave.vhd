@@ -8,15 +8,16 @@
 --
 -- Event     arrival rises once for every word from the FPGA. It is high while words wait, and low for one clock after a
 --           word was removed. Connect it to an edge event input of a subscription group with the address +0. Then every
---           word is published as soon as possible, at no fixed rate, and no word is requested that is not there. A level
---           input would request once too often, because it still sees the last word while this word is published.
---           If nothing was removed for remind_clocks, arrival rises again. So a group that was enabled late gets its words.
---           not_empty is the plain level, for logic of your own.
+--           word is published as soon as possible, at no fixed rate, and no word is requested that is not there. A
+--           level input would request once too often, because it still sees the last word while this word is published.
+--           If nothing was removed for remind_clocks, arrival rises again. So a group that was enabled late gets its
+--           words. not_empty is the plain level, for logic of your own.
 -- FPGA side to_pc_valid/ready/data puts a word in. from_pc_valid/ready/data takes a word out.
 -- Capacity  `depth` words in each direction. A full queue never loses a word: it refuses (err) or waits (ready low).
 -- Latency   ack or err one clock after strobe: 2 clocks per access. 2 more clocks if a word has just entered an empty
 --           queue.
--- Errors    err also for other addresses, for writes to +1 and +2, and for a write that does not select all bytes by sel.
+-- Errors    err also for other addresses, for writes to +1 and +2, and for a write that does not select all bytes by
+--           sel.
 -- Reset     Empties both queues.
 
 library ieee;

@@ -6,13 +6,13 @@
 --   +1  outputs                                       +4  write: clear the outputs whose bit is 1     read: outputs
 --   +2  direction: 1 drives the pin                   +5  watch: 1 makes a change of this pin an event
 --
--- +3 and +4 change some pins without a read first. So two programs, or a lost reply, cannot undo each other's changes. Bits
--- above `pins` read as zero and are not stored.
+-- +3 and +4 change some pins without a read first. So two programs, or a lost reply, cannot undo each other's changes.
+-- Bits above `pins` read as zero and are not stored.
 --
 -- Event     changed is high for one clock when a watched pin has changed. Connect it to an edge event input of a
 --           subscription group.
--- Latency   2 clocks per access (register_slave). A write reaches the pins 2 clocks after its strobe. A pin can be read 2 +
---           stable_clocks clocks after it changed. Reads give the pins of the moment when cyc rose.
+-- Latency   2 clocks per access (register_slave). A write reaches the pins 2 clocks after its strobe. A pin can be read
+--           2 + stable_clocks clocks after it changed. Reads give the pins of the moment when cyc rose.
 -- Errors    err for a write to +0 and for addresses from 6 on.
 -- Reset     All pins are inputs, all outputs are zero, and no pin is watched.
 

@@ -11,11 +11,11 @@
 --            |-width--|            |
 --            |-------period--------|
 --
--- A new period or width takes effect with the next period, so a write never cuts a pulse short or doubles it. Widths and
--- periods that counter_bits cannot hold become the longest possible. A read gives the value in use.
+-- A new period or width takes effect with the next period, so a write never cuts a pulse short or doubles it. Widths
+-- and periods that counter_bits cannot hold become the longest possible. A read gives the value in use.
 --
--- Latency   2 clocks per access (register_slave). In servo mode a phase accumulator makes the µs from clock_hz: any clock
---           from 1 MHz on, and each pulse is at most one clock off.
+-- Latency   2 clocks per access (register_slave). In servo mode a phase accumulator makes the µs from clock_hz: any
+--           clock from 1 MHz on, and each pulse is at most one clock off.
 -- Errors    err for addresses from 2 + channels on.
 -- Reset     Disabled, all pins low, all registers zero.
 

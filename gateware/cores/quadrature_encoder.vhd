@@ -11,15 +11,15 @@
 --   +2  rising edges of index so far; wraps at the word
 --   +3  impossible steps: both signals changed at once         write: sets the number
 --
--- Reads give the words of the moment when cyc rose, so a publish of many encoders has one moment for all. A preset loses no
--- step that comes in the same clock.
+-- Reads give the words of the moment when cyc rose, so a publish of many encoders has one moment for all. A preset
+-- loses no step that comes in the same clock.
 --
--- Speed     At most one step per stable_clocks. A faster step is counted in +3, and the position is then wrong by at least
---           two counts.
+-- Speed     At most one step per stable_clocks. A faster step is counted in +3, and the position is then wrong by at
+--           least two counts.
 -- Latency   2 clocks per access (register_slave). The position follows the pins 3 + stable_clocks clocks later.
 -- Errors    err for writes to +1 and +2 and for addresses from 4 on.
--- Reset     All words are zero. If the reset lasts at least 5 clocks, the levels of the pins at that time are not counted
---           as a step.
+-- Reset     All words are zero. If the reset lasts at least 5 clocks, the levels of the pins at that time are not
+--           counted as a step.
 
 library ieee;
   use ieee.std_logic_1164.all;

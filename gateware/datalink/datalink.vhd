@@ -2,8 +2,8 @@
 --
 -- The classic datalink in both directions, in the chosen variant.
 --
---   full   rx -> decoder -> receiver      -> receive    digits, checksum, all errors reported; a message is valid after `good`
---   lite   rx -> decoder -> lite_receiver -> receive    digits, no checksum; each character of a message is valid at once
+--   full   rx -> decoder -> receiver      -> receive    digits, checksum, all errors reported; valid from `good` on
+--   lite   rx -> decoder -> lite_receiver -> receive    digits, no checksum; valid at once
 --   none   rx -> decoder -> lite_receiver -> receive    plain bytes, for a physical layer that loses nothing
 --          tx <- transmitter <- word
 --

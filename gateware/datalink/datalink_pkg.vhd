@@ -38,12 +38,12 @@ package datalink_pkg is
   -- A word to send: three bits for the kind, and one byte.
   subtype word_t is std_ulogic_vector(10 downto 0);
 
-  constant word_head   : std_ulogic_vector(2 downto 0) := "000";  -- head character; also says whether a checksum follows
+  constant word_head   : std_ulogic_vector(2 downto 0) := "000";  -- head; also says whether a checksum follows
   constant word_letter : std_ulogic_vector(2 downto 0) := "001";  -- a letter that the checksum covers
   constant word_mark   : std_ulogic_vector(2 downto 0) := "010";  -- a character that the checksum does not cover
-  constant word_error  : std_ulogic_vector(2 downto 0) := "011";  -- error mark: a message that ends with it has no checksum
+  constant word_error  : std_ulogic_vector(2 downto 0) := "011";  -- error mark; a message that ends so has no checksum
   constant word_byte   : std_ulogic_vector(2 downto 0) := "100";  -- a byte, sent as two digits
-  constant word_tail   : std_ulogic_vector(2 downto 0) := "101";  -- the checksum, if there is one, and the end of the line
+  constant word_tail   : std_ulogic_vector(2 downto 0) := "101";  -- the checksum, if there is one, and the line's end
 
   -- The checksum after one more byte. `kind` is "crc8" (any polynomial, most significant bit first, no reflection),
   -- "xor", or "none" (then it is always zero).

@@ -3,7 +3,7 @@
 -- Turns characters into messages without a checksum, and without waiting for the end of the message. It is the receiver
 -- of the datalinks "lite" and "none".
 --
---   idle --#--> letters --:--> data --LF--> idle      lite: data are digits; another character: broken, until the next head
+--   idle --#--> letters --:--> data --LF--> idle      lite: data are digits; another character: broken, until a head
 --   idle --#--> letters --:--> data --message_end-->  none: data are plain bytes, as many as the command needs
 --
 -- Ports     receive: as from the receiver, but each byte is valid at once. `good` comes after it, and `bad` never comes
@@ -11,8 +11,8 @@
 --           message_end (only for "none"): high in the clock of a colon or byte that ends the message.
 -- Latency   None. One character per clock.
 -- Errors    lite: a head other than # between messages is reported as f1, and nothing else is reported. A wrong letter
---           drops the message. A wrong digit leaves the message open until the next head. That head ends the message, and
---           begins no other. none: no errors.
+--           drops the message. A wrong digit leaves the message open until the next head. That head ends the message,
+--           and begins no other. none: no errors.
 
 library ieee;
   use ieee.std_logic_1164.all;

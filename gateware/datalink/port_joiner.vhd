@@ -6,7 +6,8 @@
 --           `publish` with all bytes of a publish.
 -- Latency   None: a byte passes in the clock in which it comes.
 -- Arbitration  Only between messages. A frame goes first.
--- Pressure  tx_ready stalls the side whose message is being sent. The other side waits for the last byte of this message.
+-- Pressure  tx_ready stalls the side whose message is being sent. The other side waits for the last byte of this
+--           message.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -3,7 +3,8 @@
 -- Decides for each byte of a port whether it is classic text or part of a frame (docs/protocol.md, "One port, two
 -- protocols").
 --
---   after a 00:  80 hex or more --> frame, up to and including the next 00     anything else --> classic, as after reset
+--   after a 00:  80 hex or more --> frame, up to and including the next 00
+--                anything else  --> classic, as after reset
 --
 -- Ports     rx in; classic and frame out: valid/ready. Both outputs share one `data`, which is rx_data. A 00 between
 --           frames goes to the classic side, which ignores it between messages. Within a message it is an invalid

@@ -2,9 +2,9 @@
 --
 -- Turns words into characters: digits, checksums and line ends of the classic protocol.
 --
--- Ports     word: valid/ready, in the order head, then letters, marks and data, then tail. tx: valid/ready/data, one byte
---           per clock. tx_last marks the last byte of a message, and tx_publish the bytes of a publish. A physical layer
---           that collects bytes can use them to send at once (docs/gateware/ft245_async.md).
+-- Ports     word: valid/ready, in the order head, then letters, marks and data, then tail. tx: valid/ready/data, one
+--           byte per clock. tx_last marks the last byte of a message, and tx_publish the bytes of a publish. A physical
+--           layer that collects bytes can use them to send at once (docs/gateware/ft245_async.md).
 -- Latency   The first character of a word comes one clock after the word was valid (an output register).
 -- Characters of a word: head, letter, mark, error 1; data 2, or 1 without digits; tail 1, or 4 with a checksum.
 -- Checksum  Letters as sent, then data bytes. A message that ends with an error mark has none.

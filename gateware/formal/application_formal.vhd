@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the application layer without publishing. Addresses and data have 8 bits, and read-many reads at most two
--- words.
--- z3 sends any requests, one after the other, with any number of data bytes. The bus answers within two clocks, in any way.
+-- Properties of the application layer without publishing. Addresses and data have 8 bits, and read-many reads at most
+-- two words. z3 sends any requests, one after the other, with any number of data bytes. The bus answers within two
+-- clocks, in any way.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -189,11 +189,13 @@ begin
 
   -- No bus cycle is opened for a request with too few bytes for its first access.
   no_bus_with_bytes_missing : assert always begun = '0' or bii.valid = '0' or
-                              (reads = '1' and had >= 1) or (writes = '1' and had >= 2) or (reads_many = '1' and had >= 2);
+                              (reads = '1' and had >= 1) or (writes = '1' and had >= 2) or
+                              (reads_many = '1' and had >= 2);
 
   -- A read makes one access, a write makes one, and a read-many makes one for each word that it may read.
   accesses_counted : assert always begun = '0' or
-                     ((bii.valid = '0' or bii.write = writes) and (reads_many = '1' or bii.valid = '0' or accesses = 0) and
+                     ((bii.valid = '0' or bii.write = writes) and
+                      (reads_many = '1' or bii.valid = '0' or accesses = 0) and
                       (bii.valid = '0' or accesses < 2));
 
   -- The reply to an unknown command has an error mark right after the head.
@@ -205,8 +207,8 @@ begin
                       refusing = (troubled or to_bit(had < 1) or to_bit(writes = '1' and had < 2));
 
   -- A reply without an error mark means that the access was made.
-  success_is_real : assert always begun = '0' or request_done = '0' or (reads = '0' and writes = '0') or refusing = '1' or
-                    accesses = 1;
+  success_is_real : assert always begun = '0' or request_done = '0' or (reads = '0' and writes = '0') or
+                    refusing = '1' or accesses = 1;
 
   -- The reply to a datalink error has a question mark as its head.
   error_is_told : assert always begun = '0' or said = '0' or spoken /= 0 or

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of async_fifo, between two clocks with any timing that z3 chooses. The order is checked by following any one word
--- by its number.
+-- Properties of async_fifo, between two clocks with any timing that z3 chooses. The order is checked by following any
+-- one word by its number.
 
 library ieee;
   use ieee.std_logic_1164.all;

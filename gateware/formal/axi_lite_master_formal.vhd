@@ -117,15 +117,16 @@ begin
   read_address_stands : assert always m2s.arvalid = '1' and s2m.arready = '0' and reset = '0' ->
                         next (m2s.arvalid = '1' and m2s.araddr = prev(m2s.araddr));
 
-  -- There is one access at a time. An address or word is not sent while the slave still holds one of the same channel, or of
-  -- the other kind of access.
+  -- There is one access at a time. An address or word is not sent while the slave still holds one of the same channel,
+  -- or of the other kind of access.
   one_access : assert always (m2s.awvalid = '0' or (address_taken = '0' and read_taken = '0' and m2s.arvalid = '0')) and
                (m2s.wvalid = '0' or (data_taken = '0' and read_taken = '0')) and
                (m2s.arvalid = '0' or (read_taken = '0' and address_taken = '0' and data_taken = '0'));
 
   -- A new access has the kind, the byte address and the word of the request.
   asks_what_was_asked : assert always begun = '0' or begins = '0' or
-                        (m2s.awvalid = request.write and m2s.wvalid = request.write and m2s.arvalid = not request.write and
+                        (m2s.awvalid = request.write and m2s.wvalid = request.write and
+                         m2s.arvalid = not request.write and
                          m2s.awaddr(5 downto 2) = request.address(3 downto 0) and
                          m2s.araddr(5 downto 2) = request.address(3 downto 0) and
                          (request.write = '0' or m2s.wdata(7 downto 0) = request.data(7 downto 0)) and
@@ -135,10 +136,12 @@ begin
   always_ends : assert always waiting <= timeout_clocks;
 
   -- A request ends with `silent` only after the timeout.
-  silent_in_time : assert always begun = '0' or response.done = '0' or response.status /= silent or waiting = timeout_clocks;
+  silent_in_time : assert always begun = '0' or response.done = '0' or
+                   response.status /= silent or waiting = timeout_clocks;
 
   -- A late response is dropped. It is never used for another access.
-  late_response_is_dropped : assert always response.done = '0' or response.status = silent or (over = '1' and current = '1');
+  late_response_is_dropped : assert always response.done = '0' or response.status = silent or
+                             (over = '1' and current = '1');
 
   -- The user gets the word and the status of the response.
   response_is_passed_on : assert always response.done = '0' or response.status = silent or m2s.rready = '0' or

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The bus-independent interface as its user sees it. The duties of the user are asserted, and those of the bus are assumed. The
--- mirror image is bii_bus_view.
+-- The bus-independent interface as its user sees it. The duties of the user are asserted, and those of the bus are
+-- assumed. The mirror image is bii_bus_view.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the checksum of the classic datalink, for all sums and all data at once. It is a function without memory.
+-- Properties of the checksum of the classic datalink, for all sums and all data at once. It is a function without
+-- memory.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the dead-man under all conditions. Signs of life come or stay away at any clock. The applications ask the bus
--- for anything at any time, or stop for ever, with the bus held or not. The bus may refuse an access or stay silent. A tick
--- comes every 4 clocks, there are two safe values, and an access takes up to 3 clocks.
+-- Properties of the dead-man under all conditions. Signs of life come or stay away at any clock. The applications ask
+-- the bus for anything at any time, or stop for ever, with the bus held or not. The bus may refuse an access or stay
+-- silent. A tick comes every 4 clocks, there are two safe values, and an access takes up to 3 clocks.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -29,8 +29,8 @@ architecture properties of dead_man_formal is
   constant access_most  : positive := 3;
   constant values       : safe_values_t(0 to 1) := ((address => x"00000001", value => x"00000005"),
                                                     (address => x"00000002", value => x"0000000A"));
-  -- Clocks from a trip to the end of the last safe write. First the access that was on the bus ends. Then come the safe writes,
-  -- each with a clock before it. The first clock of the first safe write was before the trip.
+  -- Clocks from a trip to the end of the last safe write. First the access that was on the bus ends. Then come the safe
+  -- writes, each with a clock before it. The first clock of the first safe write was before the trip.
   constant written_most : positive := (values'length + 1) * (access_most + 1) - 2;
 
   -- Clocks from an answer to the end of the next tick's writes. The writes before them may just have begun.
@@ -46,7 +46,7 @@ architecture properties of dead_man_formal is
   signal watched  : std_ulogic := '0';                                    -- it was started, and still counts
   signal limit    : natural range 0 to ticks_most := 0;
   signal since    : natural range 0 to period * ticks_most + 1 := 0;      -- clocks since the last sign of life
-  signal may_arm  : std_ulogic;                                           -- a session has begun with the trip or after it
+  signal may_arm  : std_ulogic;                                           -- a session has begun since the trip or at it
   signal renewed, renewed_before : std_ulogic := '0';
   signal tripped_before, armed_before, commanded_before : std_ulogic := '0';
 
@@ -60,7 +60,7 @@ architecture properties of dead_man_formal is
   signal made     : std_ulogic_vector(values'range) := "00";    -- safe writes made since an application last wrote
   signal answers  : std_ulogic_vector(values'range) := "00";    -- safe writes answered
   signal behind   : natural range 0 to written_most := 0;       -- clocks since the trip
-  signal heard    : natural range 0 to heard_most := 0;         -- clocks since the trip, or since a safe write had no answer
+  signal heard    : natural range 0 to heard_most := 0;         -- clocks since the trip, or an unanswered safe write
 
   function to_bit(what : boolean) return std_ulogic is
   begin
@@ -90,8 +90,9 @@ begin
   recognise : process (all) is
   begin
     for number in values'range loop
-      is_safe(number) <= bii.valid and bii.write and not theirs and to_bit(bii.address(1 downto 0) = values(number).address(1 downto 0) and
-                                                                           bii.data(7 downto 0) = values(number).value(7 downto 0));
+      is_safe(number) <= bii.valid and bii.write and not theirs and
+                         to_bit(bii.address(1 downto 0) = values(number).address(1 downto 0) and
+                                bii.data(7 downto 0) = values(number).value(7 downto 0));
     end loop;
   end process;
 
@@ -210,8 +211,8 @@ begin
   -- The reported state is the state of the output.
   told : assert always begun = '1' -> state.tripped = tripped;
 
-  -- After the trip no write of an application begins on the bus. This includes writes that an application had decided on
-  -- before.
+  -- After the trip no write of an application begins on the bus. This includes writes that an application had decided
+  -- on before.
   only_safe_writes : assert always begun = '1' and tripped = '1' and bii.valid = '1' and bii.write = '1' ->
                      or is_safe = '1' or earlier = '1';
 
@@ -224,8 +225,8 @@ begin
   -- Nothing holds the bus while safe values are written.
   hold_ends : assert always begun = '1' and tripped = '1' and made /= "11" -> bii.block_hold = '0';
 
-  -- The answer to an application's access comes from the bus if the access was there. Otherwise the access is a write after a
-  -- trip, and the answer is `denied`.
+  -- The answer to an application's access comes from the bus if the access was there. Otherwise the access is a write
+  -- after a trip, and the answer is `denied`.
   answered_by_the_bus : assert always begun = '1' and asked.valid = '1' and answered.done = '1' ->
                         (ends = '1' and answered.status = response.status and answered.data = response.data and
                          bii.write = asked.write and bii.address(1 downto 0) = asked.address(1 downto 0)) or

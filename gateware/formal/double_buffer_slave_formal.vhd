@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the double buffer. A reference follows any one word in both banks, and swaps them at a commit. The word may be
--- any, so all words change in the same clock, and a reader never gets words of two moments.
+-- Properties of the double buffer. A reference follows any one word in both banks, and swaps them at a commit. The word
+-- may be any, so all words change in the same clock, and a reader never gets words of two moments.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -90,8 +90,8 @@ begin
     end if;
   end process;
 
-  -- One reset, at power-up. A later reset makes the first bank visible and keeps both banks. That is no commit, so this file
-  -- excludes it.
+  -- One reset, at power-up. A later reset makes the first bank visible and keeps both banks. That is no commit, so this
+  -- file excludes it.
   reset_first : assume always begun /= reset;
 
   -- There is no access during power-up.

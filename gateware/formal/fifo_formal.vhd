@@ -99,7 +99,8 @@ begin
                  next (read_valid = '1' and read_data = prev(read_data));
 
   -- A word that enters an empty fifo is on offer two clocks later.
-  falls_through : assert always store = '1' and count = 0 and reset = '0' -> next (reset = '0' -> next (read_valid = '1'));
+  falls_through : assert always store = '1' and count = 0 and reset = '0' ->
+                  next (reset = '0' -> next (read_valid = '1'));
 
   -- All places are taken.
   full : cover {write_ready = '0' and read_valid = '1' and count = depth + 1};

@@ -1,10 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed application with its program. z3 sends any frames, one after the other. The bus answers in any way,
--- and the transmitter stalls at any time. Address and data have 8 bits. There are no lists and no groups.
+-- Properties of the framed application with its program. z3 sends any frames, one after the other. The bus answers in
+-- any way, and the transmitter stalls at any time. Address and data have 8 bits. There are no lists and no groups.
 --
--- The state memory of the application is left out. A word of it has any value at each look, except for its constants. So a
--- loaded epoch has any value, a session may be open at power-up, and what goes through the memory may end anywhere.
+-- The state memory of the application is left out. A word of it has any value at each look, except for its constants.
+-- So a loaded epoch has any value, a session may be open at power-up, and what goes through the memory may end
+-- anywhere.
 --
 -- The reply cache gives any verdict on an id, but the same one while the id is in work. The clock ticks at any time.
 -- Instructions come from the position that the sequencer decides. frame_sequencer_formal proves that they are the same.
@@ -153,7 +154,8 @@ begin
   judges     <= finishes and to_bit(unsigned(instruction(condition_f)) = if_not_new);
   epoch_may_change <= to_bit(frame = '1' and stands = '1' and given = '0' and reply_idle = '1' and
                              (entry = entry_open or entry = request_kind_close_c mod 16));
-  with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and entry /= request_kind_post_list_c mod 16);
+  with_id    <= frame and to_bit(entry < 16 and entry /= request_kind_post_c mod 16 and
+                                 entry /= request_kind_post_list_c mod 16);
 
   request.valid   <= stands;
   request.data    <= data;
@@ -289,18 +291,22 @@ begin
   reset_first : assume always begun = '1' or reset = '1';
 
   -- Constants of the memory have their values.
-  constants_are : assume always holds(looked_at < constants_t'low or looked_at > constants_t'high or word = content(looked_at));
+  constants_are : assume always holds(looked_at < constants_t'low or
+                                      looked_at > constants_t'high or word = content(looked_at));
 
   -- The cache gives the same verdict on an id while it is in work. The verdict is never both new and repeated.
   verdict_stands : assume always holds((fresh and repeated) = '0' and (begins_before = '1' or begun = '0' or
-                   verdict_before = fresh & repeated & unordered & not_kept & kept_status & std_ulogic_vector(kept_count)));
+                   verdict_before = fresh & repeated &
+                                    unordered & not_kept & kept_status & std_ulogic_vector(kept_count)));
 
   -- An epoch stays the same until another one is loaded. A session may be open at power-up.
   epoch_is_loaded : assume always holds(loads_before = '1' or begun = '0' or epoch_now = epoch_before);
 
   -- The receiver passes on only what it may. Requests come only in a session, and dropped frames have no payload.
-  frames_are_frames : assume always arrives = '1' -> holds(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
-                      (unsigned(entry_in) > 15 or in_session = '1') and (unsigned(entry_in) < entry_check or length_in = 0));
+  frames_are_frames : assume always arrives = '1' ->
+                      holds(unsigned(entry_in) < entry_trip and unsigned(entry_in) > 1 and unsigned(entry_in) /= 15 and
+                            (unsigned(entry_in) > 15 or in_session = '1') and
+                            (unsigned(entry_in) < entry_check or length_in = 0));
 
   -- The transmitter stays idle until it gets something to send.
   idle_stands : assume always reply_idle = '1' and (reply.kind or reply.put or reply.finish) = '0' and reset = '0' ->
@@ -318,8 +324,8 @@ begin
   -- Commands to the transmitter keep the rules on which it relies.
   says_one_thing : assert always begun = '1' -> one_thing(reply, given, reply_ready);
 
-  -- Every answer that begins also ends, once, before anything else begins. So publishes, replies and ticks never share the
-  -- transmitter.
+  -- Every answer that begins also ends, once, before anything else begins. So publishes, replies and ticks never share
+  -- the transmitter.
   answer_ends : assert always at_rest = '1' -> given = '0' and begun_payload = '0';
 
   -- A frame has one answer.
@@ -341,10 +347,11 @@ begin
                  (entry = entry_session and unsigned(reply.data) = device_kind_closed_c));
 
   -- The bus is opened only in a session, and once. This happens for a READ or WRITE whose id is new, or for a POST.
-  opened_if_asked : assert always begun = '1' and bii.valid = '1' -> holds(in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
-                    ((entry = request_kind_read_c mod 16 and fresh = '1' and bii.write = '0') or
-                     (entry = request_kind_write_c mod 16 and fresh = '1' and bii.write = '1') or
-                     (entry = request_kind_post_c mod 16 and bii.write = '1')));
+  opened_if_asked : assert always begun = '1' and bii.valid = '1' ->
+                    holds(in_session = '1' and frame = '1' and dones = 0 and accesses = 0 and
+                          ((entry = request_kind_read_c mod 16 and fresh = '1' and bii.write = '0') or
+                           (entry = request_kind_write_c mod 16 and fresh = '1' and bii.write = '1') or
+                           (entry = request_kind_post_c mod 16 and bii.write = '1')));
 
   -- The bus is never opened with a hold.
   bus_not_held : assert always begun = '1' -> bii.block_hold = '0';
@@ -353,7 +360,8 @@ begin
   awaited : assert always begun = '1' and busy = '0' -> bii.valid = '0';
 
   -- The verdict on an id is used only after the cache has looked at this id.
-  judged_in_time : assert always begun = '1' and judges = '1' -> id = id_before and other = '0' and instruction(do_before) = '0';
+  judged_in_time : assert always begun = '1' and judges = '1' ->
+                   id = id_before and other = '0' and instruction(do_before) = '0';
 
   -- An id is remembered once, and only if the cache has called it new. The proof of the cache assumes this.
   new_is_remembered : assert always begun = '1' and remember = '1' -> memories = 0 and judged = '1' and id = judged_id;
@@ -363,17 +371,20 @@ begin
 
   -- An access that succeeded is remembered with the status of the bus, which is also in its answer.
   executed_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble = 0 ->
-                           holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
+                           holds(memories = 1 and remembered = kind(3 downto 0) and
+                                 to_integer(unsigned(remembered)) = trouble);
 
   -- An access that the bus refused or did not answer is remembered with that status, too.
   failure_is_remembered : assert always at_rest = '1' and with_id = '1' and accesses = 1 and trouble /= 0 ->
-                          holds(memories = 1 and remembered = kind(3 downto 0) and to_integer(unsigned(remembered)) = trouble);
+                          holds(memories = 1 and remembered = kind(3 downto 0) and
+                                to_integer(unsigned(remembered)) = trouble);
 
   -- A READ or WRITE that is remembered was executed.
   remembered_is_executed : assert always at_rest = '1' and memories = 1 and
                            (entry = request_kind_read_c mod 16 or entry = request_kind_write_c mod 16) -> accesses = 1;
 
-  -- The epoch changes only during an OPEN or CLOSE, and only while nothing is being sent. Receiver and transmitter assume this.
+  -- The epoch changes only during an OPEN or CLOSE, and only while nothing is being sent. Receiver and transmitter
+  -- assume this.
   epoch_stands : assert always begun = '1' and reset = '0' -> next (epoch_may_change = '1' or epoch = epoch_before);
 
   -- The program never leaves its instructions. After a reset it starts at the first ones.
@@ -386,9 +397,10 @@ begin
   routine_ends : assert always begun = '1' and busy = '0' -> routine = '0';
 
   -- No instruction that names its place stores where the constants or the description are.
-  constants_stand : assert always begun = '1' and finishes = '1' and instruction(store_f) /= store_nothing and instruction(do_pointer) = '0' -> holds(
-                    not (to_integer(word_index) < control_frames_c) and
-                    not (to_integer(word_index) >= constants_t'low and to_integer(word_index) <= constants_t'high));
+  constants_stand : assert always begun = '1' and finishes = '1' and instruction(store_f) /= store_nothing and
+                    instruction(do_pointer) = '0' -> holds(
+                      not (to_integer(word_index) < control_frames_c) and
+                      not (to_integer(word_index) >= constants_t'low and to_integer(word_index) <= constants_t'high));
 
   -- A READ is answered.
   read_seen : cover {at_rest = '1' and entry = request_kind_read_c mod 16 and accesses = 1 and kinds = 1};

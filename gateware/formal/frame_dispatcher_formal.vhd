@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of frame_dispatcher: what the framed application begins, and that only work that needs room waits for room.
+-- Properties of frame_dispatcher: what the framed application begins, and that only work that needs room waits for
+-- room.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -51,7 +52,9 @@ begin
   begin
     if rising_edge(clk) then
       begun <= '1';
-      line_overran <= receive_overrun or (line_overran and not (begins and entry ?= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5))));
+      line_overran <= receive_overrun or
+                      (line_overran and not (begins and
+                                                entry ?= std_ulogic_vector(to_unsigned(entry_receive_overrun, 5))));
       if reset = '1' then
         line_overran <= '0';
       end if;
@@ -66,13 +69,16 @@ begin
 
   -- A trip is counted before any frame or publish begins, so the count that a host reads is never too low.
   trip_before_frames : assert always begun = '1' and tripped = '1' -> pending = '1' and
-                       (kind = entry_trip or kind = entry_half_turn or kind = entry_receive_overrun or kind = entry_publish_overrun);
+                       (kind = entry_trip or kind = entry_half_turn or
+                        kind = entry_receive_overrun or kind = entry_publish_overrun);
 
   -- A publish begins only if there is room for all of it.
-  publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish -> publish = '1' and room = '1';
+  publish_has_room : assert always begun = '1' and pending = '1' and kind = entry_publish ->
+                     publish = '1' and room = '1';
 
   -- If there is room, a publish goes before every frame.
-  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' -> not (kind < 16);
+  publish_before_frames : assert always begun = '1' and pending = '1' and publish = '1' and room = '1' ->
+                          not (kind < 16);
 
   -- Without room, a publish does not make a post wait.
   post_goes_on : assert always begun = '1' and frame_valid = '1' and post = '1' and room = '0' -> pending = '1';

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed protocol's verify buffer, on any bytes. They compare what it passes on with the bytes that came. The
--- check is computed again here, bit by bit. Any one frame is followed from its closing 00 until it is done.
+-- Properties of the framed protocol's verify buffer, on any bytes. They compare what it passes on with the bytes that
+-- came. The check is computed again here, bit by bit. Any one frame is followed from its closing 00 until it is done.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -174,12 +174,14 @@ begin
   epoch_stands : assume always begun = '1' -> epoch = epoch_before or reset = '1' or
                  (request.valid = '1' and (entry = entry_open or entry = request_kind_close_c mod 16));
 
-  -- Nothing is passed on before its check was right and its blocks were complete. This holds for HELLO, OPEN and requests.
+  -- Nothing is passed on before its check was right and its blocks were complete. This holds for HELLO, OPEN and
+  -- requests.
   checked_before_handed_on : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
                              entry < entry_check -> was_right = '1';
 
   -- A request of a session is passed on only in a session. HELLO and OPEN are passed on as such.
-  session_only : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry < entry_check ->
+  session_only : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
+                 entry < entry_check ->
                  (was_outside = '1' or was_in_session = '1') and
                  (was_outside = '0' or entry = entry_hello or entry = entry_open) and
                  (was_outside = '1' or not (entry >= entry_hello));
@@ -193,16 +195,18 @@ begin
   dropped_is_empty : assert always begun = '1' and request.valid = '1' and entry >= entry_check -> request.length = 0;
 
   -- A frame with a wrong check is reported once, as a dropped frame.
-  wrong_is_dropped : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and was_right = '0' ->
-                     entry >= entry_check;
+  wrong_is_dropped : assert always begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
+                     was_right = '0' -> entry >= entry_check;
 
   -- As many frames wait as have ended and are not done. None is lost, doubled or invented.
   none_lost : assert always begun = '1' and request.valid = '1' -> waiting > 0;
 
   -- After a rewind, the bytes left are those not taken since.
-  left_is_right : assert always begun = '1' and request.valid = '1' and rewound = '1' -> to_integer(request.left) + taken = to_integer(request.length);
+  left_is_right : assert always begun = '1' and request.valid = '1' and rewound = '1' ->
+                  to_integer(request.left) + taken = to_integer(request.length);
 
   -- A request is passed on.
-  good_seen : cover {begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and entry = 2 and request.length = 1};
+  good_seen : cover {begun = '1' and followed = '1' and ahead = 0 and request.valid = '1' and
+                     entry = 2 and request.length = 1};
 
 end architecture;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Property of the sequencer: the current instruction is the one at the decided position, after any step, jump or reset. The
--- proof of frame_application uses this to take its instructions from the position, which has 8 bits instead of 80.
+-- Property of the sequencer: the current instruction is the one at the decided position, after any step, jump or reset.
+-- The proof of frame_application uses this to take its instructions from the position, which has 8 bits instead of 80.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,7 +34,8 @@ architecture properties of frame_sequencer_formal is
     variable program : frame_program_t(0 to 255);
   begin
     for place in program'range loop
-      program(place) := std_ulogic_vector(to_unsigned(place, 8)) & std_ulogic_vector(to_unsigned(2 ** 16 - 1 - 257 * place, 16)) &
+      program(place) := std_ulogic_vector(to_unsigned(place, 8)) &
+                        std_ulogic_vector(to_unsigned(2 ** 16 - 1 - 257 * place, 16)) &
                         (55 downto 0 => '0') or std_ulogic_vector(resize(to_unsigned(place * 4099 + 70077, 31), 80));
     end loop;
     return program;
@@ -54,8 +55,8 @@ begin
   dut : entity work.frame_sequencer
     generic map (program => program, sizes => true)
     port map (
-      clock => clk, reset => reset, act => act, holds => holds, begins => begins, entry => entry, operation => operation,
-      size => size, instruction => instruction, jump => jump, first => first, last => last);
+      clock => clk, reset => reset, act => act, holds => holds, begins => begins, entry => entry,
+      operation => operation, size => size, instruction => instruction, jump => jump, first => first, last => last);
 
   watch : process (clk) is
   begin

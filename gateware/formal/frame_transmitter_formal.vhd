@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the framed protocol's transmitter, on any payloads and any stalls: its output consists of whole frames. The
--- check is computed again here, bit by bit.
+-- Properties of the framed protocol's transmitter, on any payloads and any stalls: its output consists of whole frames.
+-- The check is computed again here, bit by bit.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -101,8 +101,8 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The program does one thing at a time. It gives the kind once for each payload, and waits while the transmitter is not
-  -- ready.
+  -- The program does one thing at a time. It gives the kind once for each payload, and waits while the transmitter is
+  -- not ready.
   one_thing_at_a_time : assume always one_thing(reply, given, ready);
 
   -- The epoch changes only while nothing is being sent.
@@ -115,12 +115,13 @@ begin
   -- A frame begins with a kind that a device may send.
   kind_first : assert always begun = '1' and tx_valid = '1' and bytes = 0 -> tx_data(7 downto 5) = "110";
 
-  -- A frame ends with the check of all bytes before it. The check starts from the epoch of the session, or from FFFF outside a
-  -- session.
+  -- A frame ends with the check of all bytes before it. The check starts from the epoch of the session, or from FFFF
+  -- outside a session.
   check_is_right : assert always begun = '1' and tx_valid = '1' and tx_last = '1' -> checked = '1';
 
   -- A byte on offer stays the same until it is taken.
-  offer_stands : assert always begun = '1' and stalled = '1' and reset = '0' -> tx_valid = '1' and tx_data = data_before;
+  offer_stands : assert always begun = '1' and stalled = '1' and reset = '0' ->
+                 tx_valid = '1' and tx_data = data_before;
 
   -- A whole frame is sent.
   frame_seen : cover {begun = '1' and goes = '1' and tx_last = '1'};

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Property of ft245_async: it keeps every byte, with a chip that gives, takes and waits at any time. The order is checked by
--- following any one byte each way by its number. A clock is 20 ns here. The flags change at once, as early as the datasheet and
--- the waits of the design allow.
+-- Property of ft245_async: it keeps every byte, with a chip that gives, takes and waits at any time. The order is
+-- checked by following any one byte each way by its number. A clock is 20 ns here. The flags change at once, as early
+-- as the datasheet and the waits of the design allow.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,7 +37,7 @@ architecture properties of ft245_async_bytes_formal is
   signal rd_before, wr_before          : std_ulogic := '1';
   signal siwu_before, drive_before     : std_ulogic := '1';
   signal data_before                   : std_ulogic_vector(7 downto 0);
-  signal read_rest, write_rest         : natural range 0 to 2 := 0; -- clocks that a flag stays inactive after a byte: 49 ns
+  signal read_rest, write_rest         : natural range 0 to 2 := 0; -- clocks of an inactive flag after a byte: 49 ns
   signal letting_go                    : std_ulogic := '0'; -- the chip may still be driving
   signal read_age, write_age           : natural range 0 to 3 := 0; -- clocks of a strobe so far
 

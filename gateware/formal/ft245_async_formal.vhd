@@ -96,13 +96,15 @@ begin
 
   -- Each strobe is low for at least two clocks: 30 ns, rounded up.
   strobes_long_enough : assert always begun = '0' or after_reset = '1' or
-                        ((was_rd_n = '1' or rd_n = '0' or rd_low >= 2) and (was_wr_n = '1' or wr_n = '0' or wr_low >= 2));
+                        ((was_rd_n = '1' or rd_n = '0' or rd_low >= 2) and
+                         (was_wr_n = '1' or wr_n = '0' or wr_low >= 2));
 
   -- SIWU# falls only if the end of a message has been taken.
   flushes_ends_only : assert always begun = '0' or siwu_n = '1' or after_reset = '1' or ends = '1';
 
   -- SIWU# stays low for 13 clocks: 250 ns, rounded up.
-  flush_long_enough : assert always begun = '0' or after_reset = '1' or was_siwu_n = '1' or siwu_n = '0' or siwu_low >= 13;
+  flush_long_enough : assert always begun = '0' or after_reset = '1' or was_siwu_n = '1' or siwu_n = '0' or
+                      siwu_low >= 13;
 
   -- A byte is read after one was written.
   both_ways_seen : cover {rx_valid = '1' and ends = '1' and siwu_low > 0};

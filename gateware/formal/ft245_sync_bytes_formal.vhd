@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Property of ft245_sync: it keeps every byte, against the chip of ft245_sync_formal. All bits of a byte are equal here, so
--- that all eight are followed at the cost of one.
+-- Property of ft245_sync: it keeps every byte, against the chip of ft245_sync_formal. All bits of a byte are equal
+-- here, so that all eight are followed at the cost of one.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -68,8 +68,8 @@ begin
     end if;
   end process;
 
-  -- At most five bytes: four in the memory, one in its output register, one on its way into the memory. A burst ends before all
-  -- places are taken.
+  -- At most five bytes: four in the memory, one in its output register, one on its way into the memory. A burst ends
+  -- before all places are taken.
   to_fpga : entity work.order_view
     generic map (most => 5)
     port map (

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of ft245_sync. The chip's flags and data have any value in every clock that the datasheet allows. A byte is read
--- or written in each clock in which flag and strobe are both low, as the datasheet says. The streams run on the chip's clock
--- here. The crossing to another clock is async_fifo, which has a proof of its own.
+-- Properties of ft245_sync. The chip's flags and data have any value in every clock that the datasheet allows. A byte
+-- is read or written in each clock in which flag and strobe are both low, as the datasheet says. The streams run on the
+-- chip's clock here. The crossing to another clock is async_fifo, which has a proof of its own.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -35,14 +35,15 @@ architecture properties of ft245_sync_formal is
   signal oe_before, wr_before, siwu_before    : std_ulogic := '1';
   signal drive_before, refused                : std_ulogic := '0';
   signal data_before                          : std_ulogic_vector(7 downto 0);
-  signal owed                                 : std_ulogic := '0'; -- a message has ended and siwu_n has not fallen since
+  signal owed                                 : std_ulogic := '0'; -- a message has ended, siwu_n has not fallen since
   signal read_some, wrote_some                : std_ulogic := '0';
 
 begin
 
   default clock is rising_edge(clk);
 
-  -- The top bit of a byte marks the last byte of a message. So the chip's side need not remember which byte was the last.
+  -- The top bit of a byte marks the last byte of a message. So the chip's side need not remember which byte was the
+  -- last.
   dut : entity work.ft245_sync
     generic map (rx_depth => 4, tx_depth => 4, burst_clocks => burst_clocks, si_ns => 40)
     port map (

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The rules on which the framed transmitter relies. Its proof assumes them, and the proof of frame_application asserts them.
+-- The rules on which the framed transmitter relies. Its proof assumes them, and the proof of frame_application asserts
+-- them.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -9,8 +10,8 @@ use work.frame_pkg.all;
 
 package one_thing_pkg is
 
-  -- The program does one thing at a time. It gives the kind once for each payload, not after the payload's end, and nothing
-  -- while the transmitter is not ready. `given` is high once the payload in hand has its kind.
+  -- The program does one thing at a time. It gives the kind once for each payload, not after the payload's end, and
+  -- nothing while the transmitter is not ready. `given` is high once the payload in hand has its kind.
   function one_thing(reply : frame_reply_t; given : std_ulogic; ready : std_ulogic) return boolean;
 
 end package;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Words that pass through a design which must keep them all: none is lost, doubled, changed or invented. Any one word is
--- followed, and z3 chooses which.
+-- Words that pass through a design which must keep them all: none is lost, doubled, changed or invented. Any one word
+-- is followed, and z3 chooses which.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -28,7 +28,7 @@ architecture properties of receive_buffer_formal is
   signal rx_data                      : std_ulogic_vector(7 downto 0);
   signal rx_error                     : receive_error_t;
   signal comes, told, offered, goes   : std_ulogic;
-  signal came, item                   : std_ulogic_vector(10 downto 0); -- the error above the byte; an error has no byte
+  signal came, item                   : std_ulogic_vector(10 downto 0); -- error above byte; an error has no byte
 
 begin
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the classic deframer, decoder and receiver together, on any bytes. They compare its events with the bytes that
--- came.
+-- Properties of the classic deframer, decoder and receiver together, on any bytes. They compare its events with the
+-- bytes that came.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -136,14 +136,16 @@ begin
   one_at_a_time : assert always begun = '0' or told /= start or underway = '0';
 
   -- Letters come before the colon, and bytes after it. Neither comes after the star.
-  in_order : assert always begun = '0' or ((told /= letter and told /= colon) or (colon_met = '0' and star_met = '0')) and
+  in_order : assert always begun = '0' or ((told /= letter and told /= colon) or
+                      (colon_met = '0' and star_met = '0')) and
              (told /= byte or (colon_met = '1' and star_met = '0'));
 
   -- The end of a line ends the message in the same clock, whatever came before: it is good or bad.
-  line_end_ends : assert always begun = '0' or underway = '0' or taken = '0' or c.line_end = '0' or told = good or told = bad;
+  line_end_ends : assert always begun = '0' or underway = '0' or taken = '0' or c.line_end = '0' or
+                  told = good or told = bad;
 
-  -- A good checked message had a star and one checksum byte, the sum of its letters and bytes. Or it had nothing to sum, and no
-  -- checksum.
+  -- A good checked message had a star and one checksum byte, the sum of its letters and bytes. Or it had nothing to
+  -- sum, and no checksum.
   good_is_checked : assert always begun = '0' or told /= good or checked = '0' or
                     (star_met = '1' and ((summed = 1 and agrees = '1') or (summed = 0 and entries <= 2)));
 

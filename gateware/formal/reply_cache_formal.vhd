@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the reply cache: its verdicts on an id, compared with the full ids that were executed. The assumptions describe
--- the program: it remembers an id only after the cache has called it new.
+-- Properties of the reply cache: its verdicts on an id, compared with the full ids that were executed. The assumptions
+-- describe the program: it remembers an id only after the cache has called it new.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -58,16 +58,17 @@ begin
   dut : entity work.reply_cache
     generic map (window => window)
     port map (
-      clock => clk, id => id, before => one_before, new_id => new_id, repeated => repeated, order => order, status => status,
-      kept => kept, too_long => too_long, remember => remember, status_in => status_in, forget => forget,
-      forget_index => forget_index, start => start, keep => keep, data_in => data_in, recall => recall,
-      data_out => data_out);
+      clock => clk, id => id, before => one_before, new_id => new_id, repeated => repeated, order => order,
+      status => status, kept => kept, too_long => too_long, remember => remember, status_in => status_in,
+      forget => forget, forget_index => forget_index, start => start, keep => keep, data_in => data_in,
+      recall => recall, data_out => data_out);
 
   last        <= last_1 when id(0) = '1' else last_0;
   last_status <= status_1 when id(0) = '1' else status_0;
   known       <= known_1 when id(0) = '1' else known_0;
   distance    <= unsigned(id(15 downto 1)) - last;
-  looks       <= '1' when steady >= 1 and id = id_now and one_before = '0' and before_now = '0' and known = '1' else '0';
+  looks       <= '1' when steady >= 1 and id = id_now and one_before = '0' and before_now = '0' and
+                         known = '1' else '0';
 
   watch : process (clk) is
     variable place : std_ulogic;

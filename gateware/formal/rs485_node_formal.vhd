@@ -59,14 +59,14 @@ architecture properties of rs485_node_formal is
 
   signal asked                         : std_ulogic := '0';
   signal since_poll                    : natural range 0 to answer_clocks + 1 := 0;
-  signal driven                        : natural range 0 to bit_clocks := 0;     -- clocks for which the pair has been driven
+  signal driven                        : natural range 0 to bit_clocks := 0;     -- clocks that the pair has been driven
   signal phase                         : phase_t := head_border;
   signal due                           : byte_t; -- the expected character, if it is not a byte of the core
   signal takes, says                   : std_ulogic;
   signal inside                        : std_ulogic := '0';                      -- a message is under way
   signal said                          : natural range 0 to turn_bytes := 0;
   signal silent                        : natural range 0 to silence_clocks := 0; -- clocks without a byte of the message
-  signal free                          : natural range 0 to bit_clocks + 2 := 0; -- clocks since the last character was sent
+  signal free                          : natural range 0 to bit_clocks + 2 := 0; -- clocks since the last character
 
 begin
 
@@ -74,7 +74,8 @@ begin
 
   dut : entity work.rs485_node
     generic map (
-      bit_clocks => bit_clocks, turn_bytes => turn_bytes, turnaround_bits => turnaround_bits, silence_bits => silence_bits)
+      bit_clocks => bit_clocks, turn_bytes => turn_bytes, turnaround_bits => turnaround_bits,
+      silence_bits => silence_bits)
     port map (
       clock => clk, reset => reset, node => node, drive => drive,
       line_valid => line_valid, line_ready => line_ready, line_data => line_data, line_error => line_error,
@@ -85,8 +86,8 @@ begin
   -- A token ends with this character. It is border, first byte, its check, border.
   hears <= line_valid and line_ready and not drive;
   token <= '1' when line_valid = '1' and drive = '0' and line_error = no_receive_error and line_data = x"00" and
-           whole_1 = '1' and whole_2 = '1' and whole_3 = '1' and third = x"00" and second(7) = '0' and second /= x"00" and
-           first = token_check(second) else '0';
+           whole_1 = '1' and whole_2 = '1' and whole_3 = '1' and third = x"00" and second(7) = '0' and
+           second /= x"00" and first = token_check(second) else '0';
   ours  <= '1' when second(5 downto 0) = node else '0';
   poll  <= token and ours and second(6);
   sel   <= token and ours and not second(6);
@@ -210,22 +211,26 @@ begin
   transmitter_sends : assume always begun = '1' -> (free_before = '0' or out_ready = '1') and
                       (ready_before = '0' or free_before = '1' or out_ready = '0');
 
-  -- The node drives the pair only after a poll of this node. It waits long enough for the other side to release the pair.
-  never_unasked : assert always begun = '1' and drive = '1' and drive_before = '0' -> asked = '1' and since_poll = answer_clocks;
+  -- The node drives the pair only after a poll of this node. It waits long enough for the other side to release the
+  -- pair.
+  never_unasked : assert always begun = '1' and drive = '1' and drive_before = '0' ->
+                  asked = '1' and since_poll = answer_clocks;
 
   -- A poll is always answered.
-  always_answers : assert always begun = '1' and asked = '1' and since_poll = answer_clocks and reset_before = '0' -> drive = '1';
+  always_answers : assert always begun = '1' and asked = '1' and since_poll = answer_clocks and reset_before = '0' ->
+                   drive = '1';
 
-  -- It sends only while it drives. The first start bit comes one clock after its character is given, and one bit after the
-  -- driving begins.
+  -- It sends only while it drives. The first start bit comes one clock after its character is given, and one bit after
+  -- the driving begins.
   speaks_while_driving : assert always begun = '1' and out_valid = '1' -> drive = '1' and driven >= bit_clocks - 1;
 
-  -- The messages stand between a select of this node and a poll of node 0. A message that is cut off ends with a border.
-  -- Nothing follows the poll.
+  -- The messages stand between a select of this node and a poll of node 0. A message that is cut off ends with a
+  -- border. Nothing follows the poll.
   frames_are_framed : assert always begun = '1' and takes = '1' and says = '0' -> phase /= over and out_data = due;
 
   -- No byte of the core is lost, doubled or changed. It is sent in the clock in which it is taken, among the messages.
-  bytes_are_kept : assert always begun = '1' and says = '1' -> takes = '1' and phase = messages and out_data = send_data;
+  bytes_are_kept : assert always begun = '1' and says = '1' ->
+                   takes = '1' and phase = messages and out_data = send_data;
 
   -- No message begins once `turn_bytes` bytes were sent.
   turn_is_short : assert always begun = '1' and says = '1' and inside = '0' -> said < turn_bytes;

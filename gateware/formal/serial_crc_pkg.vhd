@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The checksum of frames, one bit after the other, as the polynomial is written. The proofs of the receiver and the transmitter
--- compare their checks with it.
+-- The checksum of frames, one bit after the other, as the polynomial is written. The proofs of the receiver and the
+-- transmitter compare their checks with it.
 
 library ieee;
   use ieee.std_logic_1164.all;

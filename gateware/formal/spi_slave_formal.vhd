@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of spi_slave. Its clock and sck have any timing, but the clock is at least as fast. The master selects, and breaks
--- off, after any falling edge of sck. The order is checked by following any one byte each way by its number.
+-- Properties of spi_slave. Its clock and sck have any timing, but the clock is at least as fast. The master selects,
+-- and breaks off, after any falling edge of sck. The order is checked by following any one byte each way by its number.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -158,8 +158,8 @@ begin
   -- The PC gets only bytes that were sent, apart from filler. At most depth + 3 bytes are on their way.
   heard_was_said : assert always said - got <= depth + 3;
 
-  -- No byte to the PC is lost, doubled or changed, even if a transfer breaks off. The last whole byte that the PC got is the
-  -- next one sent.
+  -- No byte to the PC is lost, doubled or changed, even if a transfer breaks off. The last whole byte that the PC got
+  -- is the next one sent.
   heard_in_order : assert always wrong = '0';
 
   -- A byte from the PC reaches the core.

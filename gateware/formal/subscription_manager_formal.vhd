@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the subscription manager: two groups, a strobe every eight clocks, rates up to 2. The application may ask
--- anything that subscription_pkg allows. Events come at any time.
+-- Properties of the subscription manager: two groups, a strobe every eight clocks, rates up to 2. The application may
+-- ask anything that subscription_pkg allows. Events come at any time.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,7 +34,7 @@ architecture properties of subscription_manager_formal is
   signal running, was_running               : std_ulogic := '0';
   signal filled, was_filled        : std_ulogic_vector(1 downto 0) := "00";
   signal enabled                   : std_ulogic_vector(1 downto 0) := "00";
-  signal caused                    : std_ulogic_vector(1 downto 0) := "00";  -- the group has had a rate, or an event that counts
+  signal caused                    : std_ulogic_vector(1 downto 0) := "00";  -- it had a rate, or an event that counts
   signal offered                   : std_ulogic := '0';  -- publish, one clock ago
   signal offered_group             : natural range 0 to 1 := 0;
   signal waiting                   : natural range 0 to rate_clocks + 1 := 0;
@@ -110,7 +110,8 @@ begin
       if or (enabled and events) = '1' or (running = '1' and calm = '0') then
         even <= '0';
       end if;
-      if publish = '1' and offered = '0' and even = '1' and calm = '1' and filled = "01" and running = '1' and rate /= 0 then
+      if publish = '1' and offered = '0' and even = '1' and calm = '1' and filled = "01" and running = '1' and
+         rate /= 0 then
         steady <= '1';
         since  <= 1;
       end if;
@@ -167,7 +168,7 @@ begin
                        request.rate = prev(request.rate));
 
   -- The application does one thing at a time.
-  one_thing : assume always request.write_rate = '0' or 
+  one_thing : assume always request.write_rate = '0' or
               (taken or request.fill or request.empty or request.enable or request.disable or request.write_mask or
                request.write_event or request.clear) = '0';
 

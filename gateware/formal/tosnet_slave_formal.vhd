@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of TosNet's commit, with two words for the nodes, a network cycle of five clocks, and a network that comes and
--- goes. A reference follows the writes that were acknowledged to the PC, and swaps its two banks at a commit.
+-- Properties of TosNet's commit, with two words for the nodes, a network cycle of five clocks, and a network that comes
+-- and goes. A reference follows the writes that were acknowledged to the PC, and swaps its two banks at a commit.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -94,13 +94,13 @@ begin
   -- The words of the nodes change together, and only in the clock of a commit.
   change_together : assert always begun = '0' or after_reset = '1' or committed = '1' or now_words = was_words;
 
-  -- The nodes see the words of the last commit: all that the PC wrote before it, and nothing that the PC wrote after it. Four
-  -- bits of each word are followed.
+  -- The nodes see the words of the last commit: all that the PC wrote before it, and nothing that the PC wrote after
+  -- it. Four bits of each word are followed.
   words_are_committed : assert always begun = '0' or after_reset = '1' or
                         was_words(35 downto 32) & was_words(3 downto 0) = visible;
 
-  -- A commit takes effect at the end of a cycle exactly if the network is there and a commit waits. A later write aborts a
-  -- waiting commit.
+  -- A commit takes effect at the end of a cycle exactly if the network is there and a commit waits. A later write
+  -- aborts a waiting commit.
   commits_when_asked : assert always begun = '0' or after_reset = '1' or
                        committed = (cycle and was_online and (pending or asked) and not written);
 

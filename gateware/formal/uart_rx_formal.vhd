@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the UART receiver, 8N1 at eight clocks a bit. The sender sends frames with any byte and any stop bit, at any
--- moment, also without a gap.
+-- Properties of the UART receiver, 8N1 at eight clocks a bit. The sender sends frames with any byte and any stop bit,
+-- at any moment, also without a gap.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -114,7 +114,8 @@ begin
   item_a_frame : assert always reset = '1' or rx_valid = offered;
 
   -- The byte is the one that was sent.
-  byte_is_the_one_sent : assert always reset = '1' or offered = '0' or framing = '1' or overrun = '1' or rx_data = offered_byte;
+  byte_is_the_one_sent : assert always reset = '1' or offered = '0' or framing = '1' or overrun = '1' or
+                         rx_data = offered_byte;
 
   -- An item is marked broken exactly if its stop bit was low, or if frames before it found no room.
   errors_are_told : assert always reset = '1' or offered = '0' or

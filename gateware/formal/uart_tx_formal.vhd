@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the UART transmitter, 8N1 at four clocks a bit. They compare the line with the frame of the byte that was
--- taken.
+-- Properties of the UART transmitter, 8N1 at four clocks a bit. They compare the line with the frame of the byte that
+-- was taken.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -22,8 +22,8 @@ architecture properties of uart_tx_formal is
 
   signal tx_ready, line : std_ulogic;
   signal begun          : std_ulogic := '0';
-  signal elapsed        : natural range 0 to frame_clocks := frame_clocks;  -- clocks of the frame; then the line is idle
-  signal frame          : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent now, and those to come
+  signal elapsed        : natural range 0 to frame_clocks := frame_clocks;  -- clocks of the frame; then it is idle
+  signal frame          : std_ulogic_vector(9 downto 0) := (others => '1'); -- the bit that is sent, and those to come
   signal part           : natural range 0 to bit_clocks - 1 := 0;
 
 begin
@@ -32,7 +32,8 @@ begin
 
   dut : entity work.uart_tx
     generic map (clock_hz => bit_clocks, baud_hz => 1)
-    port map (clock => clk, reset => reset, tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, line => line);
+    port map (clock => clk, reset => reset, tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data,
+              line => line);
 
   follow : process (clk) is
   begin
@@ -62,7 +63,8 @@ begin
   -- The design is reset at power-up, and may be reset at any later clock.
   reset_first : assume always begun = '1' or reset = '1';
 
-  -- The line is the start bit, eight data bits and the stop bit of the byte, four clocks each. It is high between frames.
+  -- The line is the start bit, eight data bits and the stop bit of the byte, four clocks each. It is high between
+  -- frames.
   line_is_the_frame : assert always begun = '0' or line = frame(0);
 
   -- A byte is taken between frames, or in the last clock of a frame. So no frame is cut short, and none waits.

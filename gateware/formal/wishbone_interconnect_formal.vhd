@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the interconnect: two slaves on aligned ranges, one on an unaligned range, a hole, and all other addresses.
+-- Properties of the interconnect: two slaves on aligned ranges, one on an unaligned range, a hole, and all other
+-- addresses.
 
 library ieee;
   use ieee.std_logic_1164.all;

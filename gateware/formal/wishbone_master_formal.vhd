@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Properties of the Wishbone master. Its slave may answer at once, later, too late, or never. A slave that has taken an access
--- may answer up to twice the timeout later, even if the master has given up the access.
+-- Properties of the Wishbone master. Its slave may answer at once, later, too late, or never. A slave that has taken an
+-- access may answer up to twice the timeout later, even if the master has given up the access.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -120,7 +120,8 @@ begin
                          response.data(7 downto 0) = s2m.dat(7 downto 0));
 
   -- A block keeps the bus from its first access on, unless an access times out.
-  block_keeps_bus : assert always m2s.cyc = '1' and request.block_hold = '1' and reset = '0' and unanswered < timeout_clocks ->
+  block_keeps_bus : assert always m2s.cyc = '1' and request.block_hold = '1' and reset = '0' and
+                    unanswered < timeout_clocks ->
                     next (request.block_hold = '0' or m2s.cyc = '1' or unanswered = timeout_clocks);
 
   -- After a timeout the bus is free for at least one clock.

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Wishbone as a master sees it. The duties of the master are asserted, and those of a slave are assumed. The mirror image is
--- wishbone_slave_view. Each end of a Wishbone in the gateware is proven with one of the two, so they fit together.
+-- Wishbone as a master sees it. The duties of the master are asserted, and those of a slave are assumed. The mirror
+-- image is wishbone_slave_view. Each end of a Wishbone in the gateware is proven with one of the two, so they fit
+-- together.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,6 +35,7 @@ begin
   one_answer : assume always s2m.ack = '0' or s2m.err = '0';
 
   -- A slave answers only an access.
-  when_asked : assume always late_answers = '1' or (s2m.ack = '0' and s2m.err = '0') or (m2s.cyc = '1' and m2s.stb = '1');
+  when_asked : assume always late_answers = '1' or (s2m.ack = '0' and s2m.err = '0') or
+               (m2s.cyc = '1' and m2s.stb = '1');
 
 end architecture;

@@ -11,12 +11,12 @@
 --           tripped: high from the trip until `arm` or reset, low after power-up. It comes from a flip-flop, so it may
 --           switch drivers off. A pin with a pull-up is high before the FPGA is configured, too.
 -- Trip      It comes `ticks` ticks of base_hz after the last sign of life. There is a tick every clock_hz / base_hz
---           clocks since reset. From the next clock on, no write of an application begins on the bus. The answer to such
---           a write is `denied`, also if the application had decided on it before the trip. A write that is already on
---           the bus ends first. Then all safe values are written, before anything else.
+--           clocks since reset. From the next clock on, no write of an application begins on the bus. The answer to
+--           such a write is `denied`, also if the application had decided on it before the trip. A write that is
+--           already on the bus ends first. Then all safe values are written, before anything else.
 -- Latency   With n safe values and accesses of at most b clocks, the last value is written within (n + 1) * (b + 1)
---           clocks of the trip. wishbone_master ends an access within 2 * timeout_clocks + 1, its rest included. Without
---           a trip the latency is zero.
+--           clocks of the trip. wishbone_master ends an access within 2 * timeout_clocks + 1, its rest included.
+--           Without a trip the latency is zero.
 -- Hold      A hold of the bus (bii_pkg) ends with the trip. So slaves that wait for the end of a hold take the safe
 --           values.
 -- Errors    If a slave does not answer a safe value in time, all values are written again at each tick. This ends when
@@ -159,8 +159,8 @@ begin
     whole <= '1' when index = count else '0';
     ended <= ours and safe.valid and bii_response.done;
 
-    -- A trip during the safe writes starts no new round, because nobody else has used the bus since. Between two accesses
-    -- there is one clock without a request (bii_pkg).
+    -- A trip during the safe writes starts no new round, because nobody else has used the bus since. Between two
+    -- accesses there is one clock without a request (bii_pkg).
     write_values : process (clock)
     begin
       if rising_edge(clock) then

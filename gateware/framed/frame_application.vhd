@@ -8,8 +8,8 @@
 --           subscription_pkg and dead_man_pkg, whose `alive` does not come from here.
 --           epoch: FFFF while no session is open. overrun: one-clock pulses, each of which is counted.
 --           may_begin: low while another application has the bus. busy: this application has it.
--- Latency   With a 2-clock bus and 2 address bytes, 8 clocks from a read request to the kind of its reply. There can be a
---           read every 17 clocks, and a post every 12.
+-- Latency   With a 2-clock bus and 2 address bytes, 8 clocks from a read request to the kind of its reply. There can be
+--           a read every 17 clocks, and a post every 12.
 -- Errors    The status values of docs/protocol.md. A refused request changes nothing except counters.
 -- Arbitration  Publishes first, then requests. It changes only between messages.
 -- Pressure  While reply_ready is low, the program stops where it wants to send. So an answer waits for room, and all
@@ -67,7 +67,6 @@ architecture rtl of frame_application is
   constant groups     : natural  := settings.groups;
   constant lists      : boolean  := settings.lists;
   constant deadman    : boolean  := settings.deadman;
-
   constant program       : frame_program_t := frame_program_for(settings);
   constant content       : word_memory_t   := memory_content(settings);
   constant address_bits  : positive        := 8 * settings.address_bytes;
@@ -99,7 +98,6 @@ architecture rtl of frame_application is
 
   signal word_index : pointer_t;
   signal word       : word32_t;
-
   signal new_id, repeated, unordered, not_kept : std_ulogic;
   signal kept_status, status_now : std_ulogic_vector(3 downto 0);
   signal kept_count              : unsigned(4 downto 0);
@@ -107,7 +105,6 @@ architecture rtl of frame_application is
 
   signal time_now : unsigned(31 downto 0);
   signal half, look, turned, publish : std_ulogic;
-
   signal says     : std_ulogic;
   signal turns_up : std_ulogic;                    -- `data` is rotated up by a byte
   signal distance : unsigned(15 downto 0);         -- from the lower half of the word to the lower half of `data`
@@ -155,8 +152,8 @@ begin
     generic map (publishing => groups > 0, deadman => deadman)
     port map (
       clock => clock, reset => reset, turned => turned, tripped => dead_man_response.uncounted, publish => publish,
-      room => reply_ready, receive_overrun => receive_overrun, publish_overrun => publish_overrun, frame_valid => request.valid,
-      frame_entry => request.entry, begins => begins, pending => pending, entry => entry);
+      room => reply_ready, receive_overrun => receive_overrun, publish_overrun => publish_overrun,
+      frame_valid => request.valid, frame_entry => request.entry, begins => begins, pending => pending, entry => entry);
 
   bus_access : entity work.frame_bus
     generic map (address_width => settings.address_width, data_width => settings.data_width)
@@ -176,8 +173,10 @@ begin
     case to_integer(unsigned(instruction(condition_f))) is
       when if_missing      => holds <= request.missing;
       when if_left_not     => holds <= to_bit(request.left /= unsigned(number_now));
-      when if_left_other   => holds <= to_bit(resize(request.left, 9) /= unsigned(data(8 downto 0))) and to_bit(exchanges > 0);
-      when if_not_plain    => holds <= to_bit(request.left /= unsigned(number_now)) or request.chained or request.barrier;
+      when if_left_other   =>
+        holds <= to_bit(resize(request.left, 9) /= unsigned(data(8 downto 0))) and to_bit(exchanges > 0);
+      when if_not_plain    =>
+        holds <= to_bit(request.left /= unsigned(number_now)) or request.chained or request.barrier;
       when if_chained      => holds <= request.chained;
       when if_barrier      => holds <= request.barrier;
       when if_some_left    => holds <= or count;
@@ -192,7 +191,8 @@ begin
       when if_shape        => holds <= or (shape and number_now) and to_bit(lists);
       when if_low          => holds <= to_bit(data(7 downto 0) = number_now);
       when if_low_not      => holds <= to_bit(data(7 downto 0) /= number_now);
-      when if_above        => holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
+      when if_above        =>
+        holds <= or data(31 downto 8) or to_bit(unsigned(data(7 downto 0)) > unsigned(number_now));
       when if_top          => holds <= data(31) and to_bit(exchanges > 0);
       when if_no_register  =>
         holds <= not to_bit(pointer <= control_spec_hash_low_c or

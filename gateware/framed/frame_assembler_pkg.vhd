@@ -28,14 +28,16 @@ package frame_assembler_pkg is
     next_work, head, answer, tail_ok, end_ok, tail_refused, end_plain, end_counted, end_failed, tail_plain, finish_ok,
     finish_plain, write_ok, write_failed, write_denied,
     invalid, bad_address, denied, too_long, order,
-    behind, no_group, failed, count_failure, count_silence, count_denial, drop_kind, drop_stale, drop_done, clear_next, cleared,
+    behind, no_group, failed, count_failure, count_silence, count_denial, drop_kind, drop_stale, drop_done, clear_next,
+    cleared,
     -- sessions
     hello_none, hello_more, hello_next, open_new, open_offered, open_begin, open_answer,
     close_wait, session_begins, begin_next, begin_rest,
     forget_next, forgotten,
     -- requests
-    general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch, skip_barrier,
-    check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read, exec_write,
+    general, general_taken, form_dispatch, form_end, take_barrier, places, past_order, skip_check, check_dispatch,
+    skip_barrier, check_order, check_barrier, not_new, duplicate, duplicate_next, duplicate_byte, repeat, exec_read,
+    exec_write,
     -- control registers, time, dead-man
     registers_next, registers_free, registers_word, registers_time, registers_turn, registers_high, registers_said,
     registers_kept, registers_say, turn_down, write_arm,
@@ -44,9 +46,9 @@ package frame_assembler_pkg is
     post_other, post_old, post_denied, post_stopped, post_failed, post_note, post_noted, post_formed, post_end,
     -- lists
     list_start, list_op, list_pass, list_values, list_more, list_masks, list_once, list_reads, list_plain, list_free,
-    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads, run_read,
-    run_next, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed, list_failed,
-    list_unposted,
+    list_tripped, list_has_fifo, list_ok, list_say, list_execute, run, run_go, run_words, run_write, run_reads,
+    run_read, run_next, run_change, run_mask, run_value, run_operand, run_add, run_once, run_again, list_executed,
+    list_failed, list_unposted,
     -- exchange groups
     define_output, define_outputs, define_input, define_inputs, define_barrier, define_go, define_entry, define_entries,
     exchange_defined, exchange_tripped, exchange_free, exchange_go, exchange_out, exchange_outputs, exchange_in,
@@ -68,12 +70,14 @@ package frame_assembler_pkg is
   end record;
 
   constant assembler_empty : assembler_t := (
-    code => (others => nothing_done), taken => (others => false), labels => (others => 0), free => 0, here => 0, last => 0);
+    code => (others => nothing_done), taken => (others => false), labels => (others => 0), free => 0,
+    here => 0, last => 0);
 
   -- Starts another pass. The labels and the positions of the tables are kept.
   procedure next_pass(p : inout assembler_t);
 
-  procedure put(p : inout assembler_t; i : frame_instruction_t; condition : natural := never; target : label_t := next_work);
+  procedure put(p : inout assembler_t; i : frame_instruction_t;
+                condition : natural := never; target : label_t := next_work);
 
   -- Places the next instruction at the label.
   procedure at(p : inout assembler_t; label_name : label_t);
@@ -94,7 +98,8 @@ package frame_assembler_pkg is
   procedure load(p : inout assembler_t; place : natural; i : frame_instruction_t := nothing_done);
 
   -- Takes so many bytes into `data`, and sets its other bytes to zero.
-  procedure take_bytes(p : inout assembler_t; bytes : positive; condition : natural := never; target : label_t := next_work);
+  procedure take_bytes(p : inout assembler_t; bytes : positive;
+                       condition : natural := never; target : label_t := next_work);
 
   -- Calls the routine at the label, then goes to the next instruction.
   procedure call(p : inout assembler_t; label_name : label_t; i : frame_instruction_t := nothing_done);
@@ -115,7 +120,8 @@ package body frame_assembler_pkg is
     p.here := 0;
   end procedure;
 
-  procedure put(p : inout assembler_t; i : frame_instruction_t; condition : natural := never; target : label_t := next_work) is
+  procedure put(p : inout assembler_t; i : frame_instruction_t;
+                condition : natural := never; target : label_t := next_work) is
   begin
     if p.here = p.free then
       loop
@@ -184,8 +190,8 @@ package body frame_assembler_pkg is
     put(p, data(data_word) or number(place) or times(2) or i);
   end procedure;
 
-  procedure take_bytes(p : inout assembler_t; bytes : positive; condition : natural := never; target : label_t := next_work)
-    is
+  procedure take_bytes(p : inout assembler_t; bytes : positive;
+                       condition : natural := never; target : label_t := next_work) is
   begin
     put(p, take(take_first) or times(bytes), condition, target);
   end procedure;

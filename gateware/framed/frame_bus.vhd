@@ -4,8 +4,8 @@
 --
 -- Ports     read, write: begin an access in the next clock, with the address and data of that clock. Both stay stable
 --           until `done`.
---           found: high for one clock, together with the word that was read. failed, silent_bus, denied_write: about the
---           last access.
+--           found: high for one clock, together with the word that was read. failed, silent_bus, denied_write: about
+--           the last access.
 --           hold: keep the bus from now on until `free`.
 -- Latency   `done` is high from the clock after the answer until the next access begins.
 -- Errors    failed: the bus refused the access, or did not answer (silent_bus), or the dead-man has tripped

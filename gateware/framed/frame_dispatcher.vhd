@@ -10,7 +10,8 @@
 --           publishes wait.
 -- Arbitration  In this order: half_turn, overruns, tripped, publishes, frames.
 -- Pressure  A publish begins only if there is room for all of it. While a due publish has no room, posts and dropped
---           frames may begin, because they send nothing. Other frames need the room too, so the publish goes before them.
+--           frames may begin, because they send nothing. Other frames need the room too, so the publish goes before
+--           them.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -8,9 +8,9 @@
 -- `number` is the value that is compared, sent, set or used as an address. The word at that address comes one clock
 -- later.
 --
--- An instruction may be executed several times. It sends, takes and rotates every time, and does everything else only the
--- last time. It also jumps only the last time, except on if_missing, which jumps at any time. So an instruction that
--- loads a word is executed twice: the first time addresses the word.
+-- An instruction may be executed several times. It sends, takes and rotates every time, and does everything else only
+-- the last time. It also jumps only the last time, except on if_missing, which jumps at any time. So an instruction
+-- that loads a word is executed twice: the first time addresses the word.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -37,11 +37,11 @@ package frame_instruction_pkg is
 
   -- How many times, if not one to four times.
   constant times_size : std_ulogic_vector(2 downto 0) := "100";  -- `size`
-  constant times_rest : std_ulogic_vector(2 downto 0) := "101";  -- 8 - `size`: rotations that bring so many low bytes to the top
+  constant times_rest : std_ulogic_vector(2 downto 0) := "101";  -- 8 - `size`: rotations that bring so many bytes up
 
   -- Conditions of a jump.
   constant never           : natural := 0;
-  constant if_missing      : natural := 1;   -- fewer bytes of the frame are left than are taken: one, or the number of take_many
+  constant if_missing      : natural := 1;   -- fewer bytes are left than are taken: one, or the number of take_many
   constant if_left_not     : natural := 2;   -- not exactly `number` bytes are left
   constant if_left_other   : natural := 3;   -- the bytes left are not the lowest nine bits of `data`
   constant if_not_plain    : natural := 4;   -- if_left_not, or the request is chained or has a barrier
@@ -83,11 +83,11 @@ package frame_instruction_pkg is
 
   constant from_number : std_ulogic_vector(2 downto 0) := "000";
   constant from_top    : std_ulogic_vector(2 downto 0) := "001";  -- the highest byte of `data`, which rotates
-  constant from_word   : std_ulogic_vector(2 downto 0) := "010";  -- the highest byte of the data word in `data`, which rotates
+  constant from_word   : std_ulogic_vector(2 downto 0) := "010";  -- the highest byte of the data word; it rotates
   constant from_half   : std_ulogic_vector(2 downto 0) := "011";  -- the word's lower half, in two steps
   constant from_id     : std_ulogic_vector(2 downto 0) := "100";  -- the highest byte of `id`, which rotates
   constant from_cache  : std_ulogic_vector(2 downto 0) := "110";  -- the next byte of the cached reply
-  constant from_other  : std_ulogic_vector(2 downto 0) := "111";  -- the group; for a kind: the kind of the cached reply,
+  constant from_other  : std_ulogic_vector(2 downto 0) := "111";  -- the group; for a kind: that of the cached reply,
                                                                       -- or with status_of_data in `number`: the kind of
                                                                       -- that status
 
@@ -102,7 +102,7 @@ package frame_instruction_pkg is
   constant take_many    : std_ulogic_vector(2 downto 0) := "100";  -- nowhere; takes `count` bytes at once
   constant take_address : std_ulogic_vector(2 downto 0) := "101";
   constant take_id      : std_ulogic_vector(2 downto 0) := "110";
-  constant take_item    : std_ulogic_vector(2 downto 0) := "111";  -- to the address, if each word of the operation has its own
+  constant take_item    : std_ulogic_vector(2 downto 0) := "111";  -- to the address, if each word has its own
 
   -- The new value of `data`.
   constant data_stays   : std_ulogic_vector(3 downto 0) := "0000";
@@ -128,7 +128,7 @@ package frame_instruction_pkg is
   constant manage_empty   : std_ulogic_vector(3 downto 0) := "0011";
   constant manage_rate    : std_ulogic_vector(3 downto 0) := "0100";
   constant manage_event   : std_ulogic_vector(3 downto 0) := "0101";
-  constant manage_publish : std_ulogic_vector(3 downto 0) := "0110";  -- on or off by the lowest bit of `data`; sets the flag, too
+  constant manage_publish : std_ulogic_vector(3 downto 0) := "0110";  -- on or off by bit 0 of `data`; sets the flag
   constant manage_clear   : std_ulogic_vector(3 downto 0) := "1000";
   constant manage_take    : std_ulogic_vector(3 downto 0) := "1001";
 
@@ -146,7 +146,7 @@ package frame_instruction_pkg is
   constant address_up   : std_ulogic_vector(4 downto 0) := "01110";  -- for an operation at rising addresses
   constant hold_bus     : std_ulogic_vector(4 downto 0) := "01111";
   constant half_turn    : std_ulogic_vector(4 downto 0) := "10000";  -- look at the clock's highest bit
-  constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place number `pointer` gets an id from before the start
+  constant forget_place : std_ulogic_vector(4 downto 0) := "10001";  -- place `pointer` gets an id from before the start
 
   -- Actions with one bit each.
   constant do_begin        : natural := 58;  -- continue with the work in hand; clears `count` and marks, frees the bus

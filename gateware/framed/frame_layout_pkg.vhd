@@ -2,7 +2,8 @@
 --
 -- The settings of the framed application, and the layout of its memory of 32-bit words.
 --
---   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md, section 6)
+--   0x00 description  0x20 counters  0x40 state: the control registers, at their own addresses (docs/protocol.md,
+--   section 6)
 --   0x45 the program's own words  0x60 constants  0x70 sequences of up to 16 groups
 --   from 0x80: sequences of more groups, exchange groups; at most 1024 words
 
@@ -75,7 +76,7 @@ package frame_layout_pkg is
   constant word_in_size  : natural := 16#57#;  -- of an exchange group: bytes of its inputs
   constant word_counts   : natural := 16#58#;  -- of an exchange group: both numbers of members
   constant word_own_nonce : natural := 16#5A#; -- nonce of the session, in the lower half
-  constant word_nonce    : natural := 16#5B#;  -- nonce of the last HELLO answer; a reset keeps it, so a late OPEN is refused
+  constant word_nonce    : natural := 16#5B#;  -- nonce of the last HELLO answer; a reset keeps it, against a late OPEN
   constant word_zero     : natural := 16#60#;  -- constants
   constant word_ones     : natural := 16#61#;
   constant word_one      : natural := 16#62#;
@@ -86,9 +87,9 @@ package frame_layout_pkg is
   constant word_hello    : natural := 16#68#;  -- the part of the HELLO answer about the device, after the epoch
   constant hello_words   : natural := 5;
 
-  -- Flags that last from frame to frame. The first three are the register `arm`. The dead-man holds three of them, and to
-  -- set or clear these is a command (dead_man_pkg). Setting flag_tripped trips the dead-man if it runs, and clearing it
-  -- arms. Clearing flag_tripped_now begins a session.
+  -- Flags that last from frame to frame. The first three are the register `arm`. The dead-man holds three of them, and
+  -- to set or clear these is a command (dead_man_pkg). Setting flag_tripped trips the dead-man if it runs, and clearing
+  -- it arms. Clearing flag_tripped_now begins a session.
   constant flag_tripped     : natural := 1;   -- the dead-man has tripped, and nobody has armed it since
   constant flag_running     : natural := 2;   -- the dead-man is running
   constant flag_publishing  : natural := 4;
@@ -121,9 +122,10 @@ package frame_layout_pkg is
   -- The marks that an operation gives to its frame: it writes, or it has a read_fifo.
   function marks_of(shape : byte_t) return byte_t;
 
-  -- Words of an exchange group. The first word has the number of inputs in the lowest byte, and the number of outputs in
-  -- the next byte. The second word is its word_out_size, or 0 if the group is not defined. Then each member has a word
-  -- with the number of bytes in the highest byte, and the address. An address of four bytes takes a word of its own.
+  -- Words of an exchange group. The first word has the number of inputs in the lowest byte, and the number of outputs
+  -- in the next byte. The second word is its word_out_size, or 0 if the group is not defined. Then each member has a
+  -- word with the number of bytes in the highest byte, and the address. An address of four bytes takes a word of its
+  -- own.
   function exchange_stride(s : frame_settings_t) return positive;
 
   -- The most words that one frame can define.

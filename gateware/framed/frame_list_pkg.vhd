@@ -100,7 +100,8 @@ package body frame_list_pkg is
     at(p, run_read);
     await;
     if s.data_bytes > together then
-      put(p, say(say_kept, from_word) or times(s.data_bytes - together) or also(address_up, word_done), if_some_left, run_next);
+      put(p, say(say_kept, from_word) or times(s.data_bytes - together) or also(address_up, word_done),
+          if_some_left, run_next);
     else
       put(p, also(address_up, word_done), if_some_left, run_next);
     end if;

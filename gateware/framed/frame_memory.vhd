@@ -3,8 +3,8 @@
 -- The words of the framed application: control registers, the program's own words, and tables (frame_layout_pkg).
 --
 -- Ports     index: the address of a word, which is in `word` one clock later. A clock that stores reads no word.
---           store: see frame_instruction_pkg. enable: goes with `store`, and may come late in the clock. data: the value
---           of store_data.
+--           store: see frame_instruction_pkg. enable: goes with `store`, and may come late in the clock. data: the
+--           value of store_data.
 -- Latency   One clock.
 -- Errors    None.
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The signals between the entities of the framed side: checked frames from the receiver, bytes for the transmitter. Also
--- the CRC.
+-- The signals between the entities of the framed side: checked frames from the receiver, bytes for the transmitter.
+-- Also the CRC.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,7 +14,8 @@ package frame_pkg is
   subtype crc16_t is std_ulogic_vector(15 downto 0);
   subtype entry_t is std_ulogic_vector(4 downto 0);
 
-  -- The entry: what came, in five bits. It is the low four bits of the kind for a request of a session, or one of these.
+  -- The entry: what came, in five bits. It is the low four bits of the kind for a request of a session, or one of
+  -- these.
   constant entry_unknown   : natural := 14;  -- a request of an unknown kind
   constant entry_hello     : natural := 16;
   constant entry_open      : natural := 17;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The framed application's program: what it does for every frame, tick and publish (docs/protocol.md). Sessions, ids and
--- single words are here. frame_post_pkg has posts, frame_state_pkg the device itself, frame_list_pkg lists, and
+-- The framed application's program: what it does for every frame, tick and publish (docs/protocol.md). Sessions, ids
+-- and single words are here. frame_post_pkg has posts, frame_state_pkg the device itself, frame_list_pkg lists, and
 -- frame_group_pkg both kinds of groups.
 
 library ieee;
@@ -381,7 +381,8 @@ package body frame_program_pkg is
     at(p, duplicate_byte);
     put(p, say(say_byte, from_cache) or act(do_count));
     go_to(p, duplicate_next);
-    at(p, repeat);  -- for LIST, EXCHANGE or READ_CONTROL; otherwise the id belongs to another request, and this one is invalid
+    -- For LIST, EXCHANGE or READ_CONTROL. Otherwise the id belongs to another request, and this one is invalid.
+    at(p, repeat);
     put(p, also(set_marks, mark_repeated));
     go_to(p, skip_check);
 
@@ -430,7 +431,7 @@ package body frame_program_pkg is
     while size < p.free loop
       size := 2 * size;
     end loop;
-   
+
     return p.code(0 to size - 1);
   end function;
 

@@ -1,18 +1,18 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Turns bytes into checked frames: the verify buffer of the framed protocol. A frame is passed on only after its closing
--- 00 has come and its check was right. Then its payload is decoded. It can be read, read again and dropped.
+-- Turns bytes into checked frames: the verify buffer of the framed protocol. A frame is passed on only after its
+-- closing 00 has come and its check was right. Then its payload is decoded. It can be read, read again and dropped.
 --
 --   frame --> delay of 3 --> CRC, COBS --> | payloads, a ring |  --> request.data
 --   (the check)    00 --> verdict -------> | frames, a FIFO   |  --> request
 --
 -- Ports     frame: valid/ready bytes of frames, each from its kind to its closing 00.
 --           request: see frame_pkg. `rewind` must come first, and makes the first byte of the payload the next one.
---           `take` moves on by take_bytes, or takes nothing if fewer are left (request.missing). `done` moves to the next
---           frame.
+--           `take` moves on by take_bytes, or takes nothing if fewer are left (request.missing). `done` moves to the
+--           next frame.
 -- Latency   A frame is passed on two clocks after its 00. One byte per clock, in and out.
--- Errors    A dropped frame is passed on in the order of arrival too, as an entry that gives the reason, without payload.
---           A wrong byte costs only its own frame.
+-- Errors    A dropped frame is passed on in the order of arrival too, as an entry that gives the reason, without
+--           payload. A wrong byte costs only its own frame.
 -- Pressure  frame_ready is low while the ring or the FIFO of 16 frames is full. It is also low from an OPEN or CLOSE to
 --           its `done`, because the epoch changes then, and the next frame is checked with the new epoch.
 

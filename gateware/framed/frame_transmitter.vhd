@@ -5,8 +5,8 @@
 --   kind ------------------------------> tx   at once, if the frame before has been sent
 --   put --> | payload, two of them |  -> tx   as soon as it is complete
 --
--- A zero is not stored. When the next zero or the end comes, the distance to it is stored in the place of the zero. That
--- is its COBS code. So each byte is one write, and the payload is encoded when its last byte has come.
+-- A zero is not stored. When the next zero or the end comes, the distance to it is stored in the place of the zero.
+-- That is its COBS code. So each byte is one write, and the payload is encoded when its last byte has come.
 --
 -- Ports     reply: see frame_pkg; given only while `ready`, otherwise it waits. idle: nothing is being sent.
 --           tx: valid/ready/data. tx_last is high with the closing 00, and tx_publish with all bytes of a publish.

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The framed side of a core: frames in and out, requests and publishes on the bus-independent interface (docs/protocol.md).
+-- The framed side of a core: frames in and out, requests and publishes on the bus-independent interface
+-- (docs/protocol.md).
 --
 --   frame --> frame_receiver --> frame_application <--> bii, subscription
 --   tx <----- frame_transmitter <------+
@@ -73,7 +74,8 @@ begin
     port map (
       clock => clock, reset => reset, epoch => epoch,
       frame_valid => frame_valid, frame_ready => frame_ready, frame_data => frame_data,
-      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done, alive => alive);
+      request => request, take => take, take_bytes => take_bytes, rewind => rewind, done => request_done,
+      alive => alive);
 
   application : entity work.frame_application
     generic map (settings => frame_settings)

@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Remembers which requests were executed, so that none is executed twice. There is one place for each id mod `window`. It
--- holds the last id executed there, its status, and its reply if that was short.
+-- Remembers which requests were executed, so that none is executed twice. There is one place for each id mod `window`.
+-- It holds the last id executed there, its status, and its reply if that was short.
 --
 -- Ports     id: the id to look up. Two clocks later these outputs are about it:
 --           new_id: it is later than the id of its place. repeated: it is the id of its place.
 --           order, with `before`: neither the id before it nor a later one of that place was executed.
 --           status, kept: of the cached reply. too_long: the reply was not kept.
 --           remember: the id takes its place, with status_in and the bytes given since `start`. forget: place number
---           forget_index gets an id from before the session. keep: data_in is the next byte of a reply. recall: data_out is
---           taken, and the next byte comes two clocks later.
+--           forget_index gets an id from before the session. keep: data_in is the next byte of a reply. recall:
+--           data_out is taken, and the next byte comes two clocks later.
 -- Latency   Two clocks from the id to the outputs about it.
 -- Errors    Bytes beyond the size of a place are counted, not kept.
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- FT245 asynchronous FIFO physical layer. On one side is an FTDI chip (FT232H, FT2232H), on the other are byte streams with
--- buffers.
+-- FT245 asynchronous FIFO physical layer. On one side is an FTDI chip (FT232H, FT2232H), on the other are byte streams
+-- with buffers.
 --
 --   rxf_n --> |        | --> fifo --> rx_valid/ready/data        rd_n  ‾‾\____/‾‾    wr_n    ‾‾‾‾\____/‾‾‾‾
 --   rd_n  <-- |        |                                         data  ---<chip>-    data    --<===FPGA===>--
@@ -10,17 +10,17 @@
 --   txe_n --> |        | <-- fifo <-- tx_valid/ready/data/last/publish
 --   siwu_n <-- after the last byte of a message
 --
--- Generics  The times are from table 4.2 of DS_FT232H 2.1, and the same in DS_FT2232H. Where the two differ, the longer one
---           is used. pad_ns is the delay of the FPGA's pads and the board, both ways together. si_ns: the datasheets give
---           no figure, and it was not checked on silicon.
--- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while data_drive is
---           high.
---           rxf_n, txe_n: asynchronous. They are sampled at falling edges, so they settle for half a clock (above 60 MHz:
---           one and a half). tx_last, tx_publish: with tx_data. send_immediate says which messages raise siwu_n.
--- Rate      At 50 MHz and with the slowest chip, a byte takes 6 clocks to read and 5 to write: 8.3 and 10 MB/s. The chip
---           does 8.
--- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks after wr_n of the
---           last byte (3 at 50 MHz), and stays low for si_ns. Messages that end meanwhile share the next pulse.
+-- Generics  The times are from table 4.2 of DS_FT232H 2.1, and the same in DS_FT2232H. Where the two differ, the longer
+--           one is used. pad_ns is the delay of the FPGA's pads and the board, both ways together. si_ns: the
+--           datasheets give no figure, and it was not checked on silicon.
+-- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while
+--           data_drive is high.
+--           rxf_n, txe_n: asynchronous. They are sampled at falling edges, so they settle for half a clock (above 60
+--           MHz: one and a half). tx_last, tx_publish: with tx_data. send_immediate says which messages raise siwu_n.
+-- Rate      At 50 MHz and with the slowest chip, a byte takes 6 clocks to read and 5 to write: 8.3 and 10 MB/s. The
+--           chip does 8.
+-- Latency   rxf_n to rx_valid: strobe + 5 clocks. tx_valid to wr_n: 4. siwu_n falls `strobe` + 1 clocks after wr_n of
+--           the last byte (3 at 50 MHz), and stays low for si_ns. Messages that end meanwhile share the next pulse.
 -- Errors    None: the chip and the buffers lose nothing.
 -- Pressure  While rx_ready is low, the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
 --           full. If both directions have bytes, they take turns.
@@ -90,7 +90,7 @@ architecture rtl of ft245_async is
   constant setup_clocks  : positive := clocks_lasting(setup_ns, clock_hz);
   -- Clocks until the data may change, and txe_n has reacted to the byte.
   constant hold_clocks   : positive := maximum(clocks_lasting(hold_ns, clock_hz), answer_clocks - write_clocks);
-  constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip has released the bus
+  constant turn_clocks   : positive := clocks_lasting(data_ns + pad_ns, clock_hz); -- until the chip is off the bus
   constant clocks_most   : positive := maximum(maximum(read_clocks, write_clocks), maximum(setup_clocks, hold_clocks));
 
   type state_t is (idle, reading, setting_up, writing, holding);
@@ -136,8 +136,8 @@ begin
     seen_txe_n <= early_txe_n;
   end generate;
 
-  -- A byte in got_data does not yet count in the buffer. So after a read, a waiting write goes first. Otherwise reads go
-  -- first.
+  -- A byte in got_data does not yet count in the buffer. So after a read, a waiting write goes first. Otherwise reads
+  -- go first.
   can_read   <= '1' when seen_rxf_n = '0' and read_wait = 0 and got_room = '1' and got_valid = '0' else '0';
   can_write  <= '1' when seen_txe_n = '0' and turn_wait = 0 and send_valid = '1' else '0';
   send_ready <= '1' when state = idle and can_write = '1' and can_read = '0' else '0';

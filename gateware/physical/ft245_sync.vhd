@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- FT245 synchronous FIFO physical layer. An FTDI chip (FT232H, FT2232H channel A) gives a clock of 60 MHz, and moves one
--- byte per clock, in one direction at a time.
+-- FT245 synchronous FIFO physical layer. An FTDI chip (FT232H, FT2232H channel A) gives a clock of 60 MHz, and moves
+-- one byte per clock, in one direction at a time.
 --
 --   chip_clock domain                               clock domain
 --   rxf_n, rd_n, oe_n <--> |       | --> async_fifo --> rx_valid/ready/data
@@ -9,19 +9,19 @@
 --   txe_n, wr_n       <--> |       | <-- async_fifo <-- tx_valid/ready/data/last/publish
 --   siwu_n            <--
 --
--- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while data_drive is
---           high. All pins are synchronous to chip_clock, which is the chip's CLKOUT. Every output is a register. txe_n
---           acts on registers in the same clock.
+-- Ports     There is no tri-state inside. Connect data_in, data_out and data_drive to a pad that drives while
+--           data_drive is high. All pins are synchronous to chip_clock, which is the chip's CLKOUT. Every output is a
+--           register. txe_n acts on registers in the same clock.
 --           DS_FT232H 2.1, table 4.1: inputs come up to 9 ns after chip_clock, and outputs are needed 7.5 ns before the
 --           next. So give the tool a clock of 16.67 ns, 9 ns of input delay and 7.5 ns of output delay. This was not
 --           checked on silicon.
--- Reset     reset must come out of a register, because it acts on chip_clock as well. While chip_clock is missing (the chip
---           is not in this mode yet), the streams are not ready. They begin 8 clocks of each domain after it came.
+-- Reset     reset must come out of a register, because it acts on chip_clock as well. While chip_clock is missing (the
+--           chip is not in this mode yet), the streams are not ready. They begin 8 clocks of each domain after it came.
 -- Rate      In one direction, one byte per clock: 60 MB/s at the pins, of which USB carries 40. If both directions are
---           saturated, each gets burst_clocks at a time. At a change of direction no byte moves for 1 clock (to write) or 2
---           (to read).
--- Latency   rxf_n to rx_valid: 4 clocks of chip_clock, 3 to 4 of clock. tx_valid to wr_n: 1 clock, 4 to 5 of chip_clock.
---           siwu_n falls in the clock in which the last byte of a message is taken: see siwu_pulse.
+--           saturated, each gets burst_clocks at a time. At a change of direction no byte moves for 1 clock (to write)
+--           or 2 (to read).
+-- Latency   rxf_n to rx_valid: 4 clocks of chip_clock, 3 to 4 of clock. tx_valid to wr_n: 1 clock, 4 to 5 of
+--           chip_clock. siwu_n falls in the clock in which the last byte of a message is taken: see siwu_pulse.
 -- Errors    None: the chip and the buffers lose nothing.
 -- Pressure  While rx_ready is low, the chip keeps its bytes, and USB stalls the PC. tx_ready is low while the buffer is
 --           full.

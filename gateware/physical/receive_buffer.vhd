@@ -6,8 +6,8 @@
 --                                          +--> rx_error
 --
 -- Items     An item is a byte. If a bit of line_error is set, it is an error instead.
--- Errors    rx_error pulses for one clock after all bytes before it were taken, and before any byte after it is offered. It
---           has no ready, so it must be taken at once. The bits are those of physical_pkg.
+-- Errors    rx_error pulses for one clock after all bytes before it were taken, and before any byte after it is
+--           offered. It has no ready, so it must be taken at once. The bits are those of physical_pkg.
 -- Pressure  line_ready is low while the memory is full. The source must then hold its item, or report an overrun.
 -- Latency   2 clocks from line_valid to rx_valid or rx_error.
 -- Capacity  rx_depth items in the memory and one at its output.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- RS-485 physical layer: one of up to 63 nodes on a pair, with the framed protocol. The PC is the master, and a node sends
--- only when it is polled.
+-- RS-485 physical layer: one of up to 63 nodes on a pair, with the framed protocol. The PC is the master, and a node
+-- sends only when it is polled.
 --
 --   master   00 | select 3 | frame 00 … | poll 3 |
 --   drive    ___________________________________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\____
@@ -9,10 +9,10 @@
 --
 -- Tokens    Three bytes, the last of which is 00, between frames (docs/protocol.md, section 10). One with up to three
 --           flipped bits is not accepted.
--- Turn      It begins `turnaround_bits` after a poll, so that the master can release the pair. It ends at the first end of
---           a message at which no byte waits or `turn_bytes` have been sent. If the core sends nothing for 255 bits within
---           a message, the message is cut off and the turn ends. drive rises one bit before the first start bit and falls
---           one bit after the last stop bit.
+-- Turn      It begins `turnaround_bits` after a poll, so that the master can release the pair. It ends at the first end
+--           of a message at which no byte waits or `turn_bytes` have been sent. If the core sends nothing for 255 bits
+--           within a message, the message is cut off and the turn ends. drive rises one bit before the first start bit
+--           and falls one bit after the last stop bit.
 -- Echo      While drive is high, nothing is received. So a transceiver that receives its own signal does no harm.
 -- Errors    They stand in their place between the bytes, as in uart. Errors outside this node's frames are ignored.
 -- Pressure  tx_ready is low while the buffer is full. Messages wait for their turn, so the buffer is best as long as a
@@ -102,6 +102,7 @@ begin
   transmitter : entity work.uart_tx
     generic map (clock_hz => clock_hz, baud_hz => baud_hz)
     port map (
-      clock => clock, reset => reset, tx_valid => out_valid, tx_ready => out_ready, tx_data => out_data, line => tx_line);
+      clock => clock, reset => reset, tx_valid => out_valid, tx_ready => out_ready, tx_data => out_data,
+      line => tx_line);
 
 end architecture;

@@ -1,19 +1,21 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A node on an RS-485 pair, character by character: what it accepts from the master, and when it sends. rs485 adds a line
--- and buffers.
+-- A node on an RS-485 pair, character by character: what it accepts from the master, and when it sends. rs485 adds a
+-- line and buffers.
 --
 --   line_valid/ready/data/error --> | finds tokens   | --> rx_valid/ready      frames for this node, unchanged
 --                                   |  | polled      |
 --   out_valid/ready/data, drive <-- | takes its turn | <-- send_valid/ready/data/last
 --
 -- Receives  Frames after a select of this node, and the border before the first. While it drives, it receives nothing.
--- Sends     A turn after each poll of this node, and at no other time: 00, select, 00, messages, poll 0. The messages end
---           at the first end of a message at which no byte waits or `turn_bytes` have been sent. If the core sends no byte
---           of a message for `silence_bits`, the message is cut off and the turn ends.
--- Latency   From the last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks. To the first character
---           one bit more. `drive` falls one bit and one clock after the clock in which the transmitter is ready again.
--- Errors    A character with an error belongs to no token. It ends what was selected, except within a frame for this node.
+-- Sends     A turn after each poll of this node, and at no other time: 00, select, 00, messages, poll 0. The messages
+--           end at the first end of a message at which no byte waits or `turn_bytes` have been sent. If the core sends
+--           no byte of a message for `silence_bits`, the message is cut off and the turn ends.
+-- Latency   From the last character of the poll to `drive`: turnaround_bits - 1 bits and 3 clocks. To the first
+--           character one bit more. `drive` falls one bit and one clock after the clock in which the transmitter is
+--           ready again.
+-- Errors    A character with an error belongs to no token. It ends what was selected, except within a frame for this
+--           node.
 -- Pressure  Characters for the core wait for rx_ready, and others do not wait. send_ready is high only in a turn.
 -- Reset     Ends a turn at once.
 

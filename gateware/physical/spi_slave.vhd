@@ -1,23 +1,24 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- SPI slave physical layer. The PC is the master, and clocks one byte each way at once. Mode 0, most significant bit first.
+-- SPI slave physical layer. The PC is the master, and clocks one byte each way at once. Mode 0, most significant bit
+-- first.
 --
 --   cs_n  ‾‾\________________________________/‾‾     sampled at rising edges of sck,
 --   sck   _____/‾\_/‾\_/‾\_ … _/‾\_/‾\__________     changed at falling edges
 --   mosi  -----< 7 X 6 X 5 X … X 1 X 0 >--------
 --   miso  -----< 7 X 6 X 5 X … X 1 X 0 >--------     filler if there is nothing to send
 --
--- Clocks    sck clocks the bits itself, up to 25 MHz and beyond. clock must be at least as fast as sck. Put sck on a clock
---           net. A byte crosses between the clocks with a toggle that goes through two flip-flops. The byte does not change
---           meanwhile.
+-- Clocks    sck clocks the bits itself, up to 25 MHz and beyond. clock must be at least as fast as sck. Put sck on a
+--           clock net. A byte crosses between the clocks with a toggle that goes through two flip-flops. The byte does
+--           not change meanwhile.
 -- Filler    Each side sends zeros as filler when it has nothing to send. Framed messages have zeros at their ends, and
---           classic messages have none. Filler must not come within a framed message. So a message is sent when all of it
---           is in the buffer, or when the buffer is full. Filler from the PC reaches rx_data like any byte.
+--           classic messages have none. Filler must not come within a framed message. So a message is sent when all of
+--           it is in the buffer, or when the buffer is full. Filler from the PC reaches rx_data like any byte.
 -- Waiting   `waiting` is high while there is something for the PC. The PC may poll this line or use it as an interrupt.
 -- Latency   From the last edge of a byte to rx_valid: 5 clocks. A byte that is ready is sent as the next byte but one.
--- Errors    A byte without room (rx_depth + 2 wait) is lost, and an overrun takes its place (rx_error as in uart). Other
---           errors never occur. If a transfer ends within a byte, the PC's byte is dropped, and the FPGA's byte is sent
---           again.
+-- Errors    A byte without room (rx_depth + 2 wait) is lost, and an overrun takes its place (rx_error as in uart).
+--           Other errors never occur. If a transfer ends within a byte, the PC's byte is dropped, and the FPGA's byte
+--           is sent again.
 -- Pressure  tx_ready is low while the buffer is full.
 -- Reset     Empties the buffers. A byte that is already offered to sck is still sent.
 

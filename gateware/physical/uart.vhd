@@ -6,13 +6,13 @@
 --                                            +--> rx_error              in its place between the bytes
 --   tx_line <-- uart_tx <------------ fifo <----- tx_valid/ready/data
 --
--- Errors    Errors go through the receive buffer with the bytes. rx_error pulses for one clock after all bytes before it
---           were taken, and before any byte after it is offered. So the datalink assigns the error to the right message.
---           There is no ready: take it at once. The bits are those of physical_pkg: parity, framing, overrun.
+-- Errors    Errors go through the receive buffer with the bytes. rx_error pulses for one clock after all bytes before
+--           it were taken, and before any byte after it is offered. So the datalink assigns the error to the right
+--           message. There is no ready: take it at once. The bits are those of physical_pkg: parity, framing, overrun.
 -- Pressure  tx_ready is low while the transmit buffer is full. The line cannot be stalled. Once rx_depth + 2 characters
 --           wait, further ones are lost, and an overrun takes their place.
--- Latency   Receive: 7 clocks from the middle of the stop bit to rx_valid. Transmit: 3 clocks from tx_valid to the start
---           bit.
+-- Latency   Receive: 7 clocks from the middle of the stop bit to rx_valid. Transmit: 3 clocks from tx_valid to the
+--           start bit.
 -- Baud rate, break, protection against metastability and spikes: see uart_rx and uart_tx.
 
 library ieee;

@@ -10,9 +10,9 @@
 --             slow at any of them. Sampling is at most 1/8 bit off the middle, and 3 % is 0.32 bit at the stop bit.
 -- Guard       Two flip-flops against metastability, then the median of three samples. So a spike shorter than one clock
 --             period is ignored, and edges do not move. A start bit that is over by its middle is ignored.
--- Errors      rx_error, with rx_valid, gives the error. If it is not zero, the item is not a byte, and rx_data is void. The
---             bits are parity, framing (no stop bit), and overrun (at least one character found no room at this place).
---             After a broken frame, the line must be high before the next start bit is accepted.
+-- Errors      rx_error, with rx_valid, gives the error. If it is not zero, the item is not a byte, and rx_data is void.
+--             The bits are parity, framing (no stop bit), and overrun (at least one character found no room at this
+--             place). After a broken frame, the line must be high before the next start bit is accepted.
 -- Break       A frame that is low throughout pulses line_break once, and is also a framing error.
 -- Pressure    rx_ready may stay low for the length of one character. After that, characters are lost, with an overrun.
 -- Latency     5 clocks from the middle of the stop bit at the pin to rx_valid.
@@ -48,8 +48,8 @@ architecture rtl of uart_rx is
   constant bits      : positive := phase_bits(clock_hz, baud_hz);
   constant increment : positive := phase_increment(clock_hz, baud_hz);
 
-  -- The first tick comes half a bit after the start edge, less two clocks. The edge was, on average, half a clock before it
-  -- was seen. A tick comes half a clock late, and takes effect one clock later.
+  -- The first tick comes half a bit after the start edge, less two clocks. The edge was, on average, half a clock
+  -- before it was seen. A tick comes half a clock late, and takes effect one clock later.
   constant start_phase : positive := 2 ** (bits - 1) + 2 * increment;
 
   type state_t is (

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- application: words of replies, bus cycles and their blocks, errors within a block, turns between requests and publishes,
--- stalls. The bench plays the bus and the subscription manager. The answers of the whole core are tested in tests/gateware
--- (recordings, the twin).
+-- application: words of replies, bus cycles and their blocks, errors within a block, turns between requests and
+-- publishes, stalls. The bench plays the bus and the subscription manager. The answers of the whole core are tested in
+-- tests/gateware (recordings, the twin).
 -- tests/gateware (recordings, the twin).
 
 library ieee;
@@ -44,8 +44,8 @@ architecture bench of application_tb is
   signal command    : natural := 0;
   signal checked    : std_ulogic := '0';
   signal size       : natural := 0;
-  signal bytes      : std_ulogic_vector(63 downto 0) := (others => '0');  -- items of it that were taken, with the head item
-  signal taken      : natural := 0;                                       -- items taken from the request, including the first, which says what it is
+  signal bytes      : std_ulogic_vector(63 downto 0) := (others => '0');  -- items taken of it, with the head item
+  signal taken      : natural := 0;                                       -- how many; the first says what it is
 
   type words_t is array (0 to 3, 0 to 511) of std_ulogic_vector(31 downto 0);
   signal words      : words_t := (others => (others => (others => '0'))); -- of the groups
@@ -249,7 +249,8 @@ begin
     ask(command_read_many, 4, x"0301FF0300000000", "#S_RM:01010101?E_BAT;");
     ask(command_read_many, 3, x"0301020000000000", "#S_RM:0101010102020202?E_MAB;");
     check_equal(blocks, before + 4, "blocks that ended in an error");
-    ask(command_read_configuration, 0, x"0000000000000000", "#CNF:01,04,20,0" & integer'image(publish_mode) & ",03E8,02,10,02;");
+    ask(command_read_configuration, 0, x"0000000000000000",
+        "#CNF:01,04,20,0" & integer'image(publish_mode) & ",03E8,02,10,02;");
 
     if publish_mode > 0 then
       ask(command_read_group, 1, x"0200000000000000", "#?E_ISG;");

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An AXI4-Lite memory with random delays: on each channel it is ready, or answers, after a random number of clocks. Byte
--- address 4 * a is word a. It refuses words whose bits 7-4 are E. It answers words whose bits 7-4 are F only after at least
--- slow_clocks. It checks that the master keeps the rules of axi_lite_pkg. `executed` counts the writes that have reached
--- the memory.
+-- An AXI4-Lite memory with random delays: on each channel it is ready, or answers, after a random number of clocks.
+-- Byte address 4 * a is word a. It refuses words whose bits 7-4 are E. It answers words whose bits 7-4 are F only after
+-- at least slow_clocks. It checks that the master keeps the rules of axi_lite_pkg. `executed` counts the writes that
+-- have reached the memory.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -141,7 +141,8 @@ begin
     variable asked        : boolean := false; -- an address was taken and is not yet answered
   begin
     if rising_edge(clock) and reset = '0' then
-      check(not asked or (axi_lite_m2s.awvalid or axi_lite_m2s.arvalid) = '0', "an access before the last was answered");
+      check(not asked or (axi_lite_m2s.awvalid or axi_lite_m2s.arvalid) = '0',
+            "an access before the last was answered");
       if (axi_lite_m2s.awvalid and s2m.awready) = '1' or (axi_lite_m2s.arvalid and s2m.arready) = '1' then
         asked := true;
       elsif (axi_lite_m2s.bready and s2m.bvalid) = '1' or (axi_lite_m2s.rready and s2m.rvalid) = '1' then

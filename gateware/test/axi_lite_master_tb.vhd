@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- axi_lite_master with a slave that delays every channel. Words and errors arrive with their own access, every access ends,
--- and no access starts before a late response has come.
+-- axi_lite_master with a slave that delays every channel. Words and errors arrive with their own access, every access
+-- ends, and no access starts before a late response has come.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -36,8 +36,8 @@ architecture test of axi_lite_master_tb is
   signal quick        : boolean := false; -- the slave answers without delays
   signal from_slave   : axi_lite_s2m_t;
   signal from_quick   : axi_lite_s2m_t := (
-    awready => '1', wready => '1', arready => '1', bvalid => '0', rvalid => '0', bresp => axi_okay_c, rresp => axi_okay_c,
-    rdata => (others => '0'));
+    awready => '1', wready => '1', arready => '1', bvalid => '0', rvalid => '0',
+    bresp => axi_okay_c, rresp => axi_okay_c, rdata => (others => '0'));
   signal to_slave     : axi_lite_m2s_t;
 
 begin

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The memory of the recordings. Word a starts as 0x40DE0000 | (a * 257 & 0xFFFF), cut to the data width. Addresses with the
--- top byte E0 to EF answer with err, and F0 to FF do not answer. The acknowledge is registered, as in wishbone_memory. It
--- comes later by `waits` clocks, and by random ones if `stall_percent` is not 0.
+-- The memory of the recordings. Word a starts as 0x40DE0000 | (a * 257 & 0xFFFF), cut to the data width. Addresses with
+-- the top byte E0 to EF answer with err, and F0 to FF do not answer. The acknowledge is registered, as in
+-- wishbone_memory. It comes later by `waits` clocks, and by random ones if `stall_percent` is not 0.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -16,7 +16,7 @@ entity bench_memory is
     address_width : positive;
     data_width    : positive;
     recorded      : boolean  := true;  -- false: all words are 0 and every address answers
-    bad_base      : natural  := 0;       -- if not 0: four words from there answer with err, and the next four do not answer
+    bad_base      : natural  := 0;       -- if not 0: four words from there answer with err, the next four not at all
     waits         : natural  := 0;
     stall_percent : natural  := 0;
     seed          : positive := 1

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Shared by all benches: seeded random numbers, checks that name the difference, steps of a clock, bytes as text, and the
--- watchdog.
+-- Shared by all benches: seeded random numbers, checks that name the difference, steps of a clock, bytes as text, and
+-- the watchdog.
 
 library ieee;
   use ieee.std_logic_1164.all;

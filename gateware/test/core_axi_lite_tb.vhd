@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core_axi_lite with a memory that delays all five channels: words, blocks, refusals, and a late answer that must not be
--- used.
+-- core_axi_lite with a memory that delays all five channels: words, blocks, refusals, and a late answer that must not
+-- be used.
 
 library ieee;
   use ieee.std_logic_1164.all;

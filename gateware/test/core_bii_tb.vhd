@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core_bii with sixteen words directly on the bus-independent interface. A block is held from its first word to its last,
--- and each way in which an access can end has its reply.
+-- core_bii with sixteen words directly on the bus-independent interface. A block is held from its first word to its
+-- last, and each way in which an access can end has its reply.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The dead-man between an application that reads and writes without end and a bus that answers at random, refuses, or is
--- silent. In each round the signs of life end at another clock. Each time it trips at its tick, writes its values, denies
--- all writes, lets reads through, and is armed again.
+-- The dead-man between an application that reads and writes without end and a bus that answers at random, refuses, or
+-- is silent. In each round the signs of life end at another clock. Each time it trips at its tick, writes its values,
+-- denies all writes, lets reads through, and is armed again.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- double_buffer_slave, compared with two arrays and a pointer: the hazard of the swap, one moment in a block, words written
--- by the FPGA.
+-- double_buffer_slave, compared with two arrays and a pointer: the hazard of the swap, one moment in a block, words
+-- written by the FPGA.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,11 +1,13 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A core's physical layer and the other end of its wires, as the byte streams that a PC sees. Benches put it before a core.
+-- A core's physical layer and the other end of its wires, as the byte streams that a PC sees. Benches put it before a
+-- core.
 --
 -- Kinds     "none", "fifo" (of `fifo_words`), "uart", "spi_slave", "ft245_async", "ft245_sync", "rs485" (node 1).
 -- Ports     in, out: bytes to and from the core, as the PC gives and takes them. rx, tx: the ports of the core.
--- Pressure  While out_ready is low, the PC takes nothing, and a chip fills up. An SPI slave and an RS-485 node send only
---           when the PC asks: it sends zeros, or polls. A UART always sends, and bytes that are not taken are lost.
+-- Pressure  While out_ready is low, the PC takes nothing, and a chip fills up. An SPI slave and an RS-485 node send
+--           only when the PC asks: it sends zeros, or polls. A UART always sends, and bytes that are not taken are
+--           lost.
 
 library ieee;
   use ieee.std_logic_1164.all;

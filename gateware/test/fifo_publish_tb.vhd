@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The core with a fifo_slave at x40, whose event is the edge input of group 1. Words come at the clocks in words_file, and
--- requests at the clocks in requests_file. The bytes from the core go to answers_file, which
+-- The core with a fifo_slave at x40, whose event is the edge input of group 1. Words come at the clocks in words_file,
+-- and requests at the clocks in requests_file. The bytes from the core go to answers_file, which
 -- tests/gateware/test_fifo_publish.py checks.
 --
 -- Lines: CLOCK WORD in words_file, CLOCK BYTES in requests_file (both hexadecimal after the clock), CLOCK BYTE in

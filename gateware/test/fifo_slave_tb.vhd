@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- fifo_slave, compared with two queues: irregular data in both directions with stalls on both sides, full, empty, the event
--- line.
+-- fifo_slave, compared with two queues: irregular data in both directions with stalls on both sides, full, empty, the
+-- event line.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -61,7 +61,8 @@ begin
   dut : entity work.fifo_slave
     generic map (depth => depth, data_width => data_width, remind_clocks => remind_clocks)
     port map (
-      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, arrival => arrival, not_empty => not_empty,
+      clock => clock, reset => reset, wishbone_m2s => m2s, wishbone_s2m => s2m, arrival => arrival,
+      not_empty => not_empty,
       to_pc_valid => to_pc_valid, to_pc_ready => to_pc_ready, to_pc_data => to_pc_data,
       from_pc_valid => from_pc_valid, from_pc_ready => from_pc_ready, from_pc_data => from_pc_data);
 
@@ -93,7 +94,8 @@ begin
         to_pc_data  <= word_of(next_word)(data_t'range);
       end if;
       if from_pc_valid = '1' and from_pc_ready = '1' then
-        check_equal(from_pc_data, word_of(take_count)(data_t'range), "word " & integer'image(take_count) & " from the PC");
+        check_equal(from_pc_data, word_of(take_count)(data_t'range),
+                    "word " & integer'image(take_count) & " from the PC");
         take_count <= take_count + 1;
       end if;
       from_pc_ready <= '1' when random.chance(take_percent) else '0';
@@ -176,9 +178,9 @@ begin
       end loop;
     end loop;
 
-    -- Now the queue is empty. From here only the edges of the event line say when to read, as for a subscription group. An
-    -- edge while another one is pending is not counted twice. Every word arrives, and no word is requested that is not
-    -- there.
+    -- Now the queue is empty. From here only the edges of the event line say when to read, as for a subscription group.
+    -- An edge while another one is pending is not counted twice. Every word arrives, and no word is requested that is
+    -- not there.
     put_percent  <= 0;
     take_percent <= 100;
     wait_clocks(clock, depth + 10);

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- frame_application alone, with requests as from the receiver and replies as to the transmitter. Repeated writes, repeated
--- posts, and ids beyond the window open the bus exactly as often as they may.
+-- frame_application alone, with requests as from the receiver and replies as to the transmitter. Repeated writes,
+-- repeated posts, and ids beyond the window open the bus exactly as often as they may.
 
 library ieee;
   use ieee.std_logic_1164.all;

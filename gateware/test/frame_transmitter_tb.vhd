@@ -41,8 +41,8 @@ begin
 
   transmitter : entity work.frame_transmitter
     port map (
-      clock => clock, reset => reset, epoch => epoch, reply => reply, ready => ready, idle => idle, tx_valid => tx_valid,
-      tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
+      clock => clock, reset => reset, epoch => epoch, reply => reply, ready => ready, idle => idle,
+      tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
   listen : process (clock)
     file vectors     : text open read_mode is vectors_file;

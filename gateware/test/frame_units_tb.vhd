@@ -38,7 +38,8 @@ architecture bench of frame_units_tb is
   signal bii_request  : bii_request_t;
   signal bii_response : bii_response_t := bii_response_idle;
 
-  signal d_turned, tripped, publish, room, rx_overrun, publish_overrun, frame_valid, begins, pending : std_ulogic := '0';
+  signal d_turned, tripped, publish, room, rx_overrun, publish_overrun, frame_valid, begins,
+         pending : std_ulogic := '0';
   signal frame_entry, entry : entry_t := "00010";
 
   function program return frame_program_t is
@@ -90,8 +91,8 @@ begin
     generic map (address_width => 12, data_width => 16)
     port map (
       clock => clock, reset => reset, read => reads, write => writes, hold => hold, free => free, address => address,
-      data => written, found => found, done => over, failed => failed, silent_bus => silent_bus, denied_write => denied_write,
-      bii_request => bii_request, bii_response => bii_response);
+      data => written, found => found, done => over, failed => failed, silent_bus => silent_bus,
+      denied_write => denied_write, bii_request => bii_request, bii_response => bii_response);
 
   dispatcher : entity work.frame_dispatcher
     port map (

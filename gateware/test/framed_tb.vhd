@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The classic and the framed side on one bus through application_switch, each with its own stream: a session, reads from
--- both at once, writes that only the framed side may make. replay_tb tests everything else, against the reference.
+-- The classic and the framed side on one bus through application_switch, each with its own stream: a session, reads
+-- from both at once, writes that only the framed side may make. replay_tb tests everything else, against the reference.
 --
 -- The frames are from the reference: HELLO, OPEN with nonce 1 and epoch 1234, a READ, a WRITE, eight READs, CLOSE.
 
@@ -72,8 +72,9 @@ begin
 
   switch : entity work.application_switch
     port map (
-      classic_busy => classic_busy, classic_may_begin => classic_may_begin, classic_subscription => classic_subscription,
-      classic_bii => classic_bii, classic_bii_response => classic_bii_response,
+      classic_busy => classic_busy, classic_may_begin => classic_may_begin,
+      classic_subscription => classic_subscription, classic_bii => classic_bii,
+      classic_bii_response => classic_bii_response,
       framed_busy => framed_busy, framed_wants => framed_wants, framed_may_begin => framed_may_begin,
       framed_subscription => framed_subscription, framed_bii => framed_bii, framed_bii_response => framed_bii_response,
       subscription_request => subscription, bii_request => bii_request, bii_response => bii_response);
@@ -189,7 +190,8 @@ begin
     check_equal(word, x"11223344", "no text has written");
     check(texts > 1 and heard_most = texts * answer'length, "every text is answered");
     for number in 0 to texts - 1 loop
-      check(heard(answer'length * number + 1 to answer'length * (number + 1)) = answer, "text " & integer'image(number));
+      check(heard(answer'length * number + 1 to answer'length * (number + 1)) = answer,
+            "text " & integer'image(number));
     end loop;
     send(x"8D01020AE4DD8100");
     wait_frames(1);

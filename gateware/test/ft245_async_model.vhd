@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An FT232H or FT2232H in asynchronous FIFO mode. The USB behind it is two byte streams. Its delays are random within the
--- datasheet. It reports everything that the datasheet forbids: a strobe without its flag, a strobe that is too short, both
--- strobes at once, data without setup or hold time, a bus that both sides drive.
+-- An FT232H or FT2232H in asynchronous FIFO mode. The USB behind it is two byte streams. Its delays are random within
+-- the datasheet. It reports everything that the datasheet forbids: a strobe without its flag, a strobe that is too
+-- short, both strobes at once, data without setup or hold time, a bus that both sides drive.
 --
 --   to_fpga_*    bytes from the PC; up to room_bytes wait for the FPGA
 --   from_fpga_*  bytes to the PC; up to room_bytes wait for it, and then txe_n is high

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An FT232H or FT2232H in synchronous FIFO mode. The USB behind it is two byte streams. It gives the clock. Its delays are
--- random within the datasheet. It reports everything that the datasheet forbids: inputs without setup or hold time, rd_n
--- without a clock of oe_n before, a byte that nobody drives, a bus that both sides drive.
+-- An FT232H or FT2232H in synchronous FIFO mode. The USB behind it is two byte streams. It gives the clock. Its delays
+-- are random within the datasheet. It reports everything that the datasheet forbids: inputs without setup or hold time,
+-- rd_n without a clock of oe_n before, a byte that nobody drives, a bus that both sides drive.
 --
 --   to_fpga_*    bytes from the PC; up to room_bytes wait for the FPGA
 --   from_fpga_*  bytes to the PC; up to room_bytes wait for it, and then txe_n is high

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- ft245_async or ft245_sync with a model of the chip that checks its timing. First the speed of each direction alone, then
--- both directions at random with stalls on both sides. Every byte arrives once and in order. siwu_n falls at once after the
--- last byte of each chosen message, and never before. The synchronous layer also waits for its clock, and survives a reset
--- without it.
+-- ft245_async or ft245_sync with a model of the chip that checks its timing. First the speed of each direction alone,
+-- then both directions at random with stalls on both sides. Every byte arrives once and in order. siwu_n falls at once
+-- after the last byte of each chosen message, and never before. The synchronous layer also waits for its clock, and
+-- survives a reset without it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -96,8 +96,8 @@ begin
       generic map (send_immediate => send_immediate, burst_clocks => 32)
       port map (
         clock => clock, reset => reset,
-        chip_clock => chip_clock, rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n, siwu_n => siwu_n,
-        data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
+        chip_clock => chip_clock, rxf_n => rxf_n, txe_n => txe_n, oe_n => oe_n, rd_n => rd_n, wr_n => wr_n,
+        siwu_n => siwu_n, data_in => data_to_fpga, data_out => data_to_chip, data_drive => data_drive,
         rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,
         tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, tx_last => tx_last, tx_publish => tx_publish);
 
@@ -211,7 +211,8 @@ begin
     if falling_edge(siwu_n) then
       check(synchronous or wr_n = '1', "wr_n when siwu_n falls");
       check(written > 0 and marks(maximum(written, 1) - 1), "siwu_n behind a byte that ends no message");
-      check(written'last_event <= 4 * clock_period, "siwu_n " & time'image(written'last_event) & " behind the last byte");
+      check(written'last_event <= 4 * clock_period,
+            "siwu_n " & time'image(written'last_event) & " behind the last byte");
     end if;
   end process;
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- lite_receiver after the decoder: its events for good and bad texts, with digits and without. Events are written as text:
--- ( start, the letter, : colon, two digits for a byte, ) good, !xx bad.
+-- lite_receiver after the decoder: its events for good and bad texts, with digits and without. Events are written as
+-- text: ( start, the letter, : colon, two digits for a byte, ) good, !xx bad.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A small design with the structure of a live simulation: the core, registers with a user's side, memory. It runs as source
--- in GHDL and compiled in Verilator, clock by clock (tests/gateware/test_lockstep.py).
+-- A small design with the structure of a live simulation: the core, registers with a user's side, memory. It runs as
+-- source in GHDL and compiled in Verilator, clock by clock (tests/gateware/test_lockstep.py).
 --
 --   addresses 0 to 7    read_words, 32 bits each, address 0 in the lowest; 0 and 1 inverted by a wide constant
 --   addresses 8 to 15   write_words
@@ -92,7 +92,8 @@ begin
       master_m2s => master_m2s, master_s2m => master_s2m, slaves_m2s => slaves_m2s, slaves_s2m => slaves_s2m);
 
   registers : entity work.register_slave
-    generic map (writable => "0000000011111111------------------------------------------------", data_width => data_width, snapshot => true, initial => first)
+    generic map (writable => "0000000011111111------------------------------------------------",
+                 data_width => data_width, snapshot => true, initial => first)
     port map (
       clock => clock, reset => reset, wishbone_m2s => slaves_m2s(0), wishbone_s2m => slaves_s2m(0),
       read_words => seen, write_words => written, written => open,

@@ -3,8 +3,8 @@
 -- Drives lockstep_design from a file, clock by clock, through registers as in the compiled model. It writes down all
 -- outputs of the design. A file has one line per clock, and the other simulator must write the same file.
 --
--- Stimulus  RESET RX_VALID RX_DATA RX_ERROR TX_READY EVENTS WORD VALUE, all decimal. They apply from the next clock on, but
---           the word applies at once. A byte stays on offer until the next line, taken or not.
+-- Stimulus  RESET RX_VALID RX_DATA RX_ERROR TX_READY EVENTS WORD VALUE, all decimal. They apply from the next clock on,
+--           but the word applies at once. A byte stays on offer until the next line, taken or not.
 -- Response  RX_READY TX_VALID TX_DATA W0 .. W7, in the clock that has begun. TX_DATA is 0 while TX_VALID is 0.
 
 library ieee;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- pwm: each pulse and period is measured at the pins. Changes come only between periods. Servo pulses are in microseconds
--- and within limits.
+-- pwm: each pulse and period is measured at the pins. Changes come only between periods. Servo pulses are in
+-- microseconds and within limits.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -32,7 +32,8 @@ architecture test of pwm_tb is
 
   signal pins : std_ulogic_vector(channels - 1 downto 0);
 
-  -- For each channel: clocks of the last whole pulse, clocks between the last two rising edges, and the number of pulses.
+  -- For each channel: clocks of the last whole pulse, clocks between the last two rising edges, and the number of
+  -- pulses.
   type numbers_t is array (0 to channels - 1) of natural;
   signal high_clocks, period_clocks, pulses : numbers_t := (others => 0);
 
@@ -84,11 +85,11 @@ begin
     procedure expect_channel (channel : natural; high : natural; whole : natural; slack : natural) is
     begin
       check(abs (high_clocks(channel) - high) <= slack,
-            "channel " & integer'image(channel) & ": a pulse of " & integer'image(high_clocks(channel)) & " clocks, not "
-            & integer'image(high));
+            "channel " & integer'image(channel) & ": a pulse of " & integer'image(high_clocks(channel)) &
+            " clocks, not " & integer'image(high));
       check(abs (period_clocks(channel) - whole) <= slack,
-            "channel " & integer'image(channel) & ": a period of " & integer'image(period_clocks(channel)) & " clocks, not "
-            & integer'image(whole));
+            "channel " & integer'image(channel) & ": a period of " & integer'image(period_clocks(channel)) &
+            " clocks, not " & integer'image(whole));
     end procedure;
 
     -- Checks the number of high clocks of one channel over some clocks.

@@ -141,8 +141,10 @@ begin
       bus_write(clock, m2s, s2m, 0, as_word(100));
       settle;
       bus_read(clock, m2s, s2m, 0, answer);
-      check(answer.word = as_word(100) or answer.word = as_word(101), "a preset that met a step gave x" & to_hstring(answer.word));
-      check((distance > 0 or answer.word = as_word(101)) and (distance < stable_clocks + 6 or answer.word = as_word(100)),
+      check(answer.word = as_word(100) or answer.word = as_word(101),
+            "a preset that met a step gave x" & to_hstring(answer.word));
+      check((distance > 0 or answer.word = as_word(101)) and
+            (distance < stable_clocks + 6 or answer.word = as_word(100)),
             "which of both came first");
     end loop;
 

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- rate_pkg: the accumulator's rate for clocks and rates of every size, checked by real arithmetic and by counting ticks.
+-- rate_pkg: the accumulator's rate for clocks and rates of every size, checked by real arithmetic and by counting
+-- ticks.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -44,7 +45,8 @@ begin
       rate     := real(bits) * 1.0e-9 * real(clock_hz);
       ticks    := clocks_lasting(bits, clock_hz);
       check(real(ticks) >= rate and real(ticks) <= rate * 1.001 + 1.01,
-            integer'image(bits) & " ns at " & integer'image(clock_hz) & " Hz became " & integer'image(ticks) & " clocks");
+            integer'image(bits) & " ns at " & integer'image(clock_hz) & " Hz became " &
+            integer'image(ticks) & " clocks");
     end loop;
     check_equal(clocks_lasting(30, 50_000_000), 2, "clocks of 30 ns at 50 MHz");
     check_equal(clocks_lasting(40, 50_000_000), 2, "clocks of 40 ns at 50 MHz");

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- receive_buffer: bytes and errors leave in the order of arrival, each once, under random stalls of both sides; capacity,
--- latency, an error without a reader, reset.
+-- receive_buffer: bytes and errors leave in the order of arrival, each once, under random stalls of both sides;
+-- capacity, latency, an error without a reader, reset.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -93,7 +93,8 @@ begin
     check_equal(rx_valid, '1', "the byte behind the error");
     check_equal(rx_data, x"22", "the byte behind the error");
 
-    -- One item is in the output register, and `depth` more find room. The last one is an error that waits for its place.
+    -- One item is in the output register, and `depth` more find room. The last one is an error that waits for its
+    -- place.
     for index in 1 to depth - 1 loop
       give(no_receive_error, x"33");
     end loop;

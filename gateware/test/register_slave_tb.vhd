@@ -37,7 +37,7 @@ architecture test of register_slave_tb is
   signal read_words  : word_vector_t(0 to words - 1);
   signal write_words : word_vector_t(0 to words - 1);
   signal written     : std_ulogic_vector(0 to words - 1);
-  signal status      : word_vector_t(0 to words - 1) := (others => (others => '0')); -- the words that logic offers for reads
+  signal status      : word_vector_t(0 to words - 1) := (others => (others => '0')); -- the words that logic offers
   signal strobes     : natural := 0;
 
 begin

@@ -142,12 +142,12 @@ begin
   core : entity work.core
     generic map (
       settings => core_settings(
-        address_bits => address_bits, data_bits => data_bits, clock_hz => clock_hz, base_hz => base_hz, groups => groups,
-        group_size => group_size, rate_bytes => rate_bytes, read_many => read_many, publish_mode => publish_mode,
-        configuration_command => configuration_command, datalink => datalink_of(datalink),
+        address_bits => address_bits, data_bits => data_bits, clock_hz => clock_hz, base_hz => base_hz,
+        groups => groups, group_size => group_size, rate_bytes => rate_bytes, read_many => read_many,
+        publish_mode => publish_mode, configuration_command => configuration_command, datalink => datalink_of(datalink),
         checksum => checksum_of(checksum), polynomial => polynomial,
-        edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol_of(protocol), lists => lists,
-        deadman => deadman, exchanges => exchanges, exchange_size => exchange_size, window => window,
+        edge_events => std_ulogic_vector(to_unsigned(edge_events, 256)), protocol => protocol_of(protocol),
+        lists => lists, deadman => deadman, exchanges => exchanges, exchange_size => exchange_size, window => window,
         spec_hash => x"0123456789ABCDEF"),
       safe_values => safe_values)
     port map (

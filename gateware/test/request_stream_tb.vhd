@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- request_stream: events as from a lite_receiver, in and out at random speeds; commands, bytes, ends. Events are written as
--- text: ( start, letters, : colon, one digit for a byte of that value, ) good, ! bad.
+-- request_stream: events as from a lite_receiver, in and out at random speeds; commands, bytes, ends. Events are
+-- written as text: ( start, letters, : colon, one digit for a byte of that value, ) good, ! bad.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- core: a reset at every clock while a message comes in, is executed and answered. Each time the core is quiet afterwards.
--- Then it answers a read correctly, with no subscription and no publishing left.
+-- core: a reset at every clock while a message comes in, is executed and answered. Each time the core is quiet
+-- afterwards. Then it answers a read correctly, with no subscription and no publishing left.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -49,7 +49,8 @@ begin
   dut : entity work.core
     generic map (
       settings => core_settings(
-        protocol => protocol_classic, base_hz => 400_000, groups => 2, group_size => 16,  -- publishes come before the last reset
+        -- Publishes come before the last reset.
+        protocol => protocol_classic, base_hz => 400_000, groups => 2, group_size => 16,
         datalink => datalink_of(datalink)))
     port map (
       clock => clock, reset => reset, rx_valid => rx_valid, rx_ready => rx_ready, rx_data => rx_data,

@@ -179,7 +179,8 @@ begin
     reset <= '0';
     wait until rising_edge(clock);
 
-    -- The core gets the border before it, a frame up to its error, and the next frame. Then a frame for another node comes.
+    -- The core gets the border before it, a frame up to its error, and the next frame. Then a frame for another node
+    -- comes.
     token(select_us);
     hear(x"80");
     hear(x"11");

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Three nodes and a master on one pair. Only the addressed node answers. No node drives unless it is polled, and two never
--- drive at once. A turn ends in time. A token with a flipped bit is ignored. The pair is pulled high, and a node that
--- drives also receives its own signal.
+-- Three nodes and a master on one pair. Only the addressed node answers. No node drives unless it is polled, and two
+-- never drive at once. A turn ends in time. A token with a flipped bit is ignored. The pair is pulled high, and a node
+-- that drives also receives its own signal.
 
 library ieee;
   use ieee.std_logic_1164.all;

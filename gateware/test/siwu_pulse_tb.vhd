@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- siwu_pulse: a pulse after each `due`, of the right width. A `due` during a wait shares the pulse. There is a gap between
--- two pulses.
+-- siwu_pulse: a pulse after each `due`, of the right width. A `due` during a wait shares the pulse. There is a gap
+-- between two pulses.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- spi_slave with a master that clocks at any time: transfers of any length, pauses, transfers that break off within a byte.
--- Every byte arrives once and in order in both directions. No filler comes within a message of the FPGA, and `waiting` is
--- high until all is sent. Then an overrun.
+-- spi_slave with a master that clocks at any time: transfers of any length, pauses, transfers that break off within a
+-- byte. Every byte arrives once and in order in both directions. No filler comes within a message of the FPGA, and
+-- `waiting` is high until all is sent. Then an overrun.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -173,7 +173,8 @@ begin
         end if;
       end loop;
       if moments.chance(20) then
-        spi_exchange(sck, mosi, miso, half_bit, x"A5", take, moments.integer_between(1, 7)); -- the transfer breaks off: this byte is not received
+        -- The transfer breaks off: this byte is not received.
+        spi_exchange(sck, mosi, miso, half_bit, x"A5", take, moments.integer_between(1, 7));
       end if;
       wait for half_bit;
       cs_n <= '1';

@@ -2,7 +2,8 @@
 --
 -- A whole design, from the PC's wire to the pins: uart, core, interconnect, and a slave of every kind.
 --
---   PC uart == wire ==> uart -> core -> wishbone_master -> interconnect -> gpio x00, fifo_slave x08, double_buffer_slave x10,
+--   PC uart == wire ==> uart -> core -> wishbone_master -> interconnect -> gpio x00, fifo_slave x08,
+--   double_buffer_slave x10,
 --                                                          encoders x20 x24, pwm x30, registers x40
 
 library ieee;

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The host's side of a core's byte streams as procedures: it sends a request and receives the reply, or exchanges bytes as the
--- master of SPI.
+-- The host's side of a core's byte streams as procedures: it sends a request and receives the reply, or exchanges bytes
+-- as the master of SPI.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -154,7 +154,8 @@ begin
       end loop;
       look(group_number, 0);
       tick(clock, 2);
-      check_equal(to_integer(unsigned(response.word)), size_of(group_number) mod 2 ** maximum(minimum(address_width, 20), 8), "count");
+      check_equal(to_integer(unsigned(response.word)),
+                  size_of(group_number) mod 2 ** maximum(minimum(address_width, 20), 8), "count");
       check_equal(response.empty, '0', "a group with addresses");
     end loop;
     -- Rate 1 in all groups: all are due together, and are served downwards and around in each period, to the clock.

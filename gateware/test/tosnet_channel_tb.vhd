@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_channel: every word arrives once and in order, not before a cycle, and at most three per cycle. The capacity is
--- `depth`.
+-- tosnet_channel: every word arrives once and in order, not before a cycle, and at most three per cycle. The capacity
+-- is `depth`.
 
 library ieee;
   use ieee.std_logic_1164.all;

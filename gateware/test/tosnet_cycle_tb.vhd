@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_cycle: the length of a cycle, what it counts, and when it halts. The bench of tosnet_slave compares it with the
--- twin under random traffic.
+-- tosnet_cycle: the length of a cycle, what it counts, and when it halts. The bench of tosnet_slave compares it with
+-- the twin under random traffic.
 
 library ieee;
   use ieee.std_logic_1164.all;

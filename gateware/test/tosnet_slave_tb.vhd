@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- tosnet_slave under random traffic from all sides. Its actions are written to log_file, one per line, and the twin checks
--- them (tests/gateware/test_tosnet.py). What the twin does not model is checked here.
+-- tosnet_slave under random traffic from all sides. Its actions are written to log_file, one per line, and the twin
+-- checks them (tests/gateware/test_tosnet.py). What the twin does not model is checked here.
 --
--- A line is KIND CLOCK STATE PLACE WORD. CLOCK counts from the end of the reset, and the event happens at the end of that
--- clock.
+-- A line is KIND CLOCK STATE PLACE WORD. CLOCK counts from the end of the reset, and the event happens at the end of
+-- that clock.
 --   r, w  the PC reads, writes address PLACE. STATE 0: err     g  the nodes see WORD at address PLACE
 --   b     cyc changes to STATE                                 s  a node puts WORD at address PLACE
 --   o     the network is online, or not                        d  a cycle was damaged
@@ -162,7 +162,8 @@ begin
         put('t', now_clock, '1', to_integer(unsigned'(unsigned(to_node_last) & unsigned(to_node_id))), to_node_data);
       end if;
       if from_node_valid = '1' and from_node_ready = '1' then
-        put('p', now_clock, '1', to_integer(unsigned'(unsigned(from_node_last) & unsigned(from_node_id))), from_node_data);
+        put('p', now_clock, '1',
+            to_integer(unsigned'(unsigned(from_node_last) & unsigned(from_node_id))), from_node_data);
       end if;
     end if;
   end process;

@@ -123,8 +123,8 @@ begin
       bit_time := (1.0e15 / (real(baud_hz) * (1.0 + fast_percent / 100.0))) * 1 fs;
     end procedure;
 
-    -- Sends one frame. Each edge is up to 2 % of a bit off its place. `spikes`: the level is wrong for most of a clock near
-    -- the middle of each bit.
+    -- Sends one frame. Each edge is up to 2 % of a bit off its place. `spikes`: the level is wrong for most of a clock
+    -- near the middle of each bit.
     procedure frame (
       value       : std_ulogic_vector(7 downto 0);
       flip_parity : boolean := false;

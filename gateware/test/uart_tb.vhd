@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- Two uarts with independent clocks send in both directions at once. Then errors, which must be in their place between the
--- bytes.
+-- Two uarts with independent clocks send in both directions at once. Then errors, which must be in their place between
+-- the bytes.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -156,7 +156,8 @@ begin
     check_equal(b_errors, 0, "errors of good traffic");
     random_part <= false;
 
-    -- Two bytes, a break and one byte come while nobody reads. The error comes after the second byte and before the third.
+    -- Two bytes, a break and one byte come while nobody reads. The error comes after the second byte and before the
+    -- third.
     received := b_received;
     b_stall  <= true;
     send(x"11");

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- uart_tx: every bit is sampled a quarter and three quarters into its ideal time, and the rate of many frames is measured.
+-- uart_tx: every bit is sampled a quarter and three quarters into its ideal time, and the rate of many frames is
+-- measured.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -51,7 +52,8 @@ begin
 
   dut : entity work.uart_tx
     generic map (clock_hz => clock_hz, baud_hz => baud_hz, parity => parity, stop_bits => stop_bits)
-    port map (clock => clock, reset => reset, tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data, line => line);
+    port map (clock => clock, reset => reset, tx_valid => tx_valid, tx_ready => tx_ready, tx_data => tx_data,
+              line => line);
 
   -- Sender and reader draw the same bytes from the same seed.
   sender : process is
@@ -116,7 +118,8 @@ begin
       end loop;
     end loop;
 
-    -- From the start of the first frame to the start of the last: the rate is exact to 0.05 % and the clocks of both edges.
+    -- From the start of the first frame to the start of the last: the rate is exact to 0.05 % and the clocks of both
+    -- edges.
     measured := started - run;
     ideal    := bit_time * (frame_bits * (bytes - 2));
     check(abs (measured - ideal) < ideal / 2000 + 2 * clock_period,

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- A Wishbone master as procedures. An access that does not end within `access_clocks_most` fails the bench. With `keep` it
--- leaves cyc high, as inside a block.
+-- A Wishbone master as procedures. An access that does not end within `access_clocks_most` fails the bench. With `keep`
+-- it leaves cyc high, as inside a block.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -48,7 +48,8 @@ architecture test of wishbone_interconnect_tb is
   signal done   : boolean := false;
 
   -- A slave answers with its number, whether it was a write, its address, and the low bits of the written word.
-  function answer_of (slave : natural; we : std_ulogic; address : unsigned(31 downto 0); data : std_ulogic_vector(31 downto 0))
+  function answer_of (slave : natural; we : std_ulogic; address : unsigned(31 downto 0);
+                      data  : std_ulogic_vector(31 downto 0))
     return std_ulogic_vector is
   begin
     return std_ulogic_vector(to_unsigned(slave, 7)) & we & std_ulogic_vector(address(11 downto 0)) & data(11 downto 0);

@@ -59,7 +59,8 @@ begin
         check_equal(bii_response.done, '0', "done before the answer");
         tick(clock);
       end loop;
-      wishbone_s2m <= (dat => x"FFFF" & std_ulogic_vector(to_unsigned(16#A5A0# + waits, 16)), ack => not err, err => err);
+      wishbone_s2m <= (dat => x"FFFF" & std_ulogic_vector(to_unsigned(16#A5A0# + waits, 16)),
+                       ack => not err, err => err);
       wait for 1 ps;
       check_equal(bii_response.done, '1', "done with the answer");
       if err = '1' then

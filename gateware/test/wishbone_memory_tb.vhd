@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- wishbone_memory: written words are read back, all others are zero, an address beyond the end is refused, one answer per
--- access.
+-- wishbone_memory: written words are read back, all others are zero, an address beyond the end is refused, one answer
+-- per access.
 
 library ieee;
   use ieee.std_logic_1164.all;

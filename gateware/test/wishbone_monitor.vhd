@@ -28,7 +28,8 @@ begin
       check((wishbone_s2m.ack and wishbone_s2m.err) = '0', "ack and err at once");
       check((wishbone_s2m.ack or wishbone_s2m.err) = '0' or (wishbone_m2s.cyc and wishbone_m2s.stb) = '1',
             "an answer nobody asked for");
-      check(wishbone_s2m.ack = '0' or wishbone_m2s.we = '1' or not is_x(wishbone_s2m.dat), "an undefined word was read");
+      check(wishbone_s2m.ack = '0' or wishbone_m2s.we = '1' or not is_x(wishbone_s2m.dat),
+            "an undefined word was read");
     end if;
   end process;
 

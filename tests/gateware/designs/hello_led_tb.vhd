@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The generated hello_led_top: its buttons are the lamps turned over, and its clock counts how often the lamps were written.
+-- The generated hello_led_top: its buttons are the lamps turned over, and its clock counts how often the lamps were
+-- written.
 
 library ieee;
   use ieee.std_logic_1164.all;

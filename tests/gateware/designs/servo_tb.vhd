@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- examples/servo/servo_board.vhd: the wheel turns a count for every 100 µs of a servo's pulse, and pulse 1 closes the switch.
+-- examples/servo/servo_board.vhd: the wheel turns a count for every 100 µs of a servo's pulse, and pulse 1 closes the
+-- switch.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -1,13 +1,14 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- An FTDI chip in asynchronous FIFO mode for compiled gateware: its pins on one side, USB as byte streams on the other. It works
--- in clocks, not nanoseconds, and so fits any clock; gateware/test/ft245_async_model.vhd is the one that checks times.
+-- An FTDI chip in asynchronous FIFO mode for compiled gateware: its pins on one side, USB as byte streams on the other.
+-- It works in clocks, not nanoseconds, and so fits any clock; gateware/test/ft245_async_model.vhd is the one that
+-- checks times.
 --
 --   to_fpga --> rxf_n, rd_n, data --> FPGA
 --   from_fpga <-- | 512 bytes | <-- data, wr_n, txe_n <-- FPGA
 --
--- Collects  What the FPGA writes stays here until a packet is full (510 bytes), siwu_n falls, or the latency timer has run out
---           since the first byte of it, as in the chip.
+-- Collects  What the FPGA writes stays here until a packet is full (510 bytes), siwu_n falls, or the latency timer has
+--           run out since the first byte of it, as in the chip.
 -- Errors    An assertion fails where the FPGA reads or writes without the flag, or drives what the chip drives.
 
 library ieee;

@@ -1,12 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 --
--- The SPI port of a PC for compiled gateware, mode 0: clocks each byte of `out` and gives the one that came for it to `in`.
+-- The SPI port of a PC for compiled gateware, mode 0: clocks each byte of `out` and gives the one that came for it to
+-- `in`.
 --
 --   out --> cs_n, sck, mosi --> FPGA
 --   in  <-- miso <------------- FPGA
 --
--- Transfer  cs_n is low from a byte to `pause` clocks without another one: bytes that follow each other are one transfer.
--- Rate      sck is half the clock; 18 clocks a byte. gateware/test/spi_slave_tb.vhd is the one that tries rates and breaks.
+-- Transfer  cs_n is low from a byte to `pause` clocks without another one: bytes that follow each other are one
+--           transfer.
+-- Rate      sck is half the clock; 18 clocks a byte. gateware/test/spi_slave_tb.vhd is the one that tries rates and
+--           breaks.
 
 library ieee;
   use ieee.std_logic_1164.all;
