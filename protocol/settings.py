@@ -9,7 +9,7 @@ Row = dict[str, Any]
 Settings = dict[str, Row]
 
 NOTE = "Generated from protocol/protocol.toml by protocol/generate.py; edit there."
-VHDL_LINE = 130
+LINE = 120  # columns of a line of VHDL or C++
 GROUPS_MOST = 256  # bits of a row of the type `groups`
 MANUAL = (
     "The settings fix what a device is built with. A setting has the same name, range and default",
@@ -55,6 +55,13 @@ def choices(settings: Settings) -> dict[str, list[str]]:
 def meaning(row: Row) -> str:
     unit = f"{row['unit']}: " if row["unit"] else ""
     return f"{unit}{row['what']}"
+
+
+def described(declared: str, comment: str) -> list[str]:
+    """Return a declaration with its comment: behind it where that fits, else above it."""
+    beside = f"{declared}  {comment}"
+    indent = declared[: len(declared) - len(declared.lstrip())]
+    return [beside] if len(beside) <= LINE else [indent + comment, declared]
 
 
 # ---- Python
@@ -146,7 +153,8 @@ def cpp_text(settings: Settings) -> str:
     needed = needed_by(settings, "twin", "line")
     lines = [
         "// SPDX-License-Identifier: BSD-3-Clause",
-        f"// What a device is built with (docs/settings.md). {NOTE}",
+        "// What a device is built with (docs/settings.md).",
+        f"// {NOTE}",
         "#pragma once",
         "",
         "#include <bitset>",
@@ -172,7 +180,7 @@ def cpp_text(settings: Settings) -> str:
         lines.append(f"enum class {camel(name)} : std::uint8_t {{ {inside} }};")
     lines += ["", "struct Settings {"]
     for name, row in needed.items():
-        lines.append(f"  {cpp_field(name, row)}  // {meaning(row)}")
+        lines += described(f"  {cpp_field(name, row)}", f"// {meaning(row)}")
     lines += ["};", ""]
     lines += ["// Calls visit(name, field) for each of them."]
     lines += ["template <class Visit>", "void each_setting(Settings& settings, Visit&& visit) {"]
@@ -221,7 +229,8 @@ def vhdl_text(settings: Settings) -> str:
     width = max(map(len, needed))
     lines = [
         "-- SPDX-License-Identifier: BSD-3-Clause",
-        f"-- What a core is built with (docs/settings.md). {NOTE}",
+        "-- What a core is built with (docs/settings.md).",
+        f"-- {NOTE}",
         "--",
         "--   core : entity work.core",
         "--     generic map (settings => core_settings(clock_hz => 12_000_000, groups => 4))",
@@ -236,8 +245,7 @@ def vhdl_text(settings: Settings) -> str:
     lines += ["", "  type settings_t is record"]
     for name, row in needed.items():
         declared = f"    {name.ljust(width)} : {vhdl_type(name, row)};"
-        told = f"  -- {meaning(row)}"
-        lines += [declared + told] if len(declared + told) <= VHDL_LINE else [f"  {told}", declared]
+        lines += described(declared, f"-- {meaning(row)}")
     lines += ["  end record;", ""]
     lines += ["  -- The defaults, but for what is named.", *vhdl_function(needed), ""]
     lines += ["  -- The same at another clock: of a design whose clock is a generic."]

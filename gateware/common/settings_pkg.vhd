@@ -1,5 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- What a core is built with (docs/settings.md). Generated from protocol/protocol.toml by protocol/generate.py; edit there.
+-- What a core is built with (docs/settings.md).
+-- Generated from protocol/protocol.toml by protocol/generate.py; edit there.
 --
 --   core : entity work.core
 --     generic map (settings => core_settings(clock_hz => 12_000_000, groups => 4))
@@ -28,7 +29,8 @@ package settings_pkg is
     datalink              : datalink_t;  -- of the classic protocol: lite checks nothing, none has data as bytes
     checksum              : checksum_t;  -- of the full datalink
     polynomial            : natural range 0 to 255;  -- of crc8
-    edge_events           : std_ulogic_vector(255 downto 0);  -- the groups whose event input is an edge; the others' level counts
+    -- the groups whose event input is an edge; the others' level counts
+    edge_events           : std_ulogic_vector(255 downto 0);
     exchanges             : natural range 0 to 4;  -- groups: exchange groups of the framed protocol; 0: there are none
     -- words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
     exchange_size         : natural range 1 to 122;

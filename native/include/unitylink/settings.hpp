@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a device is built with (docs/settings.md). Generated from protocol/protocol.toml by protocol/generate.py; edit there.
+// What a device is built with (docs/settings.md).
+// Generated from protocol/protocol.toml by protocol/generate.py; edit there.
 #pragma once
 
 #include <bitset>
@@ -62,7 +63,8 @@ struct Settings {
   std::uint32_t polynomial = 7;  // of crc8
   std::bitset<256> edge_events;  // the groups whose event input is an edge; the others' level counts
   std::uint32_t exchanges = 2;  // groups: exchange groups of the framed protocol; 0: there are none
-  std::uint32_t exchange_size = 30;  // words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+  // words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+  std::uint32_t exchange_size = 30;
   bool lists = true;  // the requests LIST and POST_LIST exist
   bool deadman = true;  // the dead-man exists
   std::uint32_t window = 64;  // requests: in flight, a power of two: places of the reply cache

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How sources are laid out: lines of at most 120 columns, no tabs, no trailing blanks, VHDL in lower case."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+
+import pytest
+from unit.house.files import files, text
+
+COLUMNS = 120  # as in .clang-format; ruff keeps Python at 110
+KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd")
+MADE = ("tests/golden/",)  # by `unitylink generate`: a name or a text of a spec may have any length
+
+PRAGMA = re.compile(r"  # (type: ignore|noqa).*$")  # ruff does not count it either
+NO_CODE = re.compile(r'"[^"\n]*"|\'.\'|--[^\n]*|\d+#[0-9A-Fa-f_]+#')  # strings, characters, comments, numbers
+CHARACTERS = {"NUL", "HT", "LF", "CR"}  # the names that VHDL's package `standard` gives them
+
+
+def faults(file: PurePosixPath, content: str) -> Iterator[str]:
+    """Yield what is wrong with the layout of a source, each with its line."""
+    for number, line in enumerate(content.split("\n"), 1):
+        if len(PRAGMA.sub("", line)) > COLUMNS:
+            yield f"{file}:{number}: {len(line)} columns, more than {COLUMNS}"
+        if "\t" in line:
+            yield f"{file}:{number}: a tab"
+        if line != line.rstrip():
+            yield f"{file}:{number}: blanks at the end"
+        if file.suffix == ".vhd":
+            words = set(re.findall(r"\b[A-Za-z]\w*", NO_CODE.sub(" ", line)))
+            yield from (
+                f"{file}:{number}: {word} is not in lower case"
+                for word in words - CHARACTERS
+                if word != word.lower()
+            )
+    if content and (not content.endswith("\n") or content.endswith("\n\n")):
+        yield f"{file}: not one newline at the end"
+
+
+def test_every_source_is_laid_out() -> None:
+    sources = [file for file in files(KINDS) if not str(file).startswith(MADE)]
+    assert {file.suffix for file in sources} == set(KINDS)
+    found = [fault for file in sources for fault in faults(file, text(file))]
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    ("line", "fault"),
+    [
+        ("-- " + "é" * 117, ""),
+        ("-- " + "é" * 118, "a.vhd:2: 121 columns, more than 120"),
+        ("\ta <= b;", "a.vhd:2: a tab"),
+        ("a <= b; ", "a.vhd:2: blanks at the end"),
+        ("Signal a : std_ulogic;", "a.vhd:2: Signal is not in lower case"),
+        ("""a <= x"0A" & LF & 'U' & to(16#A0#);  -- Of "B".""", ""),
+        ("a <= b;\n", "a.vhd: not one newline at the end"),
+    ],
+)
+def test_a_fault_of_the_layout_is_told(line: str, fault: str) -> None:
+    assert list(faults(PurePosixPath("a.vhd"), f"a <= b;\n{line}\n")) == ([fault] if fault else [])
+
+
+def test_a_pragma_makes_no_line_too_long() -> None:
+    line = "x = " + "1" * 116
+    assert not list(faults(PurePosixPath("a.py"), f"{line}  # type: ignore[assignment]\n"))
+    assert list(faults(PurePosixPath("a.py"), f"{line}  # why it is so\n"))
