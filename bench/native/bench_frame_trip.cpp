@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The floor under a framed request: the bytes that a link sends, each frame made before the clock starts, and a
-// blocking read until the reply is whole.
+// The shortest possible time of a framed request. It sends the same bytes as a link, but makes each frame before the
+// clock starts. Then it blocks in read until the reply is complete.
 //   bench_frame_trip --said HEX --descriptor N
-// `--said` is all that a link has said to its device, from HELLO to the request that is measured. This program says the
-// same to a device of its own, in a session of its own, and goes on repeating the last request with the ids that
-// follow.
-// For every line "COUNT" on standard input it makes COUNT round trips and prints their times in ns on one line.
+// `--said` is all that a link has sent to its device, from HELLO to the request that is measured. This program sends
+// the same to another device, in another session. Then it repeats the last request with the next ids. For each line
+// "COUNT" on standard input it makes COUNT round trips, and prints their times in ns on one line.
 #include <chrono>
 #include <optional>
 #include <vector>
@@ -25,7 +24,7 @@ struct Said {
   std::vector<std::uint8_t> payload;
 };
 
-// The frames in what went one way.
+// The frames in the bytes of one direction.
 class Frames {
  public:
   explicit Frames(unitylink::FrameKey key = {}) { decoder_.set_key(key); }
@@ -36,12 +35,13 @@ class Frames {
   }
   void on_frame(const unitylink::Frame& frame) {
     said_.push_back({frame.kind, {frame.payload.begin(), frame.payload.end()}});
-    if (frame.kind == protocol::request_kind::open) {  // nonce, epoch: the frames behind it are checked with that
+    // its payload is nonce and epoch; the checks of the next frames need the epoch
+    if (frame.kind == protocol::request_kind::open) {
       decoder_.set_key({.epoch = static_cast<std::uint16_t>(frame.payload[2] << 8 | frame.payload[3])});
     }
   }
   void on_discard(unitylink::Discard /*why*/, std::uint8_t kind, std::size_t bytes) {
-    if (kind >= protocol::request_kind::hello) {  // not text of the other protocol
+    if (kind >= protocol::request_kind::hello) {  // not text of the classic protocol
       stop("a frame of " + std::to_string(bytes) + " bytes is damaged");
     }
   }
@@ -61,7 +61,7 @@ std::string framed(const Said& said, const unitylink::FrameKey& key, std::option
   return {reinterpret_cast<const char*>(room.data()), size};
 }
 
-// A session on a descriptor: what asks for one answer after the other.
+// A session on a descriptor. It sends one request after the other, and waits for each answer.
 class Session {
  public:
   Session(int descriptor, const std::vector<Said>& said) : descriptor_(descriptor) {
@@ -104,7 +104,7 @@ class Session {
     return times;
   }
 
-  // The bytes of one trip each way, which the link's own are compared with.
+  // Prints the bytes of one round trip in each direction, to be compared with those of the link.
   void tell_bytes() {
     trips(1);
     std::printf("%zu %zu\n", framed(last_, key_, 0).size(), reply_bytes_);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Publishes messages at a set bit rate in bursts, or as fast as they are taken, to whoever subscribes.
+// Publishes messages to any subscriber: in bursts with a certain bit rate, or as fast as the subscriber takes them.
 //   bench_publish_source --endpoint tcp|pty [--bits-per-second 64000000] [--burst-us 1000]     (0 bits/s: unpaced)
 //     [--words N]     frames of N words; without it lines of the classic protocol, of one word
-// Prints where it is, serves one client after another until standard input ends.
+// It prints its address, and serves one client after another until standard input ends.
 #include <ctime>
 
 #include "endpoint.hpp"
@@ -19,10 +19,11 @@ std::uint64_t now_ns() {
   return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000u + static_cast<std::uint64_t>(time.tv_nsec);
 }
 
-// What is due by the clock. A source that was held up sends what it owes at once, so the mean rate stands.
+// The messages that are due by the clock. A source that was late sends all that is due at once, so the mean rate is
+// right.
 class Pace {
  public:
-  // Of messages of so many bytes.
+  // Each message has `message_bytes`.
   Pace(std::uint64_t bits_per_second, std::uint64_t burst_us, std::size_t message_bytes)
       : bits_per_second_(bits_per_second),
         burst_ns_(burst_us * 1000),
@@ -33,7 +34,7 @@ class Pace {
     sent_ = 0;
   }
 
-  // Waits for the next burst or a request from the client, whichever is first; the messages due now.
+  // Waits for the next burst, or for a request from the client. Returns the number of messages that are due now.
   std::size_t wait(const Endpoint& endpoint) {
     const auto now = now_ns();
     if (now < next_ns_) {
@@ -61,7 +62,7 @@ class Pace {
   std::uint64_t sent_ = 0;
 };
 
-// Serves the present client until it leaves (true) or standard input ends (false).
+// Serves this client. True: the client has left. False: standard input has ended.
 template <class Device>
 bool serve(const Endpoint& endpoint, Device& device, Pace& pace, bool paced) {
   std::array<char, 4096> chunk{};
@@ -107,7 +108,7 @@ void serve_all(Endpoint& endpoint, Device device, std::uint64_t bits_per_second,
     device.reset();
     endpoint.leave();
     if (endpoint.pty()) {
-      usleep(10000);  // nobody has the pty open; the next client may come
+      usleep(10000);  // nobody has the pty open; wait for the next client
     }
   }
 }

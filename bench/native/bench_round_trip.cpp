@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The floor under a synchronous read: write the request, block in read until the reply's line feed, nothing else.
+// The shortest possible time of a synchronous read: write the request, and block in read until the reply is complete.
 //   bench_round_trip (--request '#R:0088' | --frame HEX) (--descriptor N | --tcp PORT)
-// A request is a line, and so is its reply, the same every time; a frame ends with 00, and so does its reply, of the
-// same length every time. For every line "COUNT" on standard input it makes COUNT round trips and prints their times in
-// ns on one line.
+// A request and its reply are one line each, or one frame each, which ends with 00. All replies must have the same
+// length. Lines must be equal. For each line "COUNT" on standard input it makes COUNT round trips, and prints their
+// times in ns on one line.
 #include <chrono>
 #include <vector>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The far end of LiteX's UARTBone on a pty: an instant device, written from the protocol as its host tool speaks it.
+// A device for LiteX's UARTBone on a pty, which answers at once. It was written from the protocol of LiteX's host tool.
 //   request  command (1 write incrementing, 2 read incrementing, 3 write fixed, 4 read fixed), words, word address
 //            (4 bytes, most significant first), for a write the words; reply to a read: the words
-// Word n holds 0x40DE0000 + n until it is written. Prints the pty's path, serves until standard input ends.
+// Word n is 0x40DE0000 + n until it is written. It prints the path of the pty, and serves until standard input ends.
 #include <vector>
 
 #include "endpoint.hpp"
@@ -20,7 +20,8 @@ class UartBone {
     }
   }
 
-  // Takes whole requests off the front of `received`, appends what they answer to `reply`; false for a foreign command.
+  // Removes complete requests from the front of `received`, and appends their answers to `reply`. False: an unknown
+  // command.
   bool serve(std::vector<char>& received, std::vector<char>& reply) {
     std::size_t at = 0;
     while (received.size() - at >= head_bytes) {
@@ -83,7 +84,7 @@ int main() {
     }
     if ((ready[0].revents & POLLIN) == 0) {
       received.clear();
-      usleep(10000);  // the client has closed the pty; the next one may come
+      usleep(10000);  // the client has closed the pty; wait for the next one
       continue;
     }
     const auto count = endpoint.receive(chunk);

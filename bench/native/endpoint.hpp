@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bench's servers have in common: a pty or a TCP port on the loopback, one client at a time, typed ends.
+// What the servers of the bench share: a pty or a TCP port of this machine, with one client at a time.
 #pragma once
 
 #include <arpa/inet.h>
@@ -49,7 +49,7 @@ inline std::uint64_t number(std::string_view name, const std::string& text) {
   return value;
 }
 
-// No echo, no line editing, no translation; set through either end of a pty, it holds for the pair.
+// Switches off echo, line editing and translation. Setting it at one end of a pty sets it for both.
 inline void make_raw(int descriptor) {
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) {
@@ -97,10 +97,10 @@ class Endpoint {
     }
   }
 
-  // Where a client finds this endpoint: a path for a pty, a port for TCP.
+  // The address for a client: a path for a pty, a port for TCP.
   [[nodiscard]] std::string place() const { return pty_ ? path_ : "127.0.0.1:" + std::to_string(port_); }
 
-  // Waits until a client is there or standard input ends (the parent is done); false for the latter.
+  // Waits for a client. False: standard input has ended, because the parent is done.
   [[nodiscard]] bool accept_client() {
     while (!pty_ && descriptor_ < 0) {
       pollfd ready[] = {{listener_, POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
@@ -121,7 +121,7 @@ class Endpoint {
     return true;
   }
 
-  // Ends the present client; a pty stays open for the next one.
+  // Ends the connection to the client. A pty stays open for the next one.
   void leave() {
     if (!pty_ && descriptor_ >= 0) {
       close(descriptor_);
@@ -129,7 +129,7 @@ class Endpoint {
     }
   }
 
-  // Bytes received; 0 if there are none or the client has left (poll tells which).
+  // Returns the number of bytes received. 0: there are none, or the client has left. poll() shows which.
   [[nodiscard]] std::size_t receive(std::span<char> into) const {
     while (true) {
       const auto count = read(descriptor_, into.data(), into.size());
@@ -142,7 +142,7 @@ class Endpoint {
     }
   }
 
-  // False if the client has left, or has not read for two seconds (a pty does not tell that its reader is gone).
+  // False: the client has left, or has not read for two seconds. (A pty does not report that its reader is gone.)
   [[nodiscard]] bool send(std::span<const char> data) const {
     while (!data.empty()) {
       const auto count = pty_ ? write(descriptor_, data.data(), data.size())
@@ -172,7 +172,7 @@ class Endpoint {
   std::string path_;
 };
 
-// Says where the endpoint is, for the program that started this one.
+// Prints the address of the endpoint, for the program that started this one.
 inline void announce(const Endpoint& endpoint) {
   std::printf("%s\n", endpoint.place().c_str());
   std::fflush(stdout);

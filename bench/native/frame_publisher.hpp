@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A stream of framed publishes that can be audited: word i of message n is n + i. Sessions and requests are answered by
-// the twin; what it would publish itself is so seldom (a divisor of many days) that only the stream is there.
+// A stream of framed publishes that can be checked: word i of message n is n + i. The twin answers sessions and
+// requests. Its own publishes have a period of many days, so the client receives only this stream.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class FramePublisher {
  public:
   explicit FramePublisher(std::uint32_t words) : words_(words) { reset(); }
 
-  // Of one publish: group, sequence, clock and words.
+  // One publish has group, sequence, clock and words.
   [[nodiscard]] std::size_t publish_bytes() const { return frame_bytes(7 + 4 * words_); }
 
   void reset() {
@@ -69,7 +69,7 @@ class FramePublisher {
     }
   }
 
-  // ---- what the client says, for the decoder
+  // ---- called by the decoder of the client's bytes
 
   void on_frame(const Frame& frame) {
     namespace kind = protocol::request_kind;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Just enough of a classic device to be subscribed to by any host, and a stream of publishes that can be audited:
-// every word published is the number of the message, so a lost, doubled or swapped one shows.
+// A classic device with only what a host needs to subscribe. Its publishes can be checked: each word is the number of
+// the message, so a lost, doubled or swapped one is detected.
 #pragma once
 
 #include <array>
@@ -21,15 +21,15 @@ class Publisher {
 
   explicit Publisher(std::uint32_t base_hz) : base_hz_(base_hz) {}
 
-  // A new client finds nothing subscribed.
+  // For a new client, nothing is subscribed.
   void reset() { *this = Publisher(base_hz_); }
 
-  // Takes request bytes in any chunking, appends the replies.
+  // Takes bytes of requests in chunks of any size, and appends the replies.
   void receive(std::string_view bytes, std::string& out) {
     for (const char byte : bytes) {
       const bool head = byte == protocol::bytes::plain_head || byte == protocol::bytes::checked_head;
       if (line_.empty() && !head) {
-        continue;  // outside a message everything up to the next head is skipped
+        continue;  // bytes outside a message are skipped up to the next head
       }
       if (byte == protocol::bytes::line_feed || byte == protocol::bytes::carriage_return) {
         answer(out);
@@ -96,7 +96,7 @@ class Publisher {
     }
     char mark = protocol::bytes::data_mark;
     for (std::size_t i = 0; i < data.size(); ++i) {
-      // CNF separates its fields; the base frequency (fields 4 to 6 of the bytes) is one field of three bytes
+      // commas separate the fields of CNF; bytes 4 to 6 are one field, the base frequency
       if (i == 0 || (separated && i != 5 && i != 6)) {
         out.push_back(mark);
         mark = protocol::bytes::field_separator;
@@ -130,7 +130,7 @@ class Publisher {
     out.push_back(protocol::bytes::line_feed);
   }
 
-  // Splits the line into letters and data bytes, checks the sum, hands on.
+  // Checks the sum, splits the line into letters and data bytes, and executes the request.
   void answer(std::string& out) {
     const std::string_view body = std::string_view(line_).substr(1);
     std::string letters;
@@ -189,7 +189,7 @@ class Publisher {
       if (data.size() < 2 || data.size() < 2 + address_bytes * data[1]) {
         application_error(error::missing_address, out);
       } else if (data[1] != 1) {
-        application_error(error::invalid_group_size, out);  // this stream carries one word a message
+        application_error(error::invalid_group_size, out);  // this stream has one word in each message
       } else {
         addresses_[data[0]].assign(data.begin() + 1, data.begin() + 2 + address_bytes);
         send(reply::write_group_addresses, {}, false, out);
@@ -226,9 +226,9 @@ class Publisher {
   std::uint32_t base_hz_;
   Crc8 crc_{};
   std::string line_;
-  std::array<Bytes, groups> addresses_{};  // count and addresses as they came, empty if never written
+  std::array<Bytes, groups> addresses_{};  // count and addresses as received; empty if never written
   std::array<std::array<std::uint8_t, rate_bytes>, groups> rates_{};
-  std::size_t group_ = groups;  // the one that is published
+  std::size_t group_ = groups;  // the group that is published
   std::uint32_t sequence_ = 0;
   bool enabled_ = false;
   bool checked_ = false;

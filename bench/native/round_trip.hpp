@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a bare program of the bench does: one blocking round trip, as often as a line on standard input says.
+// What the smallest programs of the bench share: blocking round trips, as many as a line on standard input says.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace unitylink::bench {
 
-// The bytes of pairs of digits.
+// Converts pairs of hex digits to bytes.
 inline std::string bytes_of(const std::string& digits) {
   std::string bytes;
   for (std::size_t at = 0; at + 1 < digits.size(); at += 2) {
@@ -18,7 +18,7 @@ inline std::string bytes_of(const std::string& digits) {
   return bytes;
 }
 
-// One blocking round trip; the reply ends as the request does.
+// Makes one blocking round trip. The reply ends with the same byte as the request.
 inline std::string_view round_trip(int descriptor, std::string_view request, std::span<char> reply) {
   const char end = request.back();
   if (write(descriptor, request.data(), request.size()) != static_cast<ssize_t>(request.size())) {
@@ -35,14 +35,14 @@ inline std::string_view round_trip(int descriptor, std::string_view request, std
   return {reply.data(), size};
 }
 
-// For every line "COUNT" on standard input: prints what `trips(COUNT)` returns, times in ns, on one line.
+// For each line "COUNT" on standard input it prints the times of `trips(COUNT)` in ns, on one line.
 template <class Trips>
 void answer_counts(Trips&& trips) {
   std::array<char, 64> line{};
   while (std::fgets(line.data(), static_cast<int>(line.size()), stdin) != nullptr) {
     std::string text(line.data());
     text.erase(text.find_last_not_of("\n") + 1);
-    alarm(20);  // a server that never answers ends this program, not the bench's patience
+    alarm(20);  // ends this program if the server does not answer, so that the bench does not wait for it
     const std::vector<long long> times = trips(number("a count", text));
     alarm(0);
     for (const auto time : times) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// One end of the roscpp figure: `ros_peer pub TOPIC RATE_HZ` publishes std_msgs/Int32 in bursts once a millisecond,
-// `ros_peer sub TOPIC` counts them. A line on standard input asks for a window of so many seconds; the answer is "COUNT
-// SECONDS CPU_SECONDS". Compiled by the bench itself, where ROS 1 is (pkg-config roscpp).
+// One end of the measurement of roscpp. `ros_peer pub TOPIC RATE_HZ` publishes std_msgs/Int32 in a burst every
+// millisecond. `ros_peer sub TOPIC` counts them. A line on standard input is the number of seconds to count for. The
+// answer is "COUNT SECONDS CPU_SECONDS". The bench compiles this file on a machine with ROS 1 (pkg-config roscpp).
 #include <ros/ros.h>
 #include <std_msgs/Int32.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random and damaged traffic in random chunks through two decoders and an engine:  fuzz_decoder --seconds N --seed S
-// Holds: whole and pieced input agree, every byte is bounded, no value from what is not well formed, every request
-// ends.
+// Random and damaged traffic, in random chunks, through two decoders and an engine:  fuzz_decoder --seconds N --seed S
+// It checks these promises. Chunks give the same events as the whole input. Every byte costs a limited time. Malformed
+// input gives no value. Every request ends.
 #include <cstring>
 #include <memory>
 #include <random>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* program = "fuzz_decoder";
 
-// Folds everything a decoder says into one number, and counts.
+// Combines all that a decoder reports into one number, and counts it.
 struct Digest {
   std::uint64_t value = 1469598103934665603u;
   std::uint64_t messages = 0;
@@ -126,7 +126,7 @@ class Fuzz {
     return text;
   }
 
-  // Requests against an answerer that says whatever the traffic is: all must end within their attempts.
+  // Requests to a device that answers with this traffic. All must end within their attempts.
   void drive_engine(const std::string& text) {
     auto engine = std::make_unique<ClassicEngine>(EngineSettings{});
     engine->configure({.address_bytes = 1,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Histories of the fault simulation:  fuzz_faults --seconds N --seed S  or  --messages M --profile P [--classic] for
-// one. With --strings N until so many messages have been sent. Without a profile each history takes the next one.
-// Holds: no violation, ever.
+// Histories of the fault simulation:
+//   fuzz_faults --seconds N --seed S                    many histories; each has the next profile
+//   fuzz_faults --messages M --profile P [--classic]    one history
+//   fuzz_faults --strings N                             until N messages have been sent
+// It fails at the first violation.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -45,7 +47,7 @@ int main(int count, char** arguments) {
   unsigned long long histories = 0, messages = 0, faults = 0;
   do {
     plan.profile = profile.empty() ? profiles()[histories % profiles().size()] : *find_profile(profile);
-    // Without a choice every third history is classic.
+    // Without --classic every third history is classic.
     plan.framed = framed && (!profile.empty() || histories % 3 != 2);
     const Report report = run(plan);
     messages += report.messages;

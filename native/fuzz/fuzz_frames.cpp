@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hostile frames to the frame decoder, the engine and the twin:  fuzz_frames --seconds N --seed S
-// Holds: whole and pieced input agree; every request ends, whatever is answered; the device goes on, and what it says
-// is bounded by what it was told.
+// It checks these promises. Chunks give the same events as the whole input. Every request ends, whatever the answers
+// are. The device continues to work, and sends a limited number of bytes for each byte that it receives.
 #include <memory>
 #include <optional>
 #include <random>
@@ -21,7 +21,7 @@ constexpr const char* program = "fuzz_frames";
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Folds everything the decoder says into one number.
+// Combines all that the decoder reports into one number.
 struct Digest {
   std::uint64_t value = 1469598103934665603u;
   std::uint64_t frames = 0;
@@ -55,7 +55,7 @@ class Fuzz {
   std::uint64_t rounds = 0, strings = 0, bytes = 0, understood = 0;
 
  private:
-  // A frame with a right check and a payload that has perhaps the form of its kind.
+  // A frame with a right check. Its payload may have the form of its kind, or not.
   Bytes frame(bool from_device, std::uint16_t epoch) {
     static constexpr std::uint8_t outside[] = {0x80, 0x81, 0xD0, 0xD1, 0xD3};
     std::uint8_t kind =
@@ -125,9 +125,9 @@ class Fuzz {
     }
   }
 
-  // Requests against a device that opens a session and then says anything, rightly checked or not: all must end.
+  // Requests to a device that opens a session and then sends anything, with right or wrong checks. All must end.
   void drive_engine() {
-    // where the last one was
+    // where the last request was
     auto* const engine =
         &engine_.emplace(EngineSettings{.window = 8, .timeout_ns = 1'000'000, .seed = random_()}, random_() % 2 == 0);
     std::uint32_t read[4]{};
@@ -219,7 +219,7 @@ class Fuzz {
     return room;
   }
 
-  // OPEN is among what goes out: takes its epoch.
+  // Takes the epoch of an OPEN among the bytes that are sent.
   bool offered(std::span<const std::uint8_t> out) {
     struct Finder {
       std::uint16_t* epoch;
@@ -245,9 +245,9 @@ class Fuzz {
     return room;
   }
 
-  // A device in a session is told anything. It answers a question afterwards, and has not said more than its buffers
-  // hold for each byte it was told. It lives for some rounds: what one leaves behind is there in the next, and making
-  // one takes longer than a round.
+  // A device in a session gets any bytes. Afterwards it must answer a question. For each byte that it gets, it may send
+  // at most what its buffers hold. The device is used for several rounds, because making one takes longer than a round.
+  // So its state after one round is the beginning of the next.
   void drive_device() {
     if (device_ == nullptr || random_() % 200 == 0) {
       device_ = std::make_unique<device::Device>(device::DeviceConfiguration{});
@@ -273,7 +273,7 @@ class Fuzz {
     return open;
   }
 
-  // Of the answer to HELLO, if it is among what the device has said.
+  // The nonce in the answer to HELLO, if the device has sent one.
   static std::optional<std::uint16_t> nonce_of(const Bytes& said) {
     struct Finder {
       std::optional<std::uint16_t> nonce;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fuzz loops have in common: their command line, their time, and how a failure is told.
+// What all fuzz programs share: the command line, the time limit, and the report of a failure.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace unitylink::fuzzing {
 
-// Prints what broke with the input as hex, and ends the program.
+// Prints the broken promise and the input in hex, and ends the program.
 [[noreturn]] inline void fail(const char* program, const char* what, std::uint64_t seed, std::uint64_t round,
                               std::span<const std::uint8_t> input) {
   std::printf("%s: %s; --seed %llu, round %llu, input (%zu bytes):\n", program, what,
@@ -24,8 +24,8 @@ namespace unitylink::fuzzing {
   std::exit(1);
 }
 
-// Runs rounds of `Fuzz(seed)` for the seconds, or until the number of strings, of the command line. `Fuzz` counts
-// `rounds`, the hostile `strings` in them, their `bytes` and what of it was `understood`.
+// Runs rounds of `Fuzz(seed)`. The command line gives the seconds, or the number of strings. `Fuzz` counts `rounds`,
+// the hostile `strings` in them, their `bytes`, and how many were `understood`.
 template <typename Fuzz>
 int run(const char* program, const char* understood, int count, char** arguments) {
   double seconds = 3;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A board that is meant to be killed:  journal_board ENDPOINT JOURNAL [framed|classic|both]
-// It serves the twin until it is. Each write that its bus executes, and each time the board begins, goes into JOURNAL,
-// a file that is mapped: what is in it stays when the process dies, whatever it was doing. tests/apart compares it with
-// what a host was told.
+// A board for tests that kill it:  journal_board ENDPOINT JOURNAL [framed|classic|both]
+// It serves the twin until it is killed. It records each write that its bus executes, and each of its own starts, in
+// the file JOURNAL. The file is mapped, so the records stay when the process is killed at any moment. tests/apart
+// compares them with the results that a host was given.
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
@@ -27,12 +27,13 @@ using namespace unitylink::device;
 class JournalFile {
  public:
   static constexpr std::uint32_t records_most = 1u << 22;
-  static constexpr std::uint32_t begun = 0xFFFFFFFF;  // in place of an address: the board begins, and its words are 0
+  // stands for an address: the board has started, and its words are 0
+  static constexpr std::uint32_t begun = 0xFFFFFFFF;
 
   explicit JournalFile(const char* path) {
     const int file = ::open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     constexpr std::size_t bytes = sizeof(std::uint32_t) * 2 * (records_most + 1);
-    if (file < 0 || ::ftruncate(file, bytes) != 0) {  // of a sparse file
+    if (file < 0 || ::ftruncate(file, bytes) != 0) {  // a sparse file of this size
       std::perror(path);
       std::exit(1);
     }
@@ -53,7 +54,8 @@ class JournalFile {
     }
     words_[2 * count + 2] = address;
     words_[2 * count + 3] = value;
-    std::atomic_ref(words_[0]).store(count + 1, std::memory_order_release);  // last: half a record is none
+    // written last, so that half a record does not count
+    std::atomic_ref(words_[0]).store(count + 1, std::memory_order_release);
   }
 
  private:
@@ -75,7 +77,7 @@ int main(int count, char** arguments) {
   configuration.protocol = spoken == "framed"    ? Protocol::framed
                            : spoken == "classic" ? Protocol::classic
                                                  : Protocol::both;
-  if (std::string(arguments[1]).starts_with("udp")) {  // as every board on UDP
+  if (std::string(arguments[1]).starts_with("udp")) {  // like every board on UDP
     std::random_device random;
     configuration.offer_secret = std::uint64_t{random()} << 32 | random() | 1;
   }
@@ -87,7 +89,7 @@ int main(int count, char** arguments) {
     board.start();
     std::printf("%s\n", board.url().c_str());
     std::fflush(stdout);
-    for (char byte; ::read(STDIN_FILENO, &byte, 1) > 0;) {  // who started it has ended: so does it
+    for (char byte; ::read(STDIN_FILENO, &byte, 1) > 0;) {  // end when the program that started it has ended
     }
   } catch (const EndpointError& error) {
     std::fprintf(stderr, "journal_board: %s\n", error.what());

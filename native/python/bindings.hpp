@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each part of unitylink._native adds to the module, and how a failed Outcome becomes a Python exception.
+// The parts of the module unitylink._native, and how a failed Outcome becomes a Python exception.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -25,9 +25,8 @@ void bind_board(nanobind::module_& module);
 void bind_bus(nanobind::module_& module);
 void bind_faults(nanobind::module_& module);
 
-// Gives the interpreter to others for a while. Where the process ends meanwhile, Python ends the threads that come back
-// for it by unwinding their stacks, which C++ would answer with abort(): such a thread waits here instead until the
-// process is gone.
+// Releases the GIL as long as it exists. If the process ends meanwhile, Python would end this thread by unwinding its
+// stack, and C++ would then call abort(). So the thread waits here until the process is gone.
 class GilRelease {
  public:
   GilRelease() noexcept : state_(PyEval_SaveThread()) {}
@@ -47,26 +46,28 @@ class GilRelease {
   PyThreadState* state_;
 };
 
-// Raises the class of unitylink.errors that belongs to the status; returns only when it is ok.
+// Raises the exception of unitylink.errors that belongs to the status. It returns only if the status is ok.
 void raise_unless_ok(const Outcome& outcome);
 
-// Of a simulate.BoardConfiguration, whose attributes have the names of the fields; ValueRangeError says what is wrong.
+// Reads a simulate.BoardConfiguration, whose attributes have the names of the fields. Raises ValueRangeError for a
+// wrong value.
 [[nodiscard]] device::DeviceConfiguration configuration_of(nanobind::handle object);
 
-// Compiled gateware, of the attributes of simulate.rtl.RtlModel; ToolError says what is wrong with it.
+// Makes a device from a simulate.rtl.RtlModel, which names the compiled gateware. Raises ToolError if it cannot be
+// used.
 [[nodiscard]] std::unique_ptr<device::RtlDevice> make_rtl_device(nanobind::handle model,
                                                                  const device::DeviceConfiguration& configuration);
 
-// A register's value, or None where the bus refuses or nothing is.
+// The value of a register, or None if the bus refuses or nothing answers.
 [[nodiscard]] nanobind::object value_of(const device::BusReply& reply);
 
-// Any Python integer, numpy's included, as a word; ValueRangeError says what `name` may be otherwise.
+// Converts any Python integer, also of numpy, to a word. Raises ValueRangeError, which says what `name` may be.
 [[nodiscard]] std::uint32_t word_of(nanobind::handle value, const char* name);
 [[nodiscard]] std::vector<std::uint32_t> words_of(nanobind::handle sequence, const char* name);
-// How Python shows an argument, for an error.
+// The text by which Python shows an argument, for an error message.
 [[nodiscard]] std::string told(nanobind::handle object);
 
-// Words to write, of a sequence of pairs (address, value).
+// Words to write, from a sequence of pairs (address, value).
 struct Writes {
   std::vector<std::uint32_t> addresses;
   std::vector<std::uint32_t> values;

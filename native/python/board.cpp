@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin for Python: the device by itself, on a clock the caller owns, and the board that serves one on an endpoint.
+// The twin for Python: the device alone, on a clock that the caller owns, and the board, which serves a device on an
+// endpoint.
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -31,7 +32,7 @@ using namespace unitylink::device;
   throw nb::python_error();
 }
 
-// Takes each setting from the attribute of its name.
+// Reads each setting from the attribute with its name.
 struct SettingReader {
   nb::handle from;
 
@@ -59,7 +60,7 @@ struct SettingReader {
   [[nodiscard]] nb::object attribute(const char* name) const { return from.attr(name); }
 };
 
-// The addresses of an attribute, in its order.
+// The addresses in an attribute, in their order.
 std::vector<std::uint32_t> addresses_of(nb::handle object, const char* name) {
   std::vector<std::uint32_t> result;
   for (nb::handle address : nb::object(object.attr(name))) {
@@ -137,7 +138,7 @@ DeviceConfiguration configuration_of(nb::handle object) {
   return result;
 }
 
-// The registers' two sides answer None and False where there is no such word.
+// Reading a word that does not exist gives None, and writing it gives False.
 nb::object value_of(const BusReply& reply) {
   return reply.status == BusStatus::ok ? nb::object(nb::int_(reply.value)) : nb::none();
 }
@@ -153,7 +154,7 @@ nb::dict statistics_of(const DeviceStatistics& from) {
   return result;
 }
 
-// A board that is dropped while its thread is in a plant's step: the step needs the interpreter to come to its end.
+// Releases the GIL when it is destroyed, because its thread may be in a plant's step, which needs the GIL to end.
 class PythonBoard final : public Board {
  public:
   using Board::Board;
@@ -163,9 +164,9 @@ class PythonBoard final : public Board {
   }
 };
 
-// The interpreter's state of a thread that Python did not begin, kept from the first call to the thread's end: to make
-// one anew for each step of a plant costs more than a small step. Where the program ends before the thread it is left:
-// the interpreter gives no turns any more.
+// The Python state of a thread that C++ has started. It is kept from the first call to the end of the thread, because
+// making it for each step of a plant takes longer than a small step. If the program ends before the thread, the state
+// is not freed, because the interpreter does not run any more.
 class InterpreterState {
  public:
   InterpreterState() : held_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
@@ -194,7 +195,7 @@ class InterpreterState {
 PythonBoard* make_board(nb::handle configuration, const std::string& endpoint, const std::string& bind,
                         nb::handle model) {
   DeviceConfiguration chosen = configuration_of(configuration);
-  if (endpoint.starts_with("udp")) {  // whose datagrams anybody can send in the name of another
+  if (endpoint.starts_with("udp")) {  // with UDP, anybody can send datagrams in the name of another client
     std::random_device random;
     chosen.offer_secret = std::uint64_t{random()} << 32 | random() | 1;
   }
@@ -301,7 +302,8 @@ void bind_board(nb::module_& module) {
                               const nb::gil_scoped_acquire acquired;
                               try {
                                 return nb::cast<bool>(step(time_s));
-                              } catch (nb::python_error& error) {  // simulate.Board catches; this is the last resort
+                                // simulate.Board catches all; this is only a last resort
+                              } catch (nb::python_error& error) {
                                 error.discard_as_unraisable("a plant's step");
                                 return false;
                               }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin's slaves by themselves, on a clock the caller owns: what the gateware's slaves are compared with.
+// The twin's slaves alone, on a clock that the caller owns. Tests compare the gateware's slaves with them.
 #include "bindings.hpp"
 #include "device/address_map.hpp"
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace unitylink::device;
 
-// Clocks never go back from call to call.
+// `clock` must not be lower than in an earlier call.
 class SlaveModel {
  public:
   explicit SlaveModel(const DeviceConfiguration& configuration)

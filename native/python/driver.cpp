@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 0 for Python: a driver used alone, waiting as long as it is told to.
+// Layer 0 for Python: a driver used alone. Its calls wait as long as their argument says.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -101,7 +101,7 @@ nb::bytes receive(Driver& driver, double timeout_s) {
   return nb::bytes(room.data(), transfer.count);
 }
 
-// Each as (name, form, what, stream, once).
+// Each row of the table as (name, form, what, stream, once).
 nb::list schemes_there() {
   nb::list rows;
   for (const Scheme* scheme : schemes()) {

@@ -42,7 +42,7 @@ void raise_unless_ok(const Outcome& outcome) {
   if (outcome.ok()) {
     return;
   }
-  if (PyErr_Occurred() != nullptr) {  // Ctrl-C during the call: that is what happened, not its outcome
+  if (PyErr_Occurred() != nullptr) {  // Ctrl-C during the call: this exception has priority over the outcome
     throw nb::python_error();
   }
   const nb::object type = nb::module_::import_("unitylink.errors").attr(class_of(outcome.status));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 2 for Python: NativeLink, and NativePending for asyncio. Every call that may take the link's mutex gives the
-// GIL away first.
+// Layer 2 for Python: NativeLink, and NativePending for asyncio. Every call that may lock the link's mutex releases the
+// GIL first.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -83,7 +83,7 @@ void write(Link& link, nb::handle address, nb::handle value, nb::handle checked,
 nb::object read_many(Link& link, nb::handle addresses, bool atomic, nb::handle checked, bool repeat,
                      nb::handle timeout_s) {
   const RequestOptions options = options_of(checked, repeat, timeout_s);
-  // Of one moment are words that are read twice: only where that does no harm.
+  // Words of one moment must be read twice, so only if repeating does no harm.
   const auto at_once = [&](auto words, auto values) {
     return (!atomic || repeat) && link.read_at_once(words, values, atomic);
   };
@@ -149,8 +149,8 @@ nb::tuple drain(Link& link, std::uint32_t id, std::size_t words) {
   return nb::make_tuple(array_of(std::move(times), {count}), array_of(std::move(values), {count, words}));
 }
 
-// The publish that waits, where it is the only one, as (time_s, words): most often it is, and arrays for it cost more
-// than all the rest.
+// Returns the waiting publish as (time_s, words) if there is only one. This is the usual case, and making arrays would
+// take most of the time of the call.
 nb::object take_single(Link& link, std::uint32_t id, std::size_t words) {
   double time_s = 0;
   std::array<std::uint32_t, protocol::limits::group_size_max> room;
@@ -173,7 +173,7 @@ nb::object take_single(Link& link, std::uint32_t id, std::size_t words) {
   return nb::make_tuple(time_s, row);
 }
 
-// Ctrl-C is for the main thread; the others are not asked.
+// Only the main thread gets Ctrl-C, so other threads are never interrupted.
 bool interrupted() noexcept {
   if (::gettid() != ::getpid()) {
     return false;
@@ -182,7 +182,8 @@ bool interrupted() noexcept {
   return PyErr_Occurred() == nullptr && PyErr_CheckSignals() != 0;
 }
 
-// Raises why the link has ended by itself: not when it lives, nor when this program closed it.
+// Raises the reason if the link has ended by itself. It does nothing if the link is open, or was closed by this
+// program.
 void check_alive(Link& link) {
   bool by_itself = false;
   Outcome outcome;
@@ -221,9 +222,10 @@ bool wait_publish(Link& link, std::uint32_t id, double timeout_s) {
   }
 }
 
-// ---- asyncio: what is done is put into a mailbox, whose descriptor the event loop watches
+// ---- asyncio: finished calls are put into a mailbox. The event loop watches its descriptor
 
-class Mailbox : public std::enable_shared_from_this<Mailbox> {  // so that C++ holds it without holding a Python object
+// shared, so that C++ code needs no reference to a Python object
+class Mailbox : public std::enable_shared_from_this<Mailbox> {
  public:
   Mailbox() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
   Mailbox(const Mailbox&) = delete;
@@ -250,7 +252,7 @@ class Mailbox : public std::enable_shared_from_this<Mailbox> {  // so that C++ h
   std::vector<std::uint64_t> tickets_;
 };
 
-// One asynchronous call. It keeps itself alive until the engine has let go of all its exchanges.
+// One asynchronous call. It keeps itself alive until the engine no longer uses its exchanges.
 class Pending {
  public:
   Pending(std::shared_ptr<Mailbox> mailbox, std::uint64_t ticket) : mailbox_(std::move(mailbox)), ticket_(ticket) {}

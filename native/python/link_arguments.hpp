@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the calls of a link have in common: options, words, signals.
+// What all calls of a link share: options, words, signals.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -18,12 +18,12 @@ namespace unitylink::python {
 
 namespace nb = nanobind;
 
-// Adds what only the framed protocol has.
+// Adds the methods that only the framed protocol has.
 void bind_framed(nb::class_<Link>& link);
-// And what is about its line.
+// Adds the methods about the line.
 void bind_line(nb::class_<Link>& link);
 
-constexpr std::uint64_t patience_ns = 100'000'000;  // between looks at Ctrl-C while waiting without a limit
+constexpr std::uint64_t patience_ns = 100'000'000;  // a wait without a limit checks for Ctrl-C this often
 
 inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle timeout_s) {
   RequestOptions options;
@@ -38,7 +38,7 @@ inline RequestOptions options_of(nb::handle checked, bool repeat, nb::handle tim
   if (!timeout_s.is_none()) {
     double seconds = 0;
     if (!nb::try_cast(timeout_s, seconds) || !(seconds > 0 && seconds <= 3600)) {
-      PyErr_Clear();  // an integer beyond all floats leaves one
+      PyErr_Clear();  // an integer that no float can hold leaves an exception
       raise_unless_ok({Status::range, "timeout_s must be above 0 and at most 3600, not " + told(timeout_s)});
     }
     options.timeout_ns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(seconds * 1e9));
@@ -52,7 +52,7 @@ inline void check_signals() {
   }
 }
 
-// `at_once`: tries without waiting, with Python's lock held; false: it cannot.
+// `at_once` tries to read without waiting, with the GIL held. If it returns false, `reader` reads.
 template <class Reader, class AtOnce>
 nb::object read_words(nb::handle addresses, const Reader& reader, const AtOnce& at_once) {
   const std::vector<std::uint32_t> words = words_of(addresses, "address");

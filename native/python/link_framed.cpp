@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// NativeLink: what the framed protocol adds.
+// NativeLink: the methods that only the framed protocol has.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
@@ -60,7 +60,7 @@ void write_control(Link& link, std::uint32_t address, std::uint32_t value) {
   raise_unless_ok(outcome);
 }
 
-// A call that takes options and has nothing to give back.
+// Runs a call that takes options and returns nothing.
 template <class Call>
 void done(nb::handle timeout_s, const Call& call) {
   const RequestOptions options = options_of(nb::none(), false, timeout_s);

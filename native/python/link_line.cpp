@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// NativeLink: the line that may be lost and come back.
+// NativeLink: the methods about a line that may be lost and come back.
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace unitylink::python {
 namespace {
 
-// False while the line is gone; raises why the link has ended.
+// Waits for the line. False: it is still gone. If the link has ended, it raises the reason.
 bool wait_up(Link& link, double timeout_s) {
   std::uint64_t left = timeout_s > 0 ? static_cast<std::uint64_t>(std::min(timeout_s, 1e9) * 1e9) : 0;
   while (true) {
@@ -33,7 +33,7 @@ bool wait_up(Link& link, double timeout_s) {
   }
 }
 
-// What keeps the line from coming back; empty while it is up, or has ended.
+// Why the line has not come back yet. Empty if it is up, or the link has ended.
 std::string trouble(Link& link) {
   GilRelease release;
   const Outcome outcome = link.wait_up(0);

@@ -2,7 +2,7 @@
 #include "bindings.hpp"
 
 NB_MODULE(_native, module) {
-  nanobind::set_leak_warnings(false);  // a program may end with a link open
+  nanobind::set_leak_warnings(false);  // a program may end with an open link
   module.doc() = "The native core of Unity-Link; use the layers above it.";
   unitylink::python::bind_driver(module);
   unitylink::python::bind_stream(module);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 1 for Python: the decoder and the encoder by themselves. Events are tuples; layer1_stream.py gives them their
-// types.
+// Layer 1 for Python: the decoder and the encoder alone. Events are tuples. layer1_stream.py gives them types.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Python gives for words: any whole numbers, in any sequence.
+// Converts words from Python: any integers, in any sequence.
 #include <Python.h>
 
 #include <nanobind/stl/string.h>
@@ -15,14 +15,14 @@ namespace unitylink::python {
 namespace {
 
 constexpr long long word_max = 0xFFFFFFFFLL;
-constexpr std::size_t text_max = 200;  // of an argument that an error shows
+constexpr std::size_t text_max = 200;  // an error shows at most so many characters of an argument
 
 [[noreturn]] void raise_range(const std::string& text) {
   raise_unless_ok({Status::range, text});
   throw nb::value_error(text.c_str());
 }
 
-// Any integer that is no `int` of Python itself, such as numpy's; and what is wrong with all others.
+// Converts an integer that is not Python's `int`, such as one of numpy. Raises an error for all else.
 std::uint32_t other_word_of(nb::handle value, const char* name) {
   const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
   if (!index.is_valid()) {
@@ -37,7 +37,7 @@ std::uint32_t other_word_of(nb::handle value, const char* name) {
   return static_cast<std::uint32_t>(number);
 }
 
-// The items of any iterable object as a list or tuple; null where it is none.
+// The items of an iterable object, as a list or tuple. Null: it is not iterable.
 nb::object items_of(nb::handle iterable) {
   nb::object items = nb::steal(PySequence_Fast(iterable.ptr(), ""));
   if (!items.is_valid()) {
@@ -54,7 +54,7 @@ std::span<PyObject*> span_of(const nb::object& items) noexcept {
 
 std::string told(nb::handle object) {
   const nb::object text = nb::steal(PyObject_Repr(object.ptr()));
-  if (!text.is_valid()) {  // an integer of more digits than Python writes
+  if (!text.is_valid()) {  // an integer with more digits than Python converts to text
     PyErr_Clear();
     return "a " + nb::cast<std::string>(nb::str(nb::type_name(object.type()))) + " that cannot be shown";
   }
@@ -80,7 +80,8 @@ std::vector<std::uint32_t> words_of(nb::handle sequence, const char* name) {
   }
   std::vector<std::uint32_t> words;
   words.reserve(span_of(items).size());
-  for (std::size_t item = 0; item < span_of(items).size(); ++item) {  // a number's own __index__ may change the list
+  // asked each time, because __index__ of a number may change the list
+  for (std::size_t item = 0; item < span_of(items).size(); ++item) {
     const nb::object given = nb::borrow(span_of(items)[item]);
     words.push_back(word_of(given, name));
   }

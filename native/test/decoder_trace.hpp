@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a decoder said, as text, so that tests can compare and print it.
+// The events of a decoder as text, so that tests can compare and print them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device and the hand that feeds it, for the twin's tests.
+// A device, and calls that give it bytes and time. For the tests of the twin.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -46,7 +46,7 @@ struct DeviceBench {
     }
   }
 
-  // What comes within `clocks` of a request.
+  // Sends a request, and returns all bytes that arrive within `clocks`.
   std::string ask(std::string_view request, Clock clocks = 20000) {
     put(request);
     return wait(clocks);

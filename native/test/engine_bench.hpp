@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An engine on a virtual clock, with a hand at each end of its wire.
+// An engine on a virtual clock. The test makes its requests, and gives it the device's answers.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ struct EngineBench {
     engine = std::make_unique<ClassicEngine>(settings);
   }
 
-  // Brings the engine to where the device has answered its first fence.
+  // Runs the engine until the device has answered its first fence.
   void begin() {
     Exchange first;
     first.operation = Operation::resynchronise;

@@ -31,11 +31,11 @@ constexpr int several = 100;
 
 std::atomic<What> armed = What::nothing;
 std::atomic<How> manner = How::once;
-std::atomic<std::int64_t> left = 0;       // until it happens
-std::atomic<std::int64_t> hour_s = 0;     // that has passed since
-std::atomic<std::int64_t> stands_ns = 0;  // the clock, where it does
+std::atomic<std::int64_t> left = 0;       // calls until one fails
+std::atomic<std::int64_t> hour_s = 0;     // the clock has jumped by so much
+std::atomic<std::int64_t> stands_ns = 0;  // the time at which the clock stands still
 
-// How many times ago it was due: 0 now, negative not yet.
+// How many calls ago one had to fail: 0: this one; negative: not yet.
 std::int64_t due(What what) noexcept {
   return armed.load(std::memory_order_relaxed) == what && Exempt::depth == 0 ? -(left.fetch_sub(1) - 1) : -1;
 }
@@ -54,7 +54,7 @@ int number_of(How how) noexcept {
   }
 }
 
-// What a call that moves `bytes` gives in place of the real one, if it is its turn.
+// Whether a call that moves `bytes` must fail now. Then `result` replaces the real one. (one_byte only limits `bytes`.)
 bool instead(std::size_t& bytes, ssize_t& result) noexcept {
   if (due(What::transfer) != 0) {
     return false;
@@ -68,7 +68,7 @@ bool instead(std::size_t& bytes, ssize_t& result) noexcept {
   return true;
 }
 
-// Whether a call that opens something, or sets it up, fails in place of the real one. errno says why.
+// Whether a call that opens something, or sets it up, must fail now. It sets errno.
 bool refused() noexcept {
   if (due(What::opening) != 0) {
     return false;
@@ -77,7 +77,7 @@ bool refused() noexcept {
   return true;
 }
 
-// Whether there is no memory. errno says so.
+// Whether an allocation must fail now. It sets errno.
 bool exhausted() noexcept {
   const std::int64_t ago = due(What::allocation);
   if (ago < 0 || (ago > 0 && (manner != How::from_then_on || ago >= several))) {
@@ -97,7 +97,7 @@ void arm(What what, How how, std::uint32_t nth) noexcept {
 
 bool disarm() noexcept {
   armed = What::nothing;
-  stands_ns = hour_s = 0;  // nobody is left who has seen them
+  stands_ns = hour_s = 0;  // all threads that have seen these times have ended
   return left <= 0;
 }
 
@@ -123,7 +123,7 @@ extern "C" {
 
 extern "C" {
 
-// The C library's own, by the names that it has for those who stand in front of them.
+// The functions of the C library itself. These names exist for programs that replace malloc.
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
 void* __libc_realloc(void* place, std::size_t bytes);
@@ -239,7 +239,7 @@ int ppoll(pollfd* files, nfds_t count, const timespec* time, const sigset_t* sig
   return instead(bytes, result) ? static_cast<int>(result) : own(files, count, time, signals);
 }
 
-// Its deadline was made from that clock.
+// Its deadline was computed from the clock that jumps.
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
   static auto* const own =
       system_own<int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*)>("pthread_cond_clockwait");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the system gives, and may refuse: the n-th allocation, the n-th call that moves bytes or waits, the n-th that
-// opens something or sets it up, the n-th look at the clock. This program's own malloc, read, open and so on are in
-// front of the system's; until something is armed they pass all on.
+// Lets the n-th call of a certain kind fail: an allocation, a call that moves bytes or waits, a call that opens
+// something or sets it up, or a clock reading. This program has its own malloc, read, open and so on, which call those
+// of the system. Nothing fails until something is armed.
 #pragma once
 
 #include <cstdint>
@@ -18,22 +18,22 @@ enum class What : std::uint8_t {
   clock,
 };
 enum class How : std::uint8_t {
-  once,          // of allocations: that one; of the clock: it stands still for a hundred looks
-  from_then_on,  // of allocations: each of the next hundred; of the clock: an hour has passed
-  interrupted,   // of transfers and openings: EINTR
+  once,          // an allocation: only that one; the clock: it stands still for a hundred readings
+  from_then_on,  // an allocation: that one and the next 99; the clock: it jumps by an hour
+  interrupted,   // transfers and openings: EINTR
   again,         // EAGAIN
   broken,        // EIO
   none_left,     // EMFILE
-  nothing,       // 0, as at the end of a file
+  nothing,       // result 0, as at the end of a file
   one_byte,
 };
 
-// The `nth` of what threads do that are not exempt. Not while such threads run.
+// The `nth` such call of all threads that are not exempt will fail. Do not call it while such threads run.
 void arm(What what, How how, std::uint32_t nth) noexcept;
-// False: it did not come to it.
+// False: there were fewer such calls.
 bool disarm() noexcept;
 
-// Nothing fails for the thread that holds one.
+// As long as a thread has one of these, none of its calls fail.
 class Exempt {
  public:
   Exempt() noexcept { ++depth; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The board's thread beside everything that may be called while it runs.
+// The board's thread, while other threads call all that may be called at the same time.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -112,7 +112,7 @@ TEST_CASE("a board takes the place of one that was killed, whose link is left be
   }
   char byte = 0;
   REQUIRE(::read(ready[0], &byte, 1) == 1);
-  CHECK_THROWS_AS(make_endpoint("pty:" + path, ""), EndpointError);  // it lives
+  CHECK_THROWS_AS(make_endpoint("pty:" + path, ""), EndpointError);  // its process still runs
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
   CHECK(make_endpoint("pty:" + path, "")->url() == "serial:" + path);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes at all: no crash, no hang, the same answers in one chunk and byte by byte, and an answer to #R afterwards.
+// Random bytes to the twin. It must not crash or hang, must give the same answers in one chunk and byte by byte, and
+// must answer #R afterwards.
 #include <random>
 #include <vector>
 
@@ -27,7 +28,7 @@ std::string noise(std::mt19937& random, std::size_t size) {
   return text;
 }
 
-// Replies and datalink errors are each in order; which comes first between them is a matter of timing.
+// Replies keep their order, and so do datalink errors. The order between the two kinds depends on timing.
 struct Sorted {
   std::string replies;
   std::string errors;
@@ -49,8 +50,8 @@ Sorted sorted(const std::string& output) {
 
 TEST_CASE("random bytes: one chunk and byte by byte agree, and the device lives on") {
   DeviceConfiguration configuration = bench();
-  configuration.protocol = Protocol::classic;  // in a frame that has no end there is no answer
-  configuration.publish_mode = 0;              // publishes depend on when, these answers must not
+  configuration.protocol = Protocol::classic;  // inside a frame without an end nothing would be answered
+  configuration.publish_mode = 0;              // no publishes, because they depend on timing
   std::mt19937 random(20120601);
   for (int round = 0; round < 300; ++round) {
     CAPTURE(round);
@@ -76,7 +77,7 @@ TEST_CASE("random bytes while publishing, with events, errors and FIFOs of 4 byt
     CAPTURE(round);
     DeviceConfiguration configuration = bench();
     configuration.protocol = Protocol::classic;
-    configuration.base_hz = 10000;  // within what the line can carry: publishing goes before requests
+    configuration.base_hz = 10000;  // low enough for the line, because publishes have priority over requests
     configuration.baud_hz = round % 2 == 0 ? 0 : 12'500'000;
     configuration.fifo = round % 3 == 0 ? 4 : 0;
     configuration.honour_flush = round % 5 == 0;
@@ -94,9 +95,9 @@ TEST_CASE("random bytes while publishing, with events, errors and FIFOs of 4 byt
       device.wait(random() % 64);
     }
     device.device.set_events(0);
-    device.wait(1500000);  // until what a large transmit FIFO holds has gone out
+    device.wait(1500000);  // until a large transmit FIFO is empty
     std::string answer;
-    for (const char c : std::string("!\n#DPS\n")) {  // a byte at a time: a FIFO of 4 must not overrun here
+    for (const char c : std::string("!\n#DPS\n")) {  // byte by byte, so that a FIFO of 4 bytes does not overrun
       answer += device.ask(std::string_view(&c, 1), 2000);
     }
     answer.clear();

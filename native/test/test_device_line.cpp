@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The physical layer: overruns with a line, none without, and what a host that does not read does to the device.
+// The physical layer: with a line there are overruns, without one there are none. A host that does not read stops the
+// device.
 #include "device_bench.hpp"
 
 using namespace unitylink::device;
@@ -16,7 +17,7 @@ std::string repeated(std::string_view text, int count) {
   return all;
 }
 
-// Replies longer than requests, so that they cannot keep up.
+// A line on which replies need more time than requests.
 DeviceConfiguration slow_line() {
   DeviceConfiguration configuration = bench();
   configuration.baud_hz = 3'125'000;  // about 3 Mbaud
@@ -84,7 +85,7 @@ TEST_CASE("a host that does not read stops the device, and nothing is lost once 
     offer();
     device.device.run_until(device.device.clock() + 20);
   }
-  CHECK(sent < requests.size());  // stalled: both buffers, message buffers and transmit path are full
+  CHECK(sent < requests.size());  // the device has stopped: all its buffers are full
   CHECK(device.device.next_event() == never);
   std::string all;
   for (int i = 0; i < 1000; ++i) {

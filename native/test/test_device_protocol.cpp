@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the twin answers where the 2012 gateware was wrong, and at sizes it could not have. Everything the recordings
-// hold is replayed by tests/conformance.
+// Answers of the twin where the 2012 gateware was wrong, and for sizes that it could not have. tests/conformance
+// replays the recordings.
 #include "device_bench.hpp"
 
 using namespace unitylink::device;

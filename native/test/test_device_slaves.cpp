@@ -99,13 +99,13 @@ TEST_CASE("TosNet: what nodes put out appears at the strobe, and stands still wi
   CHECK(net.read(0x80) == 0);
   net.next_cycle();
   CHECK(net.read(0x80) == 11);
-  CHECK(net.device.bus().set(0x8C, 1, net.device.clock()) == BusStatus::error);  // the PC's word
+  CHECK(net.device.bus().set(0x8C, 1, net.device.clock()) == BusStatus::error);  // a word that only the PC may write
 }
 
 TEST_CASE("TosNet: map, rights and the network list") {
   Network net;
-  CHECK(net.ask("#W:008000000001\n") == "#?E_FBW\n");  // OUT word of another node
-  CHECK(net.ask("#W:004000000001\n") == "#S_W\n");     // the PC's own
+  CHECK(net.ask("#W:008000000001\n") == "#?E_FBW\n");  // the OUT word of another node
+  CHECK(net.ask("#W:004000000001\n") == "#S_W\n");     // the PC's own OUT word
   CHECK(net.ask("#R:0600\n") == "#S_R:00000030\n");
   CHECK(net.ask("#R:0404\n#R:0510\n#R:0702\n") == "#?E_FBR\n#?E_FBR\n#?E_FBR\n");
   CHECK((net.read(0x400) >> 30) == 3);  // ONLINE, MASTER
@@ -214,5 +214,5 @@ TEST_CASE("memory of 32 address bits costs what is used of it, and refuses to ta
     ++page;
   }
   CHECK(page == Memory::pages_most - 1);
-  CHECK(memory.write(5, 1, 0) == BusStatus::ok);  // what is there still works
+  CHECK(memory.write(5, 1, 0) == BusStatus::ok);  // existing pages still work
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin's clock against the cycle table of the 2012 gateware (50 MHz, 8-bit addresses, 32-bit words).
+// Compares the twin's timing with the table of cycles of the 2012 gateware (50 MHz, 8-bit addresses, 32-bit words).
 #include "device_bench.hpp"
 
 using namespace unitylink::device;
@@ -11,7 +11,7 @@ namespace {
 struct Row {
   const char* request;
   Clock first_to_last;  // first request byte -> last reply byte
-  Clock period;         // of the same request back to back
+  Clock period;         // when the same request is repeated without a pause
 };
 
 constexpr Row table[] = {
@@ -88,7 +88,7 @@ TEST_CASE("the first strobe comes with enabling, the next ones every clock_hz / 
     }
   }
   REQUIRE(heads.size() >= 3);
-  CHECK(heads[0] / 500 == 2);  // rate 3: after two periods, then every three
+  CHECK(heads[0] / 500 == 2);  // rate 3: first after two periods, then after every three
   CHECK(heads[1] - heads[0] == 1500);
   CHECK(heads[2] - heads[1] == 1500);
 }

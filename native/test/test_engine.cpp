@@ -36,7 +36,7 @@ TEST_CASE("the first fence gets through to a device that publishes, is in mid-me
   CHECK(bench.sent() == "!$RLC*9B\n");
   bench.answer("1212*2d\n&PUB:000240de101040de1111*ba\n#S_R:00000001\n#CNF:01,04,20,02,03e8,02,10,02\n?f3\n");
   CHECK_FALSE(first.done());
-  bench.wait(13 * ms);  // the datalink error may have swallowed the fence: asked again soon
+  bench.wait(13 * ms);  // the datalink error may have removed the fence, so it is sent again soon
   CHECK(bench.sent() == "!$RLC*9B\n");
   bench.answer(cnf);
   CHECK(first.status == Status::ok);
@@ -145,7 +145,7 @@ TEST_CASE("answers count only when all requests in flight have theirs: one that 
   bench.submit(first);
   bench.submit(second);
   bench.sent();
-  bench.answer("#S_R:00000002\n");  // the device never saw the first one; this is the second's answer
+  bench.answer("#S_R:00000002\n");  // the first request was lost, so this answers the second one
   CHECK_FALSE(first.done());
   bench.wait(101 * ms);
   CHECK(bench.sent() == "!$RLC*9B\n");
@@ -302,12 +302,12 @@ TEST_CASE(
   for (Exchange* exchange : {&mine[0], &mine[1], &theirs}) {
     bench.submit(*exchange);
   }
-  CHECK(bench.sent() == "#R:01\n");  // 16 bytes hold no more
+  CHECK(bench.sent() == "#R:01\n");  // a FIFO of 16 bytes has no room for more
   bench.engine->withdraw(mine, bench.now);
   CHECK(mine[1].status == Status::cancelled);
   CHECK_FALSE(mine[0].done());
   CHECK(bench.sent().empty());
-  bench.wait(100 * ms);  // the usual time, not its own
+  bench.wait(100 * ms);  // the usual timeout applies, not its own
   CHECK(mine[0].status == Status::timeout);
   CHECK(bench.sent() == "!$RLC*9B\n");
   bench.answer(cnf);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ClassicEngine against a device behind a wire that does everything wrong.
+// ClassicEngine and a device, with all kinds of faults on the wire between them.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -10,9 +10,9 @@
 using namespace unitylink;
 using namespace unitylink::test;
 
-// The promises, against a device that says what it executed: no wrong value is returned, a write that must not be
-// repeated is executed at most once, OK means executed, every request ends, and after the faults have stopped all goes
-// well again.
+// The device counts what it executes, so the test can check the promises. No wrong value is returned. A write that must
+// not be repeated is executed at most once. OK means executed. Every request ends. When the faults have stopped, all
+// requests succeed again.
 TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and delays") {
   std::uint64_t unknown = 0, failed = 0, good = 0;
   for (std::uint32_t seed = 1; seed <= 150; ++seed) {
@@ -109,6 +109,6 @@ TEST_CASE("promises hold on a wire that drops, damages, doubles, truncates and d
       CHECK(exchanges[index].status == Status::ok);  // liveness
     }
   }
-  CHECK(unknown > 100);  // the faults did bite
+  CHECK(unknown > 100);  // the faults had an effect
   CHECK(good > 10 * failed);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For n = 1, 2, 3 …: the n-th allocation, transfer, opening or look at the clock of a session fails, and the promises
-// hold all the same: nothing ends the program, each call has a status, nothing is executed twice or told wrongly, and
-// the link is usable afterwards, or closed with a reason.
+// For n = 1, 2, 3 …: the n-th allocation, transfer, opening or clock reading of a session fails. The promises must
+// still hold. The program does not end. Each call returns a status. Nothing is executed twice, and no result is wrong.
+// Afterwards the link works, or is closed with a reason.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -35,7 +35,7 @@ namespace {
 constexpr std::uint32_t base = 0x20;
 constexpr std::size_t word_count = 6;
 
-enum class Told { done, not_done, perhaps, first };  // first: of several messages the first, perhaps
+enum class Told { done, not_done, perhaps, first };  // first: perhaps only the first of several messages
 
 struct Wish {
   std::uint32_t value;
@@ -43,7 +43,7 @@ struct Wish {
   std::string what;
 };
 
-// The board, which nothing happens to, and its own count of what was executed.
+// The board, whose calls never fail. It counts what it executes.
 class Rig {
  public:
   explicit Rig(const char* endpoint) {
@@ -54,7 +54,7 @@ class Rig {
     });
     board_ = std::make_unique<device::Board>(std::move(made), device::make_endpoint(endpoint, "127.0.0.1"));
     board_->set_plant({0.001, [this](double) {
-                         thread_local const Exempt exempt;  // the board's thread
+                         thread_local const Exempt exempt;  // for the board's thread
                          ready_ = true;
                          return true;
                        }});
@@ -78,9 +78,9 @@ class Rig {
     return found == executed_.end() ? 0 : found->second;
   }
 
-  // What has been told, against what has been done.
+  // Compares the reported results with what the board has executed.
   void judge() {
-    board_->stop();  // whatever was still on its way has come, or never will
+    board_->stop();  // from here on nothing more can arrive
     for (const Wish& wish : wishes) {
       const std::uint32_t times = executed(wish.value);
       const bool right = wish.told == Told::done ? times == 1 : wish.told == Told::not_done ? times == 0 : times <= 1;
@@ -103,14 +103,14 @@ Told told_of(ul_status status) {
   return status == UL_OK ? Told::done : status == UL_UNKNOWN ? Told::perhaps : Told::not_done;
 }
 
-// One life of a link. What its calls do may fail; what is here does not.
+// One link from opening to closing. Only its calls may fail, not the code of the test.
 class Session {
  public:
   Session(Rig& rig, std::string what, bool framed) : rig_(rig), what_(std::move(what)), framed_(framed) {
     std::iota(std::begin(addresses_), std::end(addresses_), base);
   }
 
-  // How many of its calls were refused; 1 where there was no link. `cut`: the line breaks in the middle.
+  // Returns how many of its calls failed; 1 if the link could not be opened. `cut`: the line breaks in the middle.
   std::uint32_t run(const std::string& url, bool cut) {
     if (call([&] { return ul_open(url.c_str(), &link_); }) != UL_OK) {
       CHECK(link_ == nullptr);
@@ -121,7 +121,7 @@ class Session {
     if (cut) {
       rig_.hang_up();
     }
-    work();  // again, on what is left of it
+    work();  // once more, with or without a line
     usable_or_closed();
     call([&] { return ul_close(link_); });
     ul_free(link_);
@@ -131,7 +131,7 @@ class Session {
   [[nodiscard]] bool opened() const { return opened_; }
 
  private:
-  // A call of the library, for whose length this thread is not exempt.
+  // Makes a call of the library. Only during this call can something fail in this thread.
   template <class Call>
   ul_status call(const Call& one) {
     --Exempt::depth;
@@ -181,7 +181,7 @@ class Session {
     subscription();
   }
 
-  // What was taken by a post is told by the next sync that answers.
+  // The next sync reports the results of the posts.
   void posts() {
     const auto posted = values(word_count);
     const ul_status taken = call([&] { return ul_post(link_, addresses_, posted.data(), word_count, nullptr); });
@@ -214,7 +214,7 @@ class Session {
     call([&] { return ul_unsubscribe(link_, name); });
   }
 
-  // With nothing failing for this thread any more.
+  // Nothing fails in this thread from here on.
   void usable_or_closed() {
     std::uint32_t got = 0;
     ul_wait_up(link_, 5'000'000'000);
@@ -254,18 +254,18 @@ struct Place {
   bool cut = false;  // the line breaks in the middle
 };
 
-// Sessions until one ends before the n-th comes, in which nothing is refused; every `stride`-th n. Each has a thread of
-// its own, as a program's may be: what a thread does only once is in all of them.
+// Runs sessions for n = 1, 1 + stride, … until a session ends before its n-th call. No call of that last one may fail.
+// Each session runs in a new thread, so that each contains what a thread does only once.
 std::uint32_t sessions(const char* options, What what, How how, const char* name, std::uint32_t stride,
                        Place place = {}) {
   const Exempt exempt;
   Rig rig(place.endpoint);
   const bool cut = place.cut;
   const bool framed = std::string_view(options).find("framed") != std::string_view::npos;
-  // asked again, nobody notices
+  // the library must try again, and no call may fail
   const bool harmless =
       what == What::transfer && (how == How::interrupted || how == How::again || how == How::one_byte);
-  // spin=0: how often a caller looks for its reply would depend on the machine
+  // spin=0, because otherwise the number of calls would depend on the speed of the machine
   const std::string url =
       rig.url() + (harmless ? "?spin=0&timeout=2&attempts=3&" : "?spin=0&timeout=0.05&attempts=3&") + options;
   const std::size_t files = open_files();
@@ -287,20 +287,20 @@ std::uint32_t sessions(const char* options, What what, How how, const char* name
       nth += stride;
       again = 0;
     } else if (refused == 0 || (cut && session.opened()) || ++again == 1000) {
-      // else the board has not let the one before go yet
+      // else the board may still serve the link of the session before
       CHECK((refused == 0 || cut));
       break;
     }
   }
-  CHECK(open_files() <= files + 1);  // that of the last link's, which the board may not have let go yet
+  CHECK(open_files() <= files + 1);  // + 1: the board may still serve the last link
   rig.judge();
   return nth;
 }
 
-// All of them take minutes: UNITYLINK_FAIL_EACH=1, as in `make fuzz`.
+// `make fuzz` sets UNITYLINK_FAIL_EACH=1. Then every n is tried, which takes minutes.
 std::uint32_t stride_of(std::uint32_t usual) { return std::getenv("UNITYLINK_FAIL_EACH") != nullptr ? 1 : usual; }
 
-constexpr std::uint32_t least = 15;  // that happen in a session
+constexpr std::uint32_t least = 15;  // a session has at least so many
 
 constexpr const char* links[] = {"protocol=framed", "protocol=classic", "protocol=framed&reconnect=1",
                                  "protocol=classic&reconnect=1"};
@@ -333,20 +333,20 @@ TEST_CASE("the n-th opening or setting up fails") {
 TEST_CASE("a port that the system refuses says why, and leaves nothing open") {
   constexpr struct {
     const char* endpoint;
-    const char* scheme;          // in place of the board's
-    std::uint32_t borne;         // openings that a link can do without
+    const char* scheme;          // "": the scheme of the board's URL
+    std::uint32_t borne;         // openings that may fail without harm to the link
   } places[] = {{"tcp", "", 1},  // TCP_NODELAY
                 {"udp", "", 0},
                 // TIOCEXCL, the latency of an adapter, the kind of terminal
                 {"pty", "serial", 3},
-                // and the direction of the transceiver; as this link closes within the call, TIOCNXCL
+                // the same, the direction of the transceiver, and TIOCNXCL, because this link closes within the call
                 {"pty", "rs485", 5}};
   const Exempt exempt;
   for (const auto& place : places) {
     INFO(place.endpoint << ", " << place.scheme);
     Rig rig(place.endpoint);
     std::string url = rig.url() + "?timeout=0.5&protocol=framed";
-    const bool other = std::string_view(place.scheme) == "rs485";  // whose node does not answer here
+    const bool other = std::string_view(place.scheme) == "rs485";  // there is no such node here, so opening times out
     if (other) {
       url = "rs485" + url.substr(url.find(':')) + "&node=3&attempts=1";
     }

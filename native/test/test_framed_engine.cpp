@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// FramedEngine and the twin with the wire in our hands: each frame is carried, kept for later, doubled or dropped.
+// FramedEngine and the twin. The test is the wire between them: it carries, delays, doubles or drops each frame.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ using unitylink::test::writing;
 
 namespace {
 
-using Sent = std::vector<std::uint8_t>;  // a frame, its border included
+using Sent = std::vector<std::uint8_t>;  // a frame with its border
 
 struct Wire {
   Wire() {
@@ -35,7 +35,7 @@ struct Wire {
     device->bus().observe([this](std::uint32_t, std::uint32_t value) { written.push_back(value); });
   }
 
-  // What the engine sends now, border by border.
+  // The frames that the engine sends now.
   std::vector<Sent> sent() {
     std::vector<Sent> frames;
     for (auto bytes = engine.transmit(now); !bytes.empty(); bytes = engine.transmit(now)) {
@@ -51,9 +51,9 @@ struct Wire {
     }
     return frames;
   }
-  // Gives a frame to the device; what it answers.
+  // Gives a frame to the device, and returns its answer.
   Sent carry(const Sent& frame) {
-    static_cast<void>(device->receive(0));  // whatever came before
+    static_cast<void>(device->receive(0));  // ends an incomplete frame, if there is one
     for (const std::uint8_t byte : frame) {
       static_cast<void>(device->receive(byte));
     }
@@ -66,7 +66,7 @@ struct Wire {
     return answer;
   }
   void answer(const Sent& frame) { engine.receive(frame, now); }
-  // Carries all both ways until the engine has nothing to say.
+  // Carries all frames both ways until the engine sends no more.
   void settle() {
     for (auto frames = sent(); !frames.empty(); frames = sent()) {
       for (const Sent& frame : frames) {
@@ -79,7 +79,7 @@ struct Wire {
     engine.advance(now);
   }
   void submit(Exchange& exchange) { engine.submit(exchange, now); }
-  // An answer that the device has not given.
+  // An answer that did not come from the device.
   Sent forged(std::uint32_t status, std::uint32_t id) const {
     Sent frame(32);
     frame.resize(
@@ -142,7 +142,7 @@ TEST_CASE("an error counts when it has come twice") {
   const Sent request = wire.sent().at(0);
   const std::uint32_t id = 1;
   wire.answer(wire.forged(protocol::reply_status::invalid, id));
-  wire.answer(wire.forged(protocol::reply_status::invalid, id));  // its double, before it was asked again
+  wire.answer(wire.forged(protocol::reply_status::invalid, id));  // a copy of it, before the request was repeated
   CHECK(!write.done());
   CHECK((wire.sent() == std::vector<Sent>{request}));
   SUBCASE("a false one is not believed") {
@@ -181,7 +181,7 @@ TEST_CASE("what is chained behind a failed request is told as not sent when it c
   const Sent refusal = wire.carry(frames[1]);  // the first is lost
   for (int turn = 0; turn < 100 && !chain.first.done(); ++turn) {
     wire.wait(10 * ms);
-    for (const Sent& frame : wire.sent()) {  // lost, too, but for the question whether the session lives
+    for (const Sent& frame : wire.sent()) {  // lost too, except for the question whether the session still exists
       if (frame[0] == protocol::request_kind::hello) {
         wire.answer(wire.carry(frame));
       }
@@ -190,7 +190,7 @@ TEST_CASE("what is chained behind a failed request is told as not sent when it c
   REQUIRE(chain.first.status == Status::unknown);
   wire.answer(refusal);
   CHECK(!chain.second.done());
-  const auto last = wire.sent();  // who takes their ids over
+  const auto last = wire.sent();  // the SYNCs that take their ids over
   REQUIRE(!last.empty());
   std::vector<Sent> answers;
   SUBCASE("it was not executed") {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Link and FramedEngine against the twin: reads, writes, transfers, posts, publishes, and what is told when something
-// is refused.
+// Link and FramedEngine with the twin: reads, writes, transfers, posts, publishes, and the errors of refused requests.
 #include <doctest/doctest.h>
 
 #include <memory>

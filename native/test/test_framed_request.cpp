@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Words to write as operations of a list: any mixture of runs and scattered addresses is told whole, in order, and
-// never longer than named one by one.
+// Words to write as operations of a list. Any mixture of runs and single addresses must be complete, in order, and
+// never longer than with one address for each word.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> told(const Words& words, const Configuration& configur
   return payload.bytes;
 }
 
-// The writes that a device makes of it.
+// The writes that a device does for this list.
 Words made_of(const std::vector<std::uint8_t>& list, const Configuration& configuration) {
   Words words;
   std::size_t at = 0;
@@ -78,7 +78,7 @@ TEST_CASE("words to write are told whole and in order, in no more bytes than eac
     Words words;
     const std::uint32_t space = configuration.address_bytes == 1 ? 0xFF : 0xFFFF;
     const std::size_t size = 1 + random() % 450;
-    // pieces as long as runs are at least, one less, one more, and longer than an operation may be
+    // lengths around the shortest run, and longer than an operation may be
     while (words.size() < size) {
       static constexpr std::size_t lengths[] = {1, 1, 2, 3, 7, 8, 9, 30, 254, 255, 256, 300};
       const std::size_t length = std::min(lengths[random() % std::size(lengths)], size - words.size());

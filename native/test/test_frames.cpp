@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 1 of the framed protocol: what is sent, what is believed, and that neither chunks nor up to three flipped bits
-// make a frame.
+// Layer 1 of the framed protocol: which bytes are sent, and which are accepted. Chunks must not matter, and up to three
+// flipped bits must never give another frame.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ TEST_CASE("the CRCs are those of the catalogue, by eight bytes as by one") {
 }
 
 TEST_CASE("a frame on the wire, byte for byte") {
-  // Payload 00 01 00 20: an empty block, one of 01, one of 20.
+  // The payload 00 01 00 20 gives an empty block, a block with 01 and a block with 20.
   const Bytes frame = frame_of(protocol::request_kind::read, {0x00, 0x01, 0x00, 0x20});
   CHECK(hex_of(std::span(frame).first(6)) == "820102010220");
   CHECK(frame.size() == 10);  // section 8 of docs/protocol.md
@@ -150,7 +150,7 @@ TEST_CASE("a block that is full at the end of the payload may be followed by an 
     const Heard sink = heard(body);
     REQUIRE(sink.frames.size() == 1);
     CHECK(sink.frames[0].second == payload);
-    CHECK((frame_of(0xC0, payload) == body) == !with_empty_block);  // ours does without
+    CHECK((frame_of(0xC0, payload) == body) == !with_empty_block);  // our encoder adds no such block
   }
 }
 
@@ -199,11 +199,12 @@ TEST_CASE("what is no frame is discarded with a reason, and the next frame stand
   CHECK(why(Bytes(joined({Bytes(frame_bytes_max + 1, 7), {0}}))) == Discard::too_long);
   CHECK(why(frame_of(0xC0, Bytes(11, 7)), 10) == Discard::too_long);
   CHECK(heard(frame_of(0xC0, Bytes(10, 7)), key, 10).frames.size() == 1);
-  const Bytes broken{0xC0, 0x05, 0x01};  // a block of four bytes of which one is there
+  const Bytes broken{0xC0, 0x05, 0x01};  // a block of four bytes, but only one follows
   const FrameCheck check = FrameCheck::of(broken, key);
   CHECK(why(joined({broken, {check.bytes[0], check.bytes[1], check.bytes[2], 0}})) == Discard::cobs);
   CHECK(heard({0, 0, 0}).discards.empty());
-  for (std::size_t used = 256; used <= 266; ++used) {  // between the lengths of the two checks nothing passes
+  // around the length at which the check changes, nothing is accepted
+  for (std::size_t used = 256; used <= 266; ++used) {
     const std::size_t body = used - 4;
     Bytes wire(body, 0x11);
     wire.insert(wire.end(), {0x80, 0x80, 0x80, 0x80, 0});
@@ -211,9 +212,9 @@ TEST_CASE("what is no frame is discarded with a reason, and the next frame stand
   }
 }
 
-// Lengths that each kind can have whatever the device's widths. A frame outside a session and one inside start the CRC
-// differently, so that three flipped bits, one of them in the kind, can make the check of the one right for the other;
-// then the length is wrong.
+// Whether the payload has a length that its kind can have, with any widths of the device. A frame in a session starts
+// the CRC with another value than one outside. So three flipped bits, one of them in the kind, can turn one into the
+// other with a right check. Its length is then wrong.
 bool has_length_of_kind(const Frame& frame) {
   const std::size_t size = frame.payload.size();
   switch (frame.kind) {
@@ -227,7 +228,8 @@ bool has_length_of_kind(const Frame& frame) {
   }
 }
 
-// Each pattern over the frame, the delimiter before it and its own; a frame stands before and one behind.
+// Each pattern of errors is moved over the frame and the delimiters on both sides. There is a frame before it, and one
+// after it.
 TEST_CASE("no error of one to three bits makes a frame") {
   std::mt19937 random(4);
   const std::vector<Bytes> frames{
@@ -238,7 +240,7 @@ TEST_CASE("no error of one to three bits makes a frame") {
       frame_of(0xC0, {0x00, 0x07, 0x00, 0x03, 0x00, 0x00, 0x00, 0x00}),
       frame_of(0xC0, {0x00, 0x07, 0x00, 0x00}, {.epoch = key.epoch, .always_long = true}),
       frame_of(0xD2, random_payload(random, 19, 2)),
-      frame_of(0xD2, random_payload(random, 26, 1)),  // 32 bytes, delimiter included
+      frame_of(0xD2, random_payload(random, 26, 1)),  // 32 bytes with its delimiter
   };
   CHECK(frames.back().size() == 32);
   struct Counting {

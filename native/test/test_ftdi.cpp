@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What FTDI's chips want, against their data sheets and application notes. The driver as a whole:
-// tests/unit/link/test_ftdi.py.
+// The values that FTDI's chips expect, from their data sheets and application notes. tests/unit/link/test_ftdi.py tests
+// the driver as a whole.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ TEST_CASE("divisors are those of AN_120 and AN_232B-05") {
   CHECK(ftdi::divisor_of(r, 2'000'000).value == 0x0001);
   CHECK(ftdi::divisor_of(r, 1'000'000).value == 0x0003);
   CHECK(ftdi::divisor_of(h, 12'000'000).value == 0x0000);
-  CHECK(ftdi::divisor_of(h, 12'000'000).index == 0x0200);  // the 12 MHz clock, beside the channel
+  CHECK(ftdi::divisor_of(h, 12'000'000).index == 0x0200);  // the 12 MHz clock; the channel is in the low byte
   CHECK(ftdi::divisor_of(h, 3'000'000).value == 0x0004);
   CHECK(ftdi::divisor_of(h, 115'200).value == 0xC068);  // 104.125
   for (std::uint32_t baud_hz = 1000; baud_hz <= 1'000'000; baud_hz += 777) {

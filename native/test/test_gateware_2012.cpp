@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The twin of the 2012 gateware, defects and all, and the host that has to live with them. What the recordings hold of
-// the defects is replayed by tests/conformance.
+// The twin of the 2012 gateware with its defects, and the host, which must work with them. tests/conformance replays
+// the recordings, which contain some of the defects.
 #include <array>
 #include <deque>
 #include <random>
@@ -29,7 +29,7 @@ DeviceConfiguration silent_at_0() {
   return configuration;
 }
 
-// An engine and a device that hand each other what they have, on the device's clock.
+// An engine and a device that exchange their bytes, on the device's clock.
 struct OldWire {
   explicit OldWire(const DeviceConfiguration& configuration, std::uint32_t fifo = 64, bool checksums = true)
       : device(configuration) {
@@ -51,7 +51,7 @@ struct OldWire {
 
   void submit(Exchange& exchange) { engine->submit(exchange, now()); }
 
-  // Until nothing more happens by itself.
+  // Runs until neither side has anything more to do.
   void run() {
     for (unsigned quiet = 0; quiet < 2;) {
       const std::span<const std::uint8_t> bytes = engine->transmit(now());
@@ -98,11 +98,11 @@ TEST_CASE("2012: a byte directly behind an error of form or checksum is swallowe
     DeviceBench old(gateware_2012());
     const std::string alone = old.ask(wrong);
     CHECK(alone.starts_with("?f"));
-    CHECK(old.ask("\n#R:12\n") == "#S_R:40de1212\n");  // it came later
+    CHECK(old.ask("\n#R:12\n") == "#S_R:40de1212\n");  // this byte came later
     CHECK(old.ask(std::string(wrong) + "#R:12\n") == alone);
     CHECK(DeviceBench().ask(std::string(wrong) + "#R:12\n") == alone + "#S_R:40de1212\n");
   }
-  CHECK(DeviceBench(gateware_2012()).ask("#R:1G#R:12\n") == "?f3\n#S_R:40de1212\n");  // not behind this one
+  CHECK(DeviceBench(gateware_2012()).ask("#R:1G#R:12\n") == "?f3\n#S_R:40de1212\n");  // not after this kind of error
 }
 
 TEST_CASE("2012: the replies to requests that came later overtake the report of an overrun") {
@@ -130,7 +130,7 @@ TEST_CASE("2012: a rate of 0 leaves the publish that is pending") {
     DeviceConfiguration configuration = old ? gateware_2012() : device::test::bench();
     configuration.base_hz = 100'000;  // a strobe every 500 clocks
     unsigned published = 0;
-    // at some of them one is due while the rate is written
+    // at some moments a strobe comes while the rate is written
     for (device::Clock moment = 0; moment < 500; moment += 20) {
       DeviceBench bench(configuration);
       CHECK(bench.ask("#WSA:000110\n#WSR:000001\n#EPS\n", 1000).starts_with("#S_WSA\n#S_WSR\n#S_EPS\n"));
@@ -139,7 +139,7 @@ TEST_CASE("2012: a rate of 0 leaves the publish that is pending") {
       REQUIRE(text.find("#S_WSR\n") != std::string::npos);
       const std::string behind = text.substr(text.find("#S_WSR\n"));
       published += behind.find("%PUB:000140de1010\n") != std::string::npos ? 1 : 0;
-      CHECK(behind.find("%PUB") == behind.rfind("%PUB"));  // one at most
+      CHECK(behind.find("%PUB") == behind.rfind("%PUB"));  // at most one
     }
     CHECK((published > 0) == old);
   }
@@ -275,7 +275,7 @@ TEST_CASE("a write that timed out names what may come of it, and what was on its
   CHECK(told(silent).find("written 0 to address 0") != std::string::npos);
   CHECK(told(silent).find("write 0 to the address that its next read or write names") != std::string::npos);
   CHECK(behind.status == Status::ok);
-  CHECK(behind.value == wire.memory(0x12));  // 0, because it has become so
+  CHECK(behind.value == wire.memory(0x12));  // 0, because the late write has changed it
   CHECK(behind.attempts == 2);
 
   Exchange again = writing(0xF5, 1);
@@ -338,7 +338,7 @@ TEST_CASE("no request that succeeds is wrong on 2012 gateware whose address 0 is
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     OldWire wire(silent_at_0(), 16u << seed % 5);
     std::mt19937 random(seed);
-    bool named = false;  // a write has timed out, and its error has told what that may do
+    bool named = false;  // a write has timed out, and its error named the hazard
     for (unsigned round = 0; round < 40; ++round) {
       std::deque<Exchange> exchanges;
       std::array<bool, 256> used{};
@@ -406,11 +406,12 @@ TEST_CASE("requests that overrun the device end with what it said, not with its 
       }
       ++failed;
       CHECK(exchange.status == Status::protocol_error);
-      // Whoever asks once may hear of the damage before it hears of the cause: on 2012 gateware that is overtaken.
+      // With one attempt, the error may name the damage and not its cause, because 2012 gateware may report the damage
+      // first.
       const bool one_of_both = exchange.attempts_max == 1 && configuration.published_2012;
       CHECK((told(exchange).find("it said ?f9 (more requests came than its receive FIFO holds") != std::string::npos ||
              (one_of_both && told(exchange).find("it said ?f") != std::string::npos)));
     }
-    CHECK(failed > 0);  // the credit was too large for the device: the line is full of ?f9
+    CHECK(failed > 0);  // the credit was too large for the device, so it answers ?f9
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Link on real descriptors: against the twin over every kind of endpoint, and when ports go away.
+// Link on real descriptors: with the twin on every kind of endpoint, and when a port disappears.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ device::DeviceConfiguration plain_board() {
   return configuration;
 }
 
-// Of the classic protocol only, which the link finds out by asking; test_framed_link.cpp has the other.
+// A board with the classic protocol only, which the link finds out by asking. test_framed_link.cpp has the other.
 std::unique_ptr<device::Board> board_on(const std::string& kind,
                                         device::DeviceConfiguration configuration = plain_board()) {
   configuration.protocol = device::Protocol::classic;
@@ -52,7 +52,7 @@ std::unique_ptr<Link> opened(const std::string& url) {
   return link;
 }
 
-// For a board that has had a client before: it notices the leaving a moment after it.
+// Opens a link to a board that may not have noticed yet that its last client has left.
 std::unique_ptr<Link> opened_again(device::Board& board, const std::string& options) {
   std::unique_ptr<Link> link;
   Outcome outcome;
@@ -100,7 +100,7 @@ TEST_CASE("reads, writes and publishes over every endpoint") {
     CHECK(count > 0);
     CHECK(words[0] == 9);
     CHECK(words[1] == 12);
-    CHECK(link->read(0x21, value, {}).ok());  // while the reader thread has the descriptor
+    CHECK(link->read(0x21, value, {}).ok());  // while the reader thread uses the descriptor
     CHECK(link->unsubscribe(group).ok());
     CHECK(link->statistics().unclaimed_publishes < 1000);
   }
@@ -192,7 +192,7 @@ TEST_CASE("groups run out, and are free again") {
   CHECK(link->unsubscribe(2).ok());
   CHECK(link->subscribe({.addresses = address, .divisor = 10}, groups[4]).ok());
   CHECK(Link::group_of(groups[4]) == 2);
-  CHECK(groups[4] != groups[2]);  // the old id has nothing of the new subscription
+  CHECK(groups[4] != groups[2]);  // the old id does not name the new subscription
   CHECK(link->subscribed(groups[4]));
   CHECK_FALSE(link->subscribed(groups[2]));
   CHECK(link->words(groups[2]) == 0);
@@ -207,7 +207,7 @@ TEST_CASE("another program's subscriptions are silenced only when this one subsc
   std::uint32_t group = 0;
   {
     const int copy = std::stoi(board->url().substr(3));
-    const char* left_behind = "#WSA:030101\n#WSR:030001\n#EPS\n";  // group 3, at full rate, and gone
+    const char* left_behind = "#WSA:030101\n#WSR:030001\n#EPS\n";  // publishes group 3 at the full rate, then leaves
     REQUIRE(::write(copy, left_behind, std::string(left_behind).size()) > 0);
     std::string heard;
     for (pollfd waiting{copy, POLLIN, 0}; heard.find("S_EPS") == std::string::npos;) {
@@ -244,7 +244,7 @@ TEST_CASE("narrow words: written only where gateware can, which is asked once") 
       const auto link = opened(board->url());
       const std::uint64_t before = link->statistics().requests;
       CHECK(link->read(1, value, {}).ok());
-      CHECK(link->statistics().requests == before + 1);  // a reader is not asked
+      CHECK(link->statistics().requests == before + 1);  // a read alone asks no further question
       CHECK(link->write(1, highest, {}).ok());
       CHECK(link->statistics().requests == before + 3);
       CHECK(link->write(2, 5, {}).ok());
@@ -301,7 +301,7 @@ TEST_CASE("a port that is gone is told at once, to those who wait too, and a new
     std::uint32_t value = 0;
     const std::uint64_t begun = real_ns();
     CHECK(link->read(1, value, {}).status == Status::closed);
-    CHECK(real_ns() - begun < 4'000'000'000);  // not by its timeout
+    CHECK(real_ns() - begun < 4'000'000'000);  // it did not wait for its timeout
     CHECK(link->closed());
     CHECK(link->read(1, value, {}).status == Status::closed);
   }
@@ -312,7 +312,7 @@ TEST_CASE("close wakes whoever waits; a silent device ends in a timeout that say
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) == 0);
   std::unique_ptr<Link> link;
   const std::string copy = std::to_string(::fcntl(ends[0], F_DUPFD_CLOEXEC, 0));
-  // long enough for a busy machine to make all attempts
+  // long enough for all attempts, also on a busy machine
   const Outcome silent = Link::open("fd:" + copy + "?timeout=0.1", link);
   CHECK(silent.status == Status::timeout);
   CHECK(silent.attempts == 3);
@@ -419,7 +419,7 @@ TEST_CASE("an overrun is told as one, and not as the silence of another request 
       const Outcome outcome = link->read_each(addresses, values, {.checked = {}, .repeat = true});
       CAPTURE(outcome.text);
       CHECK(outcome.status == Status::protocol_error);
-      if (!old) {  // that of 2012 answers what it has received whole before it tells: damage may be heard of first
+      if (!old) {  // 2012 gateware first answers the requests that are complete, so it may report the damage first
         CHECK(outcome.text.find("it said ?f9 (more requests came than its receive FIFO holds") != std::string::npos);
         CHECK(outcome.text.find("fifo=") != std::string::npos);
       }
@@ -445,5 +445,5 @@ TEST_CASE("gateware without checksums: the URL keeps every '$' from it, and from
   outcome = link->write(1, 2, {});
   CHECK(outcome.status == Status::mismatch);
   CHECK(outcome.text.find("gateware=2012 or gateware=corrected") != std::string::npos);
-  CHECK(link->statistics().datalink_errors == 0);  // each '$' would have been one
+  CHECK(link->statistics().datalink_errors == 0);  // each '$' would have caused one
 }

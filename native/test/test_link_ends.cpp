@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whatever a device says, or does not, each call on a link to it ends: within its attempts, on the link's own clock.
+// Each call on a link ends within its attempts, on the link's own clock, whatever the device answers, or if it does
+// not.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -19,7 +20,7 @@ using unitylink::test::VirtualPlace;
 namespace {
 
 constexpr std::uint64_t attempts_ns = 3 * 20 * ms;
-constexpr std::uint64_t slack_ns = 10 * ms;  // the bytes of one request, and the steps of the clock
+constexpr std::uint64_t slack_ns = 10 * ms;  // for the bytes of one request, and the steps of the clock
 
 LinkOptions options() {
   LinkOptions options;
@@ -46,7 +47,7 @@ TEST_CASE("a link that cannot begin ends its attempt in time, and its seldom suc
       std::unique_ptr<Link> link;
       const std::uint64_t begun_ns = VirtualPlace::clock_ns;
       const Outcome outcome = Link::open(std::make_unique<VirtualLine>(place), asked, link);
-      // 200 ms is the farewell of a session
+      // closing a session may take 200 ms more
       CHECK(VirtualPlace::clock_ns - begun_ns <= 4 * attempts_ns + 200 * ms + slack_ns);
       CHECK(!outcome.ok());
       CHECK(!outcome.text.empty());
@@ -86,7 +87,7 @@ TEST_CASE("no call waits for more than its attempts, however the device goes on"
     std::uint32_t value = 0;
     REQUIRE(link->read(0x10, value, {}).ok());
     place.liar.set(peer);
-    for (int round = 0; round < 2; ++round) {  // the second finds what the first has left behind
+    for (int round = 0; round < 2; ++round) {  // the second round begins with what the first has left in the link
       for (std::size_t call = 0; call < calls.size(); ++call) {
         CAPTURE(call);
         const std::uint64_t begun_ns = VirtualPlace::clock_ns;
@@ -147,13 +148,13 @@ TEST_CASE("a device that sends the engine back to the beginning is not asked at 
     const std::uint64_t until_ns = begun_ns + 2000 * ms;
     std::uint32_t value = 0;
     std::uint64_t calls = 0;
-    // refusals end a call at once: the next is the caller's own haste
+    // a refused call ends at once, and this loop makes the next one without a pause
     for (; VirtualPlace::clock_ns < until_ns; ++calls) {
       static_cast<void>(link->read(0x10, value, {.until_ns = until_ns}));
     }
     const std::uint64_t bytes = link->statistics().bytes_sent - sent;
-    // 100 pauses of a timeout, and those before it has doubled to that: each HELLO or OPEN and what is in flight, 40
-    // bytes.
+    // 100 pauses as long as a timeout, and the shorter ones before. After each: HELLO or OPEN, and what is in flight,
+    // 40 bytes.
     CHECK(bytes <= (100 + 12) * 40 + calls * 200);
   }
 }
@@ -164,12 +165,12 @@ TEST_CASE("a device for which it is never a request's turn is not asked at the r
   LinkOptions asked = options();
   asked.attempts = 100;
   REQUIRE(Link::open(std::make_unique<VirtualLine>(place), asked, link).ok());
-  // Requests in a chain, where only the device knows whose turn it is.
+  // Chained requests: only the device knows which one is next.
   const std::vector<std::uint32_t> words(200, 0x11);
   place.liar.set(faults::Peer::waiting);
   const std::uint64_t before = place.turns;
   CHECK(!link->write_many(words, words, {.until_ns = VirtualPlace::clock_ns + 2000 * ms}).ok());
-  // Each timeout a repeat and a greeting, and 16 repeats at once in front.
+  // In each timeout one repeat and one HELLO; at the beginning also 16 repeats at once.
   CHECK(place.turns - before <= 2 * 100 + 2 * 16);
 }
 
@@ -209,8 +210,8 @@ TEST_CASE("what it costs to find out that a device is a classic one") {
     turns[framed] = place.turns;
     bytes[framed] = link->statistics().bytes_sent;
   }
-  // the fence, and each HELLO with a classic question: the answer of 32 bytes is more than a FIFO of 16 takes, so one
-  // at a time
+  // The fence, and each HELLO with a classic question. Its answer has 32 bytes, more than a FIFO of 16, so they go one
+  // by one.
   CHECK(turns[0] == 1 + 8);
   CHECK(turns[1] <= 5);
   CHECK(bytes[0] < 150);  // 13 ms at 115,200 baud
@@ -242,7 +243,7 @@ TEST_CASE("publishes that an old program has left do not hide the frames of a de
   LinkOptions asked = options();
   asked.protocol = Protocol::automatic;
   std::unique_ptr<Link> link;
-  // Before it is asked for anything: a group of one word, a thousand times a second, in the classic protocol.
+  // Before the link opens, the device already publishes one word a thousand times a second, in the classic protocol.
   for (const char letter : std::string("#WSA:000100\n#WSR:000001\n#EPS\n")) {
     static_cast<void>(place.device.receive(static_cast<std::uint8_t>(letter)));
     place.device.run_until(place.device.clock() + 20'000);

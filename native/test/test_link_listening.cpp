@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who reads publishes: the thread that waits for them, else the reader; and that nobody is forgotten when they take
-// turns.
+// Which thread reads publishes: the one that waits for them, else the reader. When they change, nobody may wait for
+// ever.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t patience_ns = 10'000'000'000;
 
-// Tells who has read last.
+// Remembers which thread has read last.
 struct WatchedDriver final : DescriptorDriver {
   explicit WatchedDriver(int descriptor, std::atomic<std::thread::id>& reader)
       : DescriptorDriver(descriptor), reader_(reader) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mapped memory: MappedEngine on a virtual clock, and the link and the C ABI on a file of shared memory.
+// Mapped memory: MappedEngine on a virtual clock; the link and the C ABI on a file that is mapped.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -81,7 +81,7 @@ TEST_CASE("mapped memory: a group is polled when it is due, and a late poll is l
   polls.engine.advance(10 * ms_of_polls);
   CHECK(polls.ring.size() == 1);
   CHECK(polls.engine.next_deadline_ns() == 20 * ms_of_polls);
-  polls.engine.advance(47 * ms_of_polls);  // those of 30 and 40 ms are not made up for
+  polls.engine.advance(47 * ms_of_polls);  // the polls due at 30 and 40 ms are lost
   CHECK(polls.ring.size() == 2);
   CHECK(polls.ring.lost() == 2);
   CHECK(polls.engine.next_deadline_ns() == 50 * ms_of_polls);
@@ -95,7 +95,7 @@ TEST_CASE("mapped memory: a group is polled when it is due, and a late poll is l
   CHECK(times[1] == doctest::Approx(0.047));
   CHECK(polls.engine.statistics().publishes == 2);
 
-  for (std::uint64_t due = 5; due < 11; ++due) {  // a ring of 4: the newest win
+  for (std::uint64_t due = 5; due < 11; ++due) {  // a ring of 4 keeps the newest
     polls.engine.advance(10 * due * ms_of_polls);
   }
   CHECK(polls.ring.lost() == 4);
@@ -136,9 +136,9 @@ TEST_CASE("mapped memory: requests, and what is refused") {
   CHECK(outcome.address == 0x100);
   CHECK(outcome.text.find("beyond the mapped memory, which has words 0 to 0x00FF") != std::string::npos);
   CHECK(registers.memory->load(2) == 20);
-  CHECK(registers.memory->load(3) == 0);  // not written behind one that failed
+  CHECK(registers.memory->load(3) == 0);  // not written, because the write before it failed
 
-  std::vector<std::uint32_t> values(300);  // more than any message of a protocol holds
+  std::vector<std::uint32_t> values(300);  // more words than any message of a protocol has
   std::vector<std::uint32_t> twos(300, 2);
   CHECK(link->read_many(twos, values, true, {.repeat = true}).ok());
   CHECK(values[299] == 20);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A line that comes back, under several threads: the board's own count says that no set-point was repeated, and no
-// execution forgotten.
+// A line that comes back, used by several threads. The board counts the writes that it executes: none may be executed
+// twice, and none that was confirmed may be missing.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using namespace unitylink;
 
 namespace {
 
-constexpr std::uint32_t fifo = 0x40;  // keeps each word once for each time it was written
+constexpr std::uint32_t fifo = 0x40;  // a FIFO, so the board keeps each write
 constexpr int losses = 60;
 constexpr RequestOptions again = {.checked = std::nullopt, .repeat = true, .timeout_ns = 0};
 
@@ -57,7 +57,7 @@ TEST_CASE("no set-point is repeated and no execution forgotten, however often th
     Desk desk(options);
     REQUIRE(desk.outcome.ok());
     std::atomic<bool> over = false;
-    std::vector<Writer> writers(8);  // so many that some are always under way, executed and not yet answered
+    std::vector<Writer> writers(8);  // enough threads, so that some write is always executed but not yet answered
     std::vector<std::thread> threads;
     for (std::uint32_t first = 0; first < writers.size(); ++first) {
       threads.emplace_back([&, first] {
@@ -72,7 +72,8 @@ TEST_CASE("no set-point is repeated and no execution forgotten, however often th
       });
     }
     for (int lost = 1; lost <= losses; ++lost) {
-      std::this_thread::sleep_for(std::chrono::microseconds(150 * (lost % 7)));  // within another request each time
+      // so that the line breaks in another request each time
+      std::this_thread::sleep_for(std::chrono::microseconds(150 * (lost % 7)));
       desk.board.hang_up();
       while (desk.link->statistics().reconnections < static_cast<std::uint64_t>(lost)) std::this_thread::yield();
       REQUIRE(desk.link->wait_up(30'000'000'000).ok());
@@ -87,9 +88,9 @@ TEST_CASE("no set-point is repeated and no execution forgotten, however often th
       std::copy_if(all.begin(), all.end(), std::back_inserter(written),
                    [&](std::uint32_t number) { return number % writers.size() == first; });
       CAPTURE(options);
-      CHECK(std::is_sorted(written.begin(), written.end()));                       // none came late
+      CHECK(std::is_sorted(written.begin(), written.end()));                       // no write was executed late
       CHECK(std::adjacent_find(written.begin(), written.end()) == written.end());  // none twice
-      // what was confirmed was done
+      // each confirmed write was executed
       CHECK(std::includes(written.begin(), written.end(), mine.done.begin(), mine.done.end()));
       CHECK(std::none_of(mine.refused.begin(), mine.refused.end(), [&](std::uint32_t number) {
         return std::binary_search(written.begin(), written.end(), number);
@@ -98,7 +99,7 @@ TEST_CASE("no set-point is repeated and no execution forgotten, however often th
       unknown += mine.unknown;
     }
     CHECK(all.size() > losses);
-    CHECK(unknown > 0);  // else nothing was under way when the line was lost
+    CHECK(unknown > 0);  // otherwise no write was in flight at any loss
   }
 }
 

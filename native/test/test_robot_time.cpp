@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time of all virtual boards of a process: it waits for the slowest, but not for ever. The real time is given by
-// hand.
+// Robot time waits for the slowest virtual board of a process, but not for ever. The test gives the real time.
 #include <doctest/doctest.h>
 
 #include "layer0_driver/robot_time.hpp"
@@ -24,7 +23,8 @@ TEST_CASE("robot time is the real one while boards keep up") {
     one.due(at);
     CHECK(time.now_ns(at) == at);
   }
-  CHECK(time.now_ns(start) == start + 99 * ms);  // who looked at its watch long ago: it does not go back
+  // a thread that read the real time earlier: robot time does not go back
+  CHECK(time.now_ns(start) == start + 99 * ms);
   CHECK(time.now_ns(start + 101 * ms) == start + 101 * ms);
 }
 
@@ -39,7 +39,7 @@ TEST_CASE("robot time waits for the slowest board and goes on from there") {
   CHECK(time.now_ns(start + 30 * ms) == held);
   CHECK(time.now_ns(start + 60 * ms) == held);
   slow.due(start + 2 * ms);
-  CHECK(time.now_ns(start + 60 * ms) == held);  // what is lost is lost: nothing is made up for by haste
+  CHECK(time.now_ns(start + 60 * ms) == held);  // robot time that was lost is not made up for
   CHECK(time.now_ns(start + 61 * ms) == held + ms);
   CHECK(time.now_ns(start + 70 * ms) == held + 2 * ms);
   slow.due(RobotTime::idle);
@@ -64,7 +64,7 @@ TEST_CASE("a board that stands still is waited for no longer than it takes to be
     CHECK(time.now_ns(start + 10 * ms) == held);
     CHECK(time.now_ns(start + 9 * ms + RobotTime::patience_ns) == held);
     CHECK(time.now_ns(start + 10 * ms + RobotTime::patience_ns) == held + ms);
-    stuck.due(start);  // no step further
+    stuck.due(start);  // this board still makes no progress
     CHECK(time.now_ns(start + 20 * ms + RobotTime::patience_ns) == held + 11 * ms);
     stuck.due(start + ms);
     CHECK(time.now_ns(start + 30 * ms + RobotTime::patience_ns) == held + 11 * ms);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scheme is one row: `loop:` here, which no other file knows, is opened through Link and the C ABI, and told in every
-// message.
+// A scheme is one row. This file adds the scheme `loop:`, which no other file knows. Link and the C ABI can open it,
+// and all messages name it.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -16,7 +16,7 @@ using namespace unitylink;
 
 namespace {
 
-// A driver that has its board within.
+// A driver that contains its own board.
 class LoopDriver final : public DescriptorDriver {
  public:
   LoopDriver(std::unique_ptr<device::Board> board, int descriptor)
@@ -93,7 +93,7 @@ TEST_CASE("messages tell of every row") {
   CHECK(has(refused("loop:x?bits=7&timeout=1&attempts=2"), "bits=7 is none of 8, 16, 24 and 32"));
   CHECK(has(refused("loop:x?bit=7"), "no option 'bit'"));
   CHECK(has(refused("loop:x?bit=7"), ", bits and spare (loop)"));
-  CHECK(has(refused("loop:x?baud=9600"), "no option 'baud'"));  // of another scheme
+  CHECK(has(refused("loop:x?baud=9600"), "no option 'baud'"));  // an option of another scheme
   CHECK(has(refused("tcp://127.0.0.1:1?bits=8"), "no option 'bits'"));
   CHECK(has(refused("spi:"), "the device file is missing, as in spi:/dev/spidev0.0"));
   CHECK(has(refused("fd:seven"), "'seven' is not a descriptor number"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The serial driver on a pseudo-terminal. Its own file because the kernel's termios2 cannot be included beside
-// <termios.h>.
+// The serial driver on a pseudo-terminal. A separate file, because the kernel's termios2 and <termios.h> cannot be
+// included together.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,9 +37,9 @@ TEST_CASE("a serial port is raw, at its baud rate, exclusive, and keeps its mode
   CHECK((settings.c_lflag & (ICANON | ECHO | ISIG)) == 0);
   CHECK(settings.c_iflag == 0);
   CHECK(settings.c_oflag == 0);
-  CHECK(driver->byte_time_ns() == 0);  // a pseudo-terminal's baud rate is only a number
+  CHECK(driver->byte_time_ns() == 0);  // the baud rate of a pseudo-terminal has no effect
   CHECK(open_driver(url, 0, second).status == Status::busy);
-  const std::array<std::uint8_t, 4> odd{0x03, 0x11, 0x0A, 0xFF};  // what a terminal would not pass unchanged
+  const std::array<std::uint8_t, 4> odd{0x03, 0x11, 0x0A, 0xFF};  // bytes that a terminal changes unless it is raw
   std::array<std::uint8_t, 8> got{};
   CHECK(driver->send(odd).count == 4);
   CHECK(::read(master, got.data(), got.size()) == 4);

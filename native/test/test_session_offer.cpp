@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may open a session: the one that hears the answers to HELLO. Somebody who sends in its name and hears nothing can
-// only guess.
+// Only a client that receives the answers to HELLO may open a session. Another one, which sends in its name but
+// receives nothing, can only guess.
 #include <array>
 #include <random>
 #include <set>
@@ -67,7 +67,7 @@ TEST_CASE("an offer is taken once, a late OPEN is no guess, and a wrong one cost
 TEST_CASE("forged datagrams take no session over, whatever they count on") {
   constexpr std::uint16_t stolen = 0x6666;
   constexpr int rounds = 20'000;
-  for (const bool guesses : {false, true}) {  // the next by counting, or any
+  for (const bool guesses : {false, true}) {  // the attacker counts, or guesses
     device::DeviceConfiguration configuration;
     configuration.offer_secret = 0xC0FFEE;
     DeviceBench bench(configuration);
@@ -79,7 +79,7 @@ TEST_CASE("forged datagrams take no session over, whatever they count on") {
       taken += says_open(bench.ask(opening(nonce, stolen), 2000)) ? 1 : 0;
     }
     CHECK(taken == 0);
-    // Whoever hears the answer is let in, at the latest a second after the last forgery.
+    // A client that receives the answer can open a session, at the latest a second after the last forgery.
     static_cast<void>(bench.wait(second));
     const std::string answer = bench.ask(hello(), 2000);
     FrameDecoder decoder;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Layer 1: what is sent, what is believed, and that chunks do not matter.
+// Layer 1 of the classic protocol: which bytes are sent, and which are accepted. Chunks must not matter.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -170,7 +170,8 @@ TEST_CASE("configuration, with the defects of the 2012 gateware") {
 
 namespace {
 
-// What the gateware of 2012 sends for its CNF: 2C bytes as ',', and not in the checksum; 256**n with a byte too few.
+// The CNF of 2012 gateware. It sends a byte 2C as ',' and leaves it out of the checksum, and sends 256**n with a byte
+// too few.
 struct Configured {
   std::string fields;
   std::uint8_t checksum = 0;
@@ -208,11 +209,11 @@ TEST_CASE("the 2012 gateware leaves a byte that it sends as a comma out of its c
   const Crc8 sum;
   CHECK(configured_2012(32, 300).fields == "01,04,20,02,01,,02,10,02");
   CHECK(configured_2012(32, 300).checksum == 0x87);  // seen in simulation: $CNF:01,04,20,02,01,,02,10,02*87
-  CHECK(parse_configuration("01,04,20,02,01,,02,10,02", sum, 0x91)->base_hz == 300);  // and as it should have been
+  CHECK(parse_configuration("01,04,20,02,01,,02,10,02", sum, 0x91)->base_hz == 300);  // the right checksum
   for (std::uint8_t checksum = 0x88; checksum < 0x91; ++checksum) {
     CHECK_FALSE(parse_configuration("01,04,20,02,01,,02,10,02", sum, checksum));
   }
-  CHECK_FALSE(parse_configuration("01,04,20,02,012c,02,10,02", sum, 0x87));  // digits always count
+  CHECK_FALSE(parse_configuration("01,04,20,02,012c,02,10,02", sum, 0x87));  // bytes sent as digits always count
   CHECK_FALSE(parse_configuration("01,04,20,02,01,,02,10,02", sum, 0x87, false));
   CHECK(parse_configuration("01,04,20,02,012c,02,10,02", sum, 0x91, false)->base_hz == 300);
   std::uint32_t wrong = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A classic device on a virtual clock, with a wire that loses, damages and delays: small enough to be obviously right
-// about what it executed, which is what the engine's promises are measured against. 8-bit addresses, 32-bit words,
-// checked requests only.
+// A classic device on a virtual clock, behind a wire that loses, damages and delays. Tests compare the engine's results
+// with what this device has executed, so it is as simple as possible. It has 8-bit addresses and 32-bit words, and
+// accepts only checked requests.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@
 namespace unitylink::test {
 
 struct Faults {
-  double request = 0;  // chance that a message to the device suffers one fault
-  double reply = 0;    // the same for messages from it
-  double stall = 0;    // chance that a reply, and all behind it, comes after the timeout
+  double request = 0;  // chance of one fault in a message to the device
+  double reply = 0;    // chance of one fault in a message from the device
+  double stall = 0;    // chance that a reply, and all after it, is later than the timeout
   bool publishing = false;
 };
 
@@ -28,9 +28,9 @@ class VirtualDevice {
  public:
   VirtualDevice(const Faults& faults, std::uint32_t seed) : faults_(faults), random_(seed) {}
 
-  std::map<std::uint32_t, int> executed;  // by value written
+  std::map<std::uint32_t, int> executed;  // number of executions of each written value
   bool silent = false;
-  std::size_t most_buffered = 0;  // bytes of complete requests seen at once, if more than one
+  std::size_t most_buffered = 0;  // most bytes of complete requests that waited together
 
   static std::uint32_t value_at(std::uint32_t address) { return 0x9E3779B9u * (address + 1); }
 
@@ -54,7 +54,7 @@ class VirtualDevice {
     run(now_ns);
   }
 
-  // What has arrived at the host by now.
+  // Returns the bytes that have arrived at the host by now.
   std::string take(std::uint64_t now_ns) {
     std::string text;
     while (!output_.empty() && output_.front().first <= now_ns) {
@@ -78,7 +78,7 @@ class VirtualDevice {
       case 0: text[at] = static_cast<char>(text[at] ^ (1 << random_() % 8)); break;
       case 1: text.erase(at, 1); break;
       case 2: text.insert(at, 1, text[at]); break;
-      default: text.resize(at); break;  // truncated, line feed and all
+      default: text.resize(at); break;  // truncated, so the line feed is lost, too
     }
     return text;
   }
@@ -106,7 +106,7 @@ class VirtualDevice {
   void datalink_error(const char* code, std::uint64_t now_ns) {
     send(std::string("?") + code + "\n", now_ns);
     message_.clear();
-    input_.clear();  // the flush: buffered requests behind the bad one vanish
+    input_.clear();  // like the 2012 gateware, it drops the requests that it has received after the bad one
   }
 
   void run(std::uint64_t now_ns) {

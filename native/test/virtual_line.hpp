@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A driver for Link with the twin at its other end, a wire that may lose messages and a mouth that may lie, on a clock
-// of its own: a second of silence takes a millisecond, and the same seed gives the same history. One at a time in a
-// thread.
+// A driver for Link on a virtual clock. At its other end is the twin. The wire between them may lose messages, and the
+// twin may give false answers. A second of silence takes a millisecond, and the same seed gives the same history. A
+// thread can use one of these at a time.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace unitylink::test {
 
-// What a test does with the line while a link has it.
+// The other end of the line. A test can change it while a link uses the line.
 struct VirtualPlace {
   explicit VirtualPlace(std::uint64_t seed = 1, device::DeviceConfiguration configuration = {})
       : random(seed),
@@ -38,12 +38,12 @@ struct VirtualPlace {
   faults::FaultyWire there;
   faults::FaultyWire back;
   faults::LyingPeer liar;
-  std::uint64_t turns = 0;  // of the host: it has sent after it had heard something, or at first
+  std::uint64_t turns = 0;  // how often the host began to send: at first, and after it had received something
 
   static inline thread_local std::uint64_t clock_ns = 1'000'000'000;
 };
 
-// Gives a wire whole messages: frames up to their 00, and lines of text.
+// Collects bytes, and gives the wire whole messages: frames up to their 00, and lines of text.
 struct Messages {
   void send(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) {
     for (const std::uint8_t byte : bytes) {
@@ -73,7 +73,7 @@ class VirtualLine final : public Driver {
     return {bytes.size(), Status::ok};
   }
 
-  // Time goes on here: to the next thing that happens, a millisecond at most.
+  // Advances the clock to the next event, but at most by a millisecond.
   Transfer receive(std::span<std::uint8_t> room) noexcept override {
     const std::uint64_t next = std::min(place_.there.next_ns(), place_.back.next_ns());
     VirtualPlace::clock_ns = std::clamp(next, now() + 20'000, now() + 1'000'000);
@@ -130,7 +130,7 @@ class VirtualLine final : public Driver {
   int readable_;
   std::uint64_t begun_ns_;
   std::string heard_;
-  bool silent_ = true;  // since something came
+  bool silent_ = true;  // the host has sent nothing since it last received something
 };
 
 }  // namespace unitylink::test

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The generated plug-in of ros2_control in the loop of a controller manager: `control_loop URL`. Each line of standard
-// input is a position for all joints; the answer is the positions read, and how often read() and write() have allocated
-// or locked.
+// Runs the generated plug-in of ros2_control like a controller manager: `control_loop URL`. Each line of standard input
+// is a position for all joints. The answer is the positions read, and how often read() and write() have allocated
+// memory or locked a mutex.
 #include <dlfcn.h>
 #include <pthread.h>
 
@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     watched = false;
     return came == hardware_interface::return_type::OK && went == hardware_interface::return_type::OK;
   };
-  {  // the watch itself works
+  {  // check that allocations and locks are really counted
     watched = true;
     std::vector<int> noticed(1000);
     watched = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a generated C++ node stands on, without ROS: `robot_loop URL` does what each line of standard input says, as the
-// thread of a node would, and answers with a line; what the robot says comes as lines that begin with `say`.
-// `robot_loop` alone knows the values only.
+// The class below a generated C++ node, without ROS. `robot_loop URL` does what each line of standard input says, like
+// the thread of a node, and answers with a line. Messages of the robot are lines that begin with `say`. Without a URL,
+// `robot_loop` opens no link, and only converts values.
 //   set NAME NUMBER · hang SECONDS · health · number INDEX RAW · encode INDEX NUMBER
 #include <poll.h>
 

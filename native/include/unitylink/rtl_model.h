@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * The seam between the board and gateware compiled by Verilator: a shared library that exports `unitylink_rtl_model`.
- * Every input goes through a register of the model, so that it takes effect in the clock after the one it is given in.
+ * Every input goes through a register of the model, so it takes effect one clock later.
  */
 #ifndef UNITYLINK_RTL_MODEL_H
 #define UNITYLINK_RTL_MODEL_H

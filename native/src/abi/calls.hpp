@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each call of the C ABI needs: its arguments are checked, what is thrown becomes a status, and the failure is
-// kept.
+// What each call of the C ABI does: it checks its arguments, turns exceptions into a status, and keeps the failure.
 #pragma once
 
 #include <exception>
@@ -42,7 +41,7 @@ ul_status guarded(const Call& call) noexcept {
   }
 }
 
-// False when the caller's struct is larger than anything this version knows or smaller than what it has always had.
+// False: the caller's struct is larger than this version knows, or smaller than in the first version.
 template <class Struct>
 bool known(const Struct* given) {
   return given != nullptr && given->size == sizeof(Struct);

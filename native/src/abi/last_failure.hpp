@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the last failure of a thread was. It needs no memory, for there may be none; and nothing at the end of its
-// thread, for where the C library has no memory to note that, it ends the program.
+// The last failure of a thread. It allocates nothing, because there may be no memory. It also has no destructor: to
+// register one the C library needs memory, and without memory it ends the program.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class LastFailure {
     std::size_t bytes = text.size();
     if (bytes > text_bytes_max) {
       bytes = text_bytes_max - more.size();
-      // not in the middle of a character
+      // a UTF-8 character must not be cut in the middle
       while (bytes > 0 && (static_cast<std::uint8_t>(text[bytes]) & 0xC0) == 0x80) {
         --bytes;
       }

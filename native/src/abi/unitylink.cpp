@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The C ABI over unitylink::Link. Nothing thrown leaves this file.
+// The C ABI, made of unitylink::Link. No exception leaves this file.
 #include "unitylink.h"
 
 #include <cstddef>
@@ -14,7 +14,7 @@ using namespace unitylink::abi;
 
 struct ul_link {
   std::unique_ptr<Link> link;
-  std::string unverified;  // what ul_check_spec tells
+  std::string unverified;  // the text that ul_check_spec returns
 };
 
 namespace {
@@ -98,7 +98,8 @@ ul_status ul_get_configuration(ul_link* link, ul_configuration* configuration) {
 }
 
 ul_status ul_get_statistics(ul_link* link, ul_statistics* statistics) {
-  constexpr std::uint32_t before_frames = offsetof(ul_statistics, posts);  // what earlier programs were compiled with
+  // the sizes of this struct in earlier versions
+  constexpr std::uint32_t before_frames = offsetof(ul_statistics, posts);
   constexpr std::uint32_t before_reconnect = offsetof(ul_statistics, restarts);
   if (link == nullptr || statistics == nullptr ||
       (statistics->size != before_frames && statistics->size != before_reconnect && !known(statistics))) {

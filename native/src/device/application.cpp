@@ -198,7 +198,7 @@ void Application::schedule_access(std::uint32_t address, State state) {
 void Application::next_block_word() {
   if (configuration_.published_2012 && !request_ && next_address_ == addresses_.size() &&
       block_words_ == configuration_.group_size) {
-    next_address_ = 0;  // its counter of addresses is one bit too short for the end of a full group
+    next_address_ = 0;  // 2012: its address counter has one bit too few for a full group
   }
   if (next_address_ < addresses_.size()) {
     if (request_) {
@@ -243,7 +243,7 @@ void Application::access_block() {
   if (refuse_access(answer.status, error::bus_error_read)) {
     bus_.block(false, at_);
     if (configuration_.published_2012 && !request_ && answer.status == BusStatus::silent) {
-      subscriptions_.ask_again(group_, at_);  // it does not withdraw the request of the group
+      subscriptions_.ask_again(group_, at_);  // 2012: the request of the group stays set
     }
     after_emit_ = State::idle;
   } else {

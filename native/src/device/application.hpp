@@ -25,7 +25,8 @@ class Application {
   [[nodiscard]] Clock next_clock() const noexcept;
   void step(Clock now);
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
-  // A framed session is open. Publishes belong to it, and classic messages that would change something are refused.
+  // `to_session`: a framed session is open. Publishes then belong to it, and classic messages that would change
+  // something are refused.
   void yield(bool to_session) noexcept { yielding_ = to_session; }
 
  private:
@@ -61,9 +62,9 @@ class Application {
   void letters(std::string_view text);
   void mark(char c) { pending_.push_back({Word::Kind::mark, static_cast<std::uint8_t>(c), 0}); }
   void value(std::uint32_t value, std::uint32_t bytes);
-  void success(std::string_view reply);  // the whole reply, which has no data
+  void success(std::string_view reply);  // `reply` is the whole reply, because it has no data
   void refuse(std::string_view error);
-  // bytes of the request are missing; while it is open they may still come
+  // refuses a request with missing bytes, unless it is still open and they may arrive
   void refuse_missing(std::string_view error);
   bool refuse_access(BusStatus status, std::string_view error);
   void schedule_access(std::uint32_t address, State state);
@@ -89,8 +90,8 @@ class Application {
   std::uint32_t write_value_ = 0;
   std::vector<Word> pending_;  // words that go into the transmit FIFO
   std::size_t sent_ = 0;
-  std::size_t held_from_ = never_held;    // words from here on wait for the end of the request
-  std::vector<std::uint32_t> addresses_;  // of the block being read
+  std::size_t held_from_ = never_held;    // words from this one on wait for the end of the request
+  std::vector<std::uint32_t> addresses_;  // addresses of the block that is read now
   std::size_t next_address_ = 0;
   std::uint32_t group_ = 0;        // the published group
   std::uint32_t block_words_ = 0;  // requested words; more than the addresses if the request was cut short

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The effect of each request. It happens at the clock at which the last argument has been read.
+// The effect of each request. It happens in the clock in which its last argument was read.
 #include <array>
 
 #include "device/application.hpp"
@@ -97,7 +97,8 @@ void Application::execute(std::string_view letters, Cursor& cursor) {
 
 void Application::read_configuration() {
   const bool old = configuration_.published_2012;
-  const std::uint32_t highest = configuration_.base_hz - (old ? 1 : 0);  // 2012: one byte too few for powers of 256
+  // 2012: a power of 256 is sent with one byte too few
+  const std::uint32_t highest = configuration_.base_hz - (old ? 1 : 0);
   std::uint32_t frequency_bytes = 1;
   while (frequency_bytes < 4 && highest >> (8 * frequency_bytes) != 0) {
     ++frequency_bytes;
@@ -138,9 +139,11 @@ void Application::write_group_addresses(std::uint32_t group, Cursor& cursor) {
   for (std::uint32_t address = 0; addresses_.size() < count;) {
     if (!cursor.take(configuration_.address_bytes(), address)) {
       refuse_missing(error::missing_address);  // the group is not changed
-      if (configuration_.published_2012) {     // or it gets the new count, and only the addresses that came
+      // 2012: the group gets the new count, but only the addresses that were received
+      if (configuration_.published_2012) {
         subscriptions_.set_part(group, count, addresses_, decision_ + cursor.clocks);
-      } else if (configuration_.datalink != Datalink::full) {  // without a buffer it has no addresses any more
+        // without a message buffer the group has lost its addresses
+      } else if (configuration_.datalink != Datalink::full) {
         addresses_.clear();
         subscriptions_.set_addresses(group, addresses_, decision_ + cursor.clocks);
       }
@@ -163,7 +166,8 @@ void Application::write_event_mask(Cursor& cursor) {
   while (left > 0 && cursor.take(1, bits)) {
     mask[--left] = static_cast<std::uint8_t>(bits);
   }
-  if (left == 0 || configuration_.datalink != Datalink::full) {  // without a buffer, the bytes that came are used
+  // without a message buffer, the bytes that were received take effect
+  if (left == 0 || configuration_.datalink != Datalink::full) {
     subscriptions_.enable_events(mask, decision_ + cursor.clocks);
   }
   if (left == 0) {

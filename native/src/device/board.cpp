@@ -18,11 +18,12 @@ namespace {
 constexpr std::uint64_t second_ns = 1'000'000'000;
 // Without a line, the device may run so far ahead of real time. So a reply is sent at once, and not after a timer.
 constexpr std::uint64_t lead_ns = 200'000;
-constexpr std::uint64_t pause_least_ns = 100'000;  // of the thread when only the clock can give it work
-constexpr std::uint64_t look_ns = 5'000'000;       // for a client that comes without a readable descriptor
-// beyond this the others do not wait any longer, and the device clock is delayed
+constexpr std::uint64_t pause_least_ns = 100'000;  // the thread's shortest pause when only the clock can give it work
+// how often the thread checks for a client that makes no descriptor readable a board that is later than this delays its
+// device clock, so that the other boards need not wait
+constexpr std::uint64_t look_ns = 5'000'000;
 constexpr std::uint64_t lag_most_ns = 2 * RobotTime::lag_alone_ns;
-// for the answers to a client that sends nothing more but still reads
+// time to answer a client that sends nothing more but still reads
 constexpr std::uint64_t linger_ns = 500'000'000;
 constexpr std::size_t chunk = 16384;
 
@@ -84,7 +85,7 @@ std::uint64_t Board::due_ns(Clock clock) const noexcept {
   return clock == never ? RobotTime::idle : start_ns_ + nanoseconds(clock + slip_, configuration().clock_hz);
 }
 
-// All earlier work is done. The others that share the time may continue.
+// Reports when the next work of this board is due. The other boards need not wait until then.
 void Board::tell_due() { follower_.due(due_ns(std::min(device_->next_event(), plant_next_))); }
 
 std::unique_lock<std::mutex> Board::enter() {
@@ -122,7 +123,7 @@ void Board::serve() {
     const bool more = feed();
     const Clock now = clock_now();
     Clock target = now + lead_;
-    if (fed_) {  // new input is processed at once, even if the device is already ahead, within limits
+    if (fed_) {  // new input is processed at once, even if the device is already a little ahead
       target = std::max(target, std::min(device_->clock() + lead_, now + 4 * lead_));
     }
     const Clock wanted = in_time(target);
@@ -137,11 +138,11 @@ void Board::serve() {
       wait(lock);
     }
   }
-  endpoint_.reset();  // the client sees the board go
+  endpoint_.reset();  // this shows the client that the board has ended
   follower_.due(RobotTime::idle);
 }
 
-// `target`, or an earlier time if the others have waited too long for this board: work must not pile up.
+// Returns `target`, or an earlier time if the other boards have waited too long for this one. So work cannot pile up.
 Clock Board::in_time(Clock target) {
   const Clock due = std::min(plant_next_, device_->next_event());
   const Clock lag_most = clocks(lag_most_ns, configuration().clock_hz);
@@ -154,7 +155,7 @@ Clock Board::in_time(Clock target) {
   return target - lost;
 }
 
-// `target`, or an earlier time, so that the client does not wait for long.
+// Returns `target`, or an earlier time, so that the client does not wait for long.
 Clock Board::within_reach(Clock target) const noexcept {
   const Clock clock = device_->clock();
   return target > clock && target - clock > device_->most_at_once() ? clock + device_->most_at_once() : target;
@@ -177,7 +178,7 @@ void Board::step_plant(std::unique_lock<std::mutex>& lock, Clock until) {
   }
 }
 
-// True when there may be more at once.
+// Gives the device bytes from the client. True: there may be more now.
 bool Board::feed() {
   fed_ = false;
   std::array<std::uint8_t, 4096> bytes;
@@ -207,7 +208,7 @@ bool Board::feed() {
   return taken.bytes == room;
 }
 
-// Output for a client that has left is not for the next one.
+// Drops the output for a client that has left, because it is not for the next one.
 void Board::forget_output() {
   output_.clear();
   output_sent_ = 0;
@@ -239,7 +240,7 @@ void Board::flush() {
     if (output_blocked_) {
       return;
     }
-    output_sent_ += sent.bytes;  // nothing for a client that has left: the next round drops it
+    output_sent_ += sent.bytes;  // 0 if the client has left; the next round drops the rest
   }
 }
 
@@ -302,7 +303,7 @@ BusStatus Board::set(std::uint32_t address, std::uint32_t value) {
   const Clock before = device_->next_event();
   const BusStatus status = device_->set(address, value);
   if (device_->next_event() < before) {
-    wake();  // a slave's event line
+    wake();  // the event line of a slave has changed
   }
   return status;
 }
@@ -315,7 +316,7 @@ void Board::set_event(std::uint32_t group, bool high) {
 
 void Board::pulse_event(std::uint32_t group) {
   const auto lock = enter();
-  device_->set_event(group, true);  // no clock is between the two: a level counts once, like an edge
+  device_->set_event(group, true);  // no clock runs between the two, so a level counts once, like an edge
   device_->set_event(group, false);
   wake();
 }

@@ -60,18 +60,18 @@ class Board {
   void hang_up();  // the line to the client breaks; the device continues
   bool async_take(AsyncWord& word);
   bool async_give(const AsyncWord& word);
-  void set_online(bool online);  // of the TosNet, like the next one
+  void set_online(bool online);  // this call and the next are for the TosNet
   void damage_cycle();
   BoardStatistics statistics();
-  std::string failure();  // of the device; empty while it runs
+  std::string failure();  // why the device has stopped; empty while it runs
   [[nodiscard]] const DeviceConfiguration& configuration() const noexcept { return device_->configuration(); }
 
  private:
-  // A call from outside. A mutex gives itself first to the thread that asks first, so a caller in a tight loop could
-  // keep the board's thread waiting. So callers let the board's thread go first.
+  // Locks for a call from another thread. A caller in a tight loop could take the mutex again and again, and keep the
+  // board's thread waiting. So callers let the board's thread go first.
   [[nodiscard]] std::unique_lock<std::mutex> enter();
-  void come_back(std::unique_lock<std::mutex>& lock);  // of the board's thread
-  // lets callers in, while the board's thread has no pause of its own
+  void come_back(std::unique_lock<std::mutex>& lock);  // locks for the board's thread
+  // unlocks for waiting callers, while the board's thread makes no pause
   void let_in(std::unique_lock<std::mutex>& lock);
 
   void serve();

@@ -23,7 +23,8 @@ class Bus {
   virtual ~Bus() = default;
   virtual BusReply read(std::uint32_t address, Clock now) = 0;
   virtual BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) = 0;
-  // True from the first to after the last word of a read-many or publish, because these words must belong together.
+  // `held` is true from the first to the last word of a read-many or publish, because these words must be of one
+  // moment.
   virtual void block(bool /*held*/, Clock /*now*/) {}
   virtual BusReply get(std::uint32_t address, Clock now) = 0;
   virtual BusStatus set(std::uint32_t address, std::uint32_t value, Clock now) = 0;
@@ -32,7 +33,7 @@ class Bus {
   virtual void advance(Clock /*now*/) {}
 };
 
-// Reports a change of a group's event input. It comes from the owner of the groups.
+// Reports a change of a group's event input. The owner of the groups gives this function to the slaves.
 using EventSink = std::function<void(std::uint32_t group, bool high, Clock now)>;
 
 }  // namespace unitylink::device

@@ -20,7 +20,7 @@ inline constexpr Clock receive_skipped = 3;    // a byte between messages
 inline constexpr Clock receive_misplaced = 2;  // a framing character that caused a datalink error
 inline constexpr Clock receive_invalid = 5;    // any other byte that caused a datalink error
 inline constexpr Clock physical_error = 2;     // error of the physical layer -> datalink error
-inline constexpr Clock checksum_verdict = 1;   // extra for a checked message
+inline constexpr Clock checksum_verdict = 1;   // more for a checked message
 inline constexpr Clock message_ready = 3;      // end of message taken -> the application may start
 // end of a request -> its message buffer is free, and the other is in use
 inline constexpr Clock buffer_swap = 1;

@@ -31,14 +31,14 @@ struct TosnetConfiguration {
   std::uint8_t master_id = 1;  // the PC's own node
   std::uint8_t master_registers = 0xFF;
   std::uint32_t cycle_clocks = 5000;     // one network cycle: 100 us at 50 MHz
-  std::uint32_t max_skipped_writes = 0;  // so many cycles without a commit halt the system; 0: never
+  std::uint32_t max_skipped_writes = 0;  // after so many cycles without a commit the system halts; 0: never
   std::vector<TosnetNode> nodes;
 };
 
 struct FifoConfiguration {
   std::uint32_t base = 0;
   std::uint32_t depth = 16;  // words in each direction
-  // the group whose event input is the FIFO's event line; by edge
+  // the group whose event input is the FIFO's event line; its edge counts
   std::optional<std::uint32_t> event_group = std::nullopt;
   std::uint32_t remind_clocks = 1u << 20;  // the event rises again if nothing was taken for so long
 };

@@ -55,7 +55,7 @@ DatalinkReceiver::Taken DatalinkReceiver::begin(bool checked, Clock now) noexcep
 DatalinkReceiver::Taken DatalinkReceiver::finish(Clock now) noexcept {
   Message& message = messages_[first_ ^ complete_];
   Clock delay = timing::message_ready;
-  if (message.checked && configuration_.published_2012) {  // it checks only the remainder
+  if (message.checked && configuration_.published_2012) {  // it checks only that the remainder is 0
     if (sum_ != 0 || configuration_.checksum == Checksum::none) {
       return fail(datalink_error::checksum, now, timing::receive_first_digit);
     }
@@ -144,7 +144,8 @@ DatalinkReceiver::Taken DatalinkReceiver::take_checked(std::uint8_t byte, Clock 
   if (!stored()) {
     return fail(datalink_error::message_too_long, now, timing::receive_first_digit);
   }
-  sum_ = checksum_.update(sum_, byte);  // the letter as sent: upper and lower case differ
+  // over the letter as sent, because upper and lower case have different checksums
+  sum_ = checksum_.update(sum_, byte);
   message.letters.push_back(static_cast<char>(c & ~0x20));
   return {now + timing::receive_character};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Turns bytes into messages: the ASCII decoder, its checks and its error codes. For the smaller datalinks only parts of
+// Turns bytes into messages: the ASCII decoder, its checks and its error codes. The smaller datalinks use only parts of
 // it.
 #pragma once
 
@@ -29,7 +29,7 @@ class DatalinkReceiver {
 
   [[nodiscard]] bool has_message() const noexcept { return complete_ > 0; }
   [[nodiscard]] const Message& message() const noexcept { return messages_[first_]; }
-  // The current message is done. Its buffer can be filled from `at` on.
+  // Call it when the current message is done. Its buffer can be filled from `at` on.
   void release(Clock at) noexcept;
   // When the next byte between messages can be taken. Without meaning while stalled.
   [[nodiscard]] Clock room_at() const noexcept { return receiving_ ? 0 : messages_[first_ ^ complete_].free_at; }

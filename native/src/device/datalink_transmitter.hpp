@@ -16,7 +16,7 @@ class DatalinkTransmitter {
 
   [[nodiscard]] bool full() const noexcept { return words_.full(); }
   void push(Word word) noexcept { words_.push(word); }
-  // No message is being sent, and no code waits.
+  // True: no message is being sent, and no error code waits.
   [[nodiscard]] bool idle() const noexcept { return words_.empty() && errors_.empty() && !in_message_; }
   // From when the newest free place in a full FIFO can be used.
   [[nodiscard]] Clock place_free_at() const noexcept { return place_free_at_; }
@@ -42,7 +42,7 @@ class DatalinkTransmitter {
   void send_error() noexcept;
 
   PhysicalTransmitter& physical_;
-  bool digits_;  // a byte is sent as two digits; false: as it is
+  bool digits_;  // true: a byte is sent as two digits; false: as one byte
   Crc8 checksum_;
   Ring<Word> words_{timing::transmit_words};
   Ring<ErrorCode> errors_{timing::error_codes};

@@ -40,7 +40,7 @@ DatalinkReceiver::Taken DatalinkReceiver::take_unchecked(std::uint8_t byte, Cloc
   const Taken taken{now + timing::receive_character};
   Message& message = messages_[first_ ^ complete_];
   if (broken_) {
-    if (is_head(c)) {  // it ends the open message, and begins no other
+    if (is_head(c)) {  // this head ends the open message, but does not begin another
       broken_ = false;
       for (Message& handed_on : messages_) {
         handed_on.ready_at = handed_on.open ? now : handed_on.ready_at;

@@ -24,7 +24,7 @@ Device::Device(const DeviceConfiguration& configuration)
 bool Device::receive(std::uint8_t byte) noexcept { return input_.offer(byte, clock_); }
 
 void Device::receive_error(std::uint8_t bits) {
-  // it answers received requests before it reports the error
+  // this gateware answers all received requests before it reports the error
   if (configuration_.published_2012 && receiver_.has_message()) {
     unheard_errors_ |= bits;
     return;
@@ -77,7 +77,8 @@ Clock Device::framed_clock() const noexcept {
   return configuration_.has_framed() ? framed_.next_clock(classic_idle()) : never;
 }
 
-// Takes one byte, or within frames all bytes before `limit`: until a frame is complete they change nothing else.
+// Takes one byte, or inside frames all bytes before `limit`. Such bytes have no other effect until the frame is
+// complete.
 void Device::take_bytes(Clock limit) {
   Clock now = receiver_clock();
   while (configuration_.has_framed() && splitter_.route(input_.front()) == PortSplitter::Side::framed) {
@@ -155,7 +156,7 @@ void Device::run_until(Clock clock) {
     } else if (bus_.next_clock() <= next) {
       bus_.advance(clock_);
     } else if (framed <= next) {
-      const bool alone = configuration_.byte_clocks() == 0;  // otherwise each byte leaves at a later time
+      const bool alone = configuration_.byte_clocks() == 0;  // with a line, each byte leaves at its own time
       framed_.step(clock_, classic_idle(), alone ? std::min({beside, receiver, clock}) : next);
       application_.yield(framed_.open());
     } else if (application_clock() <= next) {

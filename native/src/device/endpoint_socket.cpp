@@ -50,7 +50,7 @@ Bound bind_socket(const std::string& address, std::uint16_t port, int type) {
   } else {
     ::setsockopt(socket.get(),
                  found->ai_family == AF_INET6 ? static_cast<int>(IPPROTO_IPV6) : static_cast<int>(IPPROTO_IP),
-                 // reports when the client has left
+                 // so that an error of this socket shows when the client has left
                  found->ai_family == AF_INET6 ? IPV6_RECVERR : IP_RECVERR, &on, sizeof on);
   }
   if (!socket.open() || ::bind(socket.get(), found->ai_addr, found->ai_addrlen) != 0 ||
@@ -156,7 +156,7 @@ class UdpEndpoint final : public Endpoint {
         return next;
       }
     }
-    const std::size_t count = std::min(room.size(), received_ - taken_);  // the rest waits for room
+    const std::size_t count = std::min(room.size(), received_ - taken_);  // the rest waits until there is room
     std::copy_n(datagram_.begin() + static_cast<std::ptrdiff_t>(taken_), count, room.begin());
     taken_ += count;
     return {Result::done, count};

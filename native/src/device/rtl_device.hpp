@@ -57,7 +57,7 @@ class RtlDevice final : public ServedDevice {
   void observe(std::function<void(std::uint32_t address, std::uint32_t value)> on_change);
 
  private:
-  // A word whose bits the PC clears by writing ones, by its index. The logic behind the registers does this.
+  // A word whose bits the PC clears by writing ones (W1C). In a real design the user's logic clears them.
   struct Flags {
     std::uint32_t read;
     std::uint32_t write;

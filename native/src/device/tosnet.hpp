@@ -71,7 +71,8 @@ class Tosnet final : public Bus {
   // A cycle is damaged: error counter + 1, PCKERR until the next cycle.
   void damage_cycle(Clock now);
 
-  // Takes a word that the PC sent and the network delivered; sends a word of a node. False: no room.
+  // async_take() takes a word that the PC has sent, and the network has delivered. async_give() sends a word of a node.
+  // False: no word, or no room.
   bool async_take(AsyncWord& word, Clock now);
   bool async_give(const AsyncWord& word, Clock now);
 
@@ -87,7 +88,7 @@ class Tosnet final : public Bus {
   TosnetConfiguration configuration_;
   std::array<Bank, 2> banks_{};  // written by the PC; banks_[write_bank_] is the hidden one
   Bank outputs_{};               // the OUT words of the nodes
-  Bank seen_{};                  // … and as the PC reads them
+  Bank seen_{};                  // the same words as the PC reads them
   std::uint32_t write_bank_ = 0;
   std::uint32_t shown_bank_ = 1;  // the bank that the PC reads
   Clock cycles_ = 0;              // strobes since reset, also those of an offline network

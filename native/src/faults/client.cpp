@@ -9,9 +9,9 @@
 namespace unitylink::faults {
 namespace {
 
-constexpr std::uint32_t words_apart = 16;  // between the first words of two clients
+constexpr std::uint32_t words_apart = 16;  // each client has so many words of its own
 constexpr std::size_t posts_most = 20;
-constexpr std::size_t post_words_most = 4;  // in one of them
+constexpr std::size_t post_words_most = 4;  // words in one post
 
 Journal::Told told_of(Status status) noexcept {
   switch (status) {
@@ -144,7 +144,7 @@ void Client::begin(std::uint64_t now_ns) {
       if (random_() % 2 == 0) {
         add(Operation::synchronise);
       } else {
-        add_write(false);  // it must not overtake them
+        add_write(false);  // this write must not overtake the posts
       }
       break;
   }
@@ -161,7 +161,7 @@ void Client::judge() {
     const Status status = exchanges_[index].status;
     (status == Status::ok ? tally_.good : status == Status::unknown ? tally_.unknown : tally_.failed) += 1;
     const bool late = status == Status::timeout || status == Status::unknown || status == Status::cancelled;
-    if (framed_ != nullptr && status != Status::ok && !late && !tally_.lied_to) {  // it could have been repeated
+    if (framed_ != nullptr && status != Status::ok && !late && !tally_.lied_to) {  // the engine could have repeated it
       journal_.accuse(std::string("an operation ended with: ") + status_text(status));
     }
     if (tally_.lied_to && status != Status::ok && begun_ns_ >= tally_.trusted_ns) {

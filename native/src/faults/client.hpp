@@ -25,10 +25,11 @@ struct Tally {
   std::uint64_t good = 0;
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
-  std::uint32_t nonce = 0;                       // the last value written by any client
-  std::uint64_t answered_ns = 0;                 // when any client's request was last answered
-  bool lied_to = false;                          // errors may be reported although the request could have been repeated
-  std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on no longer
+  std::uint32_t nonce = 0;        // the last value written by any client
+  std::uint64_t answered_ns = 0;  // when any client's request was last answered
+  // the device gives false answers, so requests may end with errors although they could be repeated
+  bool lied_to = false;
+  std::uint64_t trusted_ns = ~std::uint64_t{0};  // from then on the device is honest again
 };
 
 class Client {
@@ -41,7 +42,7 @@ class Client {
 
   [[nodiscard]] Journal& journal() noexcept { return journal_; }
   [[nodiscard]] bool busy() const noexcept { return begun_; }
-  // When its operation must end if nobody is answered any more.
+  // The latest end of its operation. `answered_ns` is when any client was last answered.
   [[nodiscard]] std::uint64_t limit_ns(std::uint64_t answered_ns) const noexcept {
     return std::max(begun_ns_, answered_ns) + timeout_ns_ * attempts_;
   }
@@ -73,7 +74,7 @@ class Client {
   std::uint64_t begun_ns_ = 0;
   Kind kind_ = Kind::read;
   std::size_t posts_ = 0;
-  std::uint64_t session_ = 0;  // the session in which they were made
+  std::uint64_t session_ = 0;  // the session of these posts
   std::size_t used_ = 0;
   Batch batch_;
   std::array<Exchange, exchanges_max> exchanges_;

@@ -70,7 +70,7 @@ class Line {
   }
 
  private:
-  // Does everything that happens at the next time with an event.
+  // Goes to the next time with an event, and does all that happens then.
   void step() {
     now_ = next_;
     back_.take(now_, [this](std::span<const std::uint8_t> bytes) { engine_->receive(bytes, now_); });

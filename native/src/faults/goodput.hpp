@@ -15,10 +15,10 @@ struct GoodputPlan {
   std::uint64_t words = 100'000;                           // in all
   std::uint32_t message_words = 1;                         // words of one message
   double lose = 0;                                         // share of lost messages, in each direction
-  std::uint32_t window = protocol::frame::window_default;  // requests in flight, as host and device agree
+  std::uint32_t window = protocol::frame::window_default;  // most requests in flight
   std::uint64_t byte_ns = 833;                             // 12 MBd
   std::uint64_t delay_ns = 125'000;                        // in each direction: a USB microframe
-  std::uint64_t buffer_bytes = 512;                        // bytes that can wait before the line
+  std::uint64_t buffer_bytes = 512;                        // bytes that the host can queue for the line
 };
 
 struct GoodputReport {

@@ -16,7 +16,7 @@ namespace unitylink::faults {
 struct Wish {
   std::uint32_t address = 0;
   std::uint32_t value = 0;
-  std::uint64_t number = 0;  // among all wishes of the client
+  std::uint64_t number = 0;  // counts the wishes of the client
   std::uint32_t times = 0;   // number of executions
   bool unknown = false;      // the outcome was reported as unknown
 };
@@ -42,7 +42,7 @@ class Journal {
   // Adds a write that must be executed after all earlier ones.
   void wish(std::uint32_t address, std::uint32_t value) { wishes_.push_back({address, value, ++number_}); }
   [[nodiscard]] std::size_t wishes() const noexcept { return wishes_.size(); }
-  // The outcome of the oldest wish.
+  // Reports the outcome of the oldest wish.
   void settle(Told told, const char* status = "");
 
   // ---- calls from the device's bus
@@ -54,7 +54,7 @@ class Journal {
     disturbed_ = true;
   }
 
-  // The word on the device.
+  // The value of this word on the device.
   [[nodiscard]] std::uint32_t truth(std::uint32_t address) const noexcept { return truth_[address - first_]; }
   // Words have changed that the operation did not write. So it cannot know what it reads.
   [[nodiscard]] bool disturbed() const noexcept { return disturbed_; }
@@ -68,7 +68,7 @@ class Journal {
 
   std::uint32_t first_;
   std::vector<std::uint32_t> truth_;
-  std::vector<std::uint64_t> told_;  // by word: the last wish that was reported as executed
+  std::vector<std::uint64_t> told_;  // for each word: the last wish that was reported as executed
   std::uint64_t number_ = 0;
   std::deque<Wish> wishes_;
   std::deque<Wish> past_;  // the last wishes that have ended

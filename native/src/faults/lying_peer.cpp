@@ -118,7 +118,7 @@ LyingPeer::Bytes LyingPeer::instead_of_line(const Bytes& message) {
   }
 }
 
-// Its answer to the same request: an error which says that nothing was executed.
+// The answer to the same request, but with an error that says that nothing was executed.
 LyingPeer::Bytes LyingPeer::refusal(const Bytes& message, std::uint8_t status) {
   const std::vector<std::uint8_t> payload = payload_of(message, key_);
   if (payload.size() < frame_head::reply) {
@@ -128,7 +128,7 @@ LyingPeer::Bytes LyingPeer::refusal(const Bytes& message, std::uint8_t status) {
                   key_);
 }
 
-// Another nonce each time, and no open session.
+// An answer to HELLO with another nonce each time, and without an open session.
 LyingPeer::Bytes LyingPeer::greeting() {
   if (greeting_.size() < 5) {
     return {};

@@ -40,8 +40,8 @@ class LyingPeer {
   const bool framed_;
   Peer peer_ = Peer::honest;
   FrameKey key_;                        // of the open session: a lie needs the right check
-  Bytes open_;                          // a message whose end has not come
-  bool passed_on_ = false;              // its bytes so far were passed on
+  Bytes open_;                          // a message whose end has not arrived
+  bool passed_on_ = false;              // its first bytes were passed on already
   std::uint8_t heard_ = 0;              // the last byte from the host
   std::vector<std::uint8_t> greeting_;  // the payload of the twin's last HELLO answer
   std::uint64_t lies_ = 0;

@@ -50,7 +50,7 @@ struct Profile {
   double reset = 0;  // of a message: the FPGA is reset
   double pause = 0;  // of a message: the host does nothing for up to pause_ns
   std::uint64_t pause_ns = 0;
-  bool drawn = false;  // each run draws its own rates
+  bool drawn = false;  // the rates are random for each seed
 };
 
 // "mixed" is all faults at once, drawn again for each seed.

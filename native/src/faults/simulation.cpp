@@ -20,12 +20,14 @@ using device::Device;
 using device::DeviceConfiguration;
 
 constexpr std::uint64_t ms = 1'000'000;
-constexpr std::uint64_t recovery_ns = 50 * ms;  // after the last fault all must be as before
-constexpr std::uint64_t recovery_timeouts = 4;  // after a device that lies: HELLO and OPEN wait for so many more
-constexpr std::uint64_t line_ns = 10 * ms;      // extra time for the bytes of a request and its answer
+constexpr std::uint64_t recovery_ns = 50 * ms;  // after the last fault, the rate must recover within this time
+// more timeouts to recover after a device that lied, because HELLO and OPEN come with pauses then
+constexpr std::uint64_t recovery_timeouts = 4;
+constexpr std::uint64_t line_ns = 10 * ms;  // extra time for the bytes of a request and its answer
 constexpr std::size_t violations_most = 20;
 constexpr std::uint32_t device_fifo = 2048;
-// turns in a row that are asked for at once: an engine that uses none of them would ask for ever
+// An engine that wants to act at once, but does nothing, would stop the virtual clock for ever. After so many turns
+// this is a violation.
 constexpr std::uint32_t turns_most = 1000;
 
 class Simulation {
@@ -41,7 +43,7 @@ class Simulation {
     if (faults_.drawn) {
       draw();
     }
-    if (!plan.framed) {  // it cannot distinguish a message from its copy, and needs the order
+    if (!plan.framed) {  // the classic protocol cannot recognise copies, and needs the order
       faults_.wire.repeat = faults_.wire.overtake = 0;
     }
     EngineSettings settings;
@@ -232,7 +234,7 @@ class Simulation {
     if (chance(faults_.reset * sent)) {
       report_.faults += 1;
       report_.resets += 1;
-      // Somewhere within its work.
+      // The reset comes at a random moment of its work.
       device_->run_until(device_->clock() + random_() % 2000);
       carry_back();
       back_.break_off(now_);
@@ -307,7 +309,7 @@ class Simulation {
     return true;
   }
 
-  // An operation should have ended and has not, and no client is answered any more.
+  // Whether an operation is too late: no client was answered for so long that it should have ended.
   bool late() {
     const std::uint64_t answers = plan_.framed ? framed_->posts().confirmed() : engine_->statistics().replies;
     if (std::exchange(answers_, answers) != answers) {
@@ -378,8 +380,8 @@ class Simulation {
   std::unique_ptr<Engine> engine_;
   FramedEngine* framed_ = nullptr;
   std::unique_ptr<device::ServedDevice> device_;
-  Device* twin_ = nullptr;  // it is one of these
-  device::RtlDevice* rtl_ = nullptr;
+  Device* twin_ = nullptr;            // the device is either this
+  device::RtlDevice* rtl_ = nullptr;  // or this
   std::uint64_t device_begun_ = 0;
   std::uint64_t clock_ns_ = 20;  // of the device
   Tally tally_;

@@ -24,9 +24,9 @@ struct Plan {
   bool framed = true;
   std::uint32_t clients = 16;
   std::uint32_t window = 32;  // requests in flight, a power of two
-  // Compiled gateware instead of the twin, with a READWRITE word that begins at 0 for each of a client's words. An
-  // execution is seen only as a change of a word, so a write that is executed twice without another in between is not
-  // detected.
+  // Makes compiled gateware, which is used instead of the twin. It needs a READWRITE word with the first value 0 for
+  // each word of a client. An execution is visible only as a change of a word. So a write is not detected as executed
+  // twice if no other write came in between.
   std::function<std::unique_ptr<device::RtlDevice>()> gateware = {};
 };
 
@@ -35,14 +35,14 @@ struct Report {
   std::uint64_t good = 0;
   std::uint64_t failed = 0;
   std::uint64_t unknown = 0;
-  std::uint64_t faults = 0;  // of the wire, resets and pauses
+  std::uint64_t faults = 0;  // faults of the wire, resets and pauses
   std::uint64_t resets = 0;
   std::uint64_t sessions = 0;  // framed: sessions opened
   std::uint64_t retries = 0;
   std::uint64_t bus_writes = 0;  // writes that the device executed
   // classic: damage that the eight-bit checksum missed; not a violation, because more is not promised
   std::uint64_t undetected = 0;
-  std::uint64_t digest = 0;  // of all bytes on the wire with their times, and of the device's writes
+  std::uint64_t digest = 0;  // hash of all bytes on the wire with their times, and of the device's writes
   double virtual_s = 0;
   double calm_rate_hz = 0;  // messages per second before the faults
   double faulty_rate_hz = 0;

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::uint32_t addresses = 256;
 constexpr std::uint32_t attempts_max = 100;     // a run ends by its time, not by its attempts
-constexpr std::uint32_t first_value = 0x10000;  // of the words to be read
+constexpr std::uint32_t first_value = 0x10000;  // the value of the first word to be read
 
-// Word n is written to n mod 256, and its value is n. So its order and its number are seen at once.
+// Word n has the value n, and is written to address n mod 256. So a missing word or a wrong order is noticed at once.
 class Posts final : public Traffic {
  public:
   Posts(std::uint32_t message_words, FramedEngine& engine) : words_(message_words), engine_(engine) {}
@@ -44,7 +44,8 @@ class Posts final : public Traffic {
   std::uint64_t disorder_ = 0;
 };
 
-// More requests than the window takes. Each is made again as soon as it is answered. Written values are used only once.
+// There are more requests than fit into the window. Each is made again as soon as it is answered. No value is written
+// twice.
 class Requests final : public Traffic {
  public:
   Requests(bool writes, std::uint32_t message_words, std::uint32_t window, FramedEngine& engine, device::Device& device)

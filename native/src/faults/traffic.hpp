@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of one kind, as many as there is room for, and a check that each of their words did what it should.
+// Sends messages of one kind, as many as there is room for, and checks the effect of each word.
 #pragma once
 
 #include <cstdint>

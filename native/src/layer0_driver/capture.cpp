@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t buffer_bytes = 1u << 18;
 constexpr std::uint64_t flush_period_ns = 250'000'000;
-constexpr std::size_t packet_overhead = 28 + 12 + 4;  // head, options, length behind
+constexpr std::size_t packet_overhead = 28 + 12 + 4;  // head, options, and the length at the end
 
 constexpr std::uint32_t section_header = 0x0A0D0D0A, interface_description = 1, enhanced_packet = 6;
 constexpr std::uint32_t byte_order_magic = 0x1A2B3C4D;
@@ -42,7 +42,7 @@ void put_option(Bytes& to, std::uint16_t code, std::string_view value) {
   to.resize(padded(to.size()));
 }
 
-// A block of `type` around `body`.
+// Appends a block of this type with this body.
 void put_block(Bytes& to, std::uint32_t type, const Bytes& body) {
   const auto length = static_cast<std::uint32_t>(body.size() + 12);
   put(to, type);
@@ -56,7 +56,7 @@ Bytes head(std::string_view comment) {
   put(body, byte_order_magic);
   put(body, std::uint16_t{1});  // version 1.0
   put(body, std::uint16_t{0});
-  put(body, ~std::uint64_t{0});  // length of the section not told
+  put(body, ~std::uint64_t{0});  // the length of the section is not given
   put_option(body, option_comment, comment.substr(0, 1024));
   put_option(body, option_application, "unitylink");
   put_option(body, option_end, {});
@@ -64,7 +64,7 @@ Bytes head(std::string_view comment) {
   body.clear();
   put(body, link_type_user0);
   put(body, std::uint16_t{0});
-  put(body, std::uint32_t{0});                       // packets are never cut
+  put(body, std::uint32_t{0});                       // no limit: packets are stored whole
   put_option(body, option_time_resolution, "\x09");  // nanoseconds
   put_option(body, option_end, {});
   put_block(file, interface_description, body);
@@ -80,8 +80,8 @@ std::uint64_t Capture::now_ns() noexcept {
 }
 
 Outcome Capture::create(const std::string& path, std::string_view comment, std::unique_ptr<Capture>& capture) {
-  // As output_file.py: a capture is not written over a file, nor through a link to one; a pipe or device that is there
-  // is opened.
+  // The same rule as output_file.py: a capture never replaces a file, and never follows a link to one. An existing pipe
+  // or device is opened.
   struct stat there{};
   const bool stream = ::stat(path.c_str(), &there) == 0 && (S_ISFIFO(there.st_mode) || S_ISCHR(there.st_mode));
   const int descriptor =
@@ -95,10 +95,10 @@ Outcome Capture::create(const std::string& path, std::string_view comment, std::
   }
   Descriptor opened(descriptor);
   capture.reset(new Capture(descriptor, path, !stream));
-  opened.release();  // it is the capture's
+  opened.release();  // the capture owns it now
   capture->buffer_ = head(comment);
   capture->buffer_.reserve(buffer_bytes);
-  capture->flush();  // a full disk is known at once
+  capture->flush();  // so a full disk is reported now
   if (capture->error_ != 0) {
     return {Status::not_found, "trace=" + path + ": " + std::strerror(capture->error_)};
   }
@@ -130,7 +130,8 @@ void Capture::add(std::uint64_t time_ns, Direction direction, std::span<const st
                                                  count};
     const std::array<std::uint32_t, 4> behind = {option_flags | 4u << 16, static_cast<std::uint32_t>(direction),
                                                  option_end, static_cast<std::uint32_t>(length)};
-    // Within the reserve: no allocation. The file is in this machine's byte order, which the section header tells.
+    // The reserved memory is enough, so this allocates nothing. The file has the byte order of this machine; the
+    // section header shows which.
     const std::size_t at = buffer_.size();
     buffer_.resize(at + length);
     std::memcpy(buffer_.data() + at, before.data(), sizeof before);
@@ -152,7 +153,7 @@ void Capture::flush() noexcept {
     } else if (errno != EINTR) {
       error_ = count == 0 ? EIO : errno;
       const off_t whole = ::lseek(descriptor_, 0, SEEK_CUR) - static_cast<off_t>(buffer_.size() - rest.size());
-      static_cast<void>(!::ftruncate(descriptor_, whole));  // no half packet at its end
+      static_cast<void>(!::ftruncate(descriptor_, whole));  // the file must not end with half a packet
     }
   }
   buffer_.clear();
@@ -182,7 +183,7 @@ void Capture::discard() noexcept {
 }
 
 void Capture::disown() noexcept {
-  new (&mutex_) std::mutex;  // its old state names a thread that does not exist here
+  new (&mutex_) std::mutex;  // the old one may be locked by a thread that does not exist in this process
   buffer_.clear();
   close();
 }

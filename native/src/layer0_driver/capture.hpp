@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What went over the wire, in a pcapng file: a packet a transfer, with its time (ns) and direction. Wireshark and
-// `unitylink decode` read it.
+// Records the bytes on the wire in a pcapng file. Each transfer is one packet, with its time (ns) and direction.
+// Wireshark and `unitylink decode` can read the file.
 //
 // Source of the block layouts: IETF draft-ietf-opsawg-pcapng. The link type is USER0; tools/wireshark/ has a dissector
 // for it.
@@ -22,25 +22,26 @@ class Capture {
  public:
   enum class Direction : std::uint32_t { received = 1, sent = 2 };  // epb_flags: inbound, outbound
 
-  // Makes the file; refuses one that is there. `comment` goes into its head: the URL of the link.
+  // Creates the file. It fails if the file exists. `comment` is stored in its head; it is the URL of the link.
   [[nodiscard]] static Outcome create(const std::string& path, std::string_view comment,
                                       std::unique_ptr<Capture>& capture);
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
   ~Capture();
 
-  // When something happens now, for add(); ns since 1970.
+  // The time for add(): ns since 1970.
   [[nodiscard]] static std::uint64_t now_ns() noexcept;
-  // From any thread, so not always in the order of the times. Bytes are buffered, and in the file a quarter of a second
-  // later at the latest if more follow, else at close().
+  // Any thread may call, so packets may be slightly out of order. Bytes are buffered. They are written to the file
+  // within a quarter of a second if more follow, else at close().
   void add(std::uint64_t time_ns, Direction direction, std::span<const std::uint8_t> bytes) noexcept;
   void close() noexcept;
-  // Whether no byte went over the wire yet; and: closes, and takes the file away where create() made it.
+  // True if no byte was recorded yet.
   [[nodiscard]] bool empty() const noexcept;
+  // Closes, and deletes the file if create() made it.
   void discard() noexcept;
-  // In a forked child: what is buffered is the parent's to write.
+  // For a forked child: drops what is buffered, because the parent writes it.
   void disown() noexcept;
-  // Empty, or why the file ends before the link did. What it holds until then is whole.
+  // Why the file ended before the link did, or empty. What was written before is valid.
   [[nodiscard]] std::string failure() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A driver whose bytes are written to a capture on their way (`?trace=FILE` on any link URL).
+// A driver that also records its bytes in a capture (`?trace=FILE` on any link URL).
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ class CapturingDriver final : public Driver {
       : driver_(std::move(driver)), capture_(std::move(capture)) {}
 
   Transfer send(std::span<const std::uint8_t> bytes) noexcept override {
-    // before: another thread may have the answer before this one goes on
+    // taken before sending: another thread may receive the answer before send() returns
     const std::uint64_t time_ns = Capture::now_ns();
     const Transfer transfer = driver_->send(bytes);
     capture_->add(time_ns, Capture::Direction::sent, bytes.first(transfer.count));
@@ -27,7 +27,8 @@ class CapturingDriver final : public Driver {
     capture_->add(Capture::now_ns(), Capture::Direction::received, room.first(transfer.count));
     return transfer;
   }
-  ~CapturingDriver() override = default;  // the next driver goes on with the capture
+  // does not close the capture, because the next driver of the link continues it
+  ~CapturingDriver() override = default;
   void close() noexcept override {
     driver_->close();
     capture_->close();
@@ -45,7 +46,7 @@ class CapturingDriver final : public Driver {
 
  private:
   std::unique_ptr<Driver> driver_;
-  std::shared_ptr<Capture> capture_;  // of all drivers that have been opened for one link
+  std::shared_ptr<Capture> capture_;  // shared by all drivers that one link opens in turn
 };
 
 }  // namespace unitylink

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Owns a descriptor: whatever fails behind its opening, it is closed.
+// Owns a file descriptor and closes it, also if a later step fails.
 #pragma once
 
 #include <utility>

@@ -10,7 +10,7 @@
 namespace unitylink {
 namespace {
 
-constexpr int end_of_stream = -1;  // in place of an errno
+constexpr int end_of_stream = -1;  // used where an errno is expected
 
 }  // namespace
 
@@ -84,7 +84,7 @@ std::string DescriptorDriver::reason() const {
       if (socket_) {
         return "the other side closed the connection";
       }
-      [[fallthrough]];  // a terminal that was hung up reads as its end
+      [[fallthrough]];  // a terminal that was hung up reads as end of file
     case EIO: return "the port is gone: unplugged, or the other side of the terminal was closed";
     case ECONNREFUSED: return "nothing listens at the other side";
     default: return std::strerror(error_);

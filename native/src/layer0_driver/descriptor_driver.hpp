@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all drivers over a file descriptor share: non-blocking send and receive, and when such a pipe counts as gone.
+// The base of all drivers on a file descriptor: it sends and receives without blocking, and decides when the port is
+// gone.
 #pragma once
 
 #include <atomic>
@@ -8,14 +9,15 @@
 
 namespace unitylink {
 
-// Why the device file of the port `name` cannot be opened; `missing` and `forbidden` are the remedies for two of the
-// reasons.
+// The error of a device file that cannot be opened. `name` is the port. `missing` and `forbidden` are the remedies if
+// it does not exist, or may not be used.
 [[nodiscard]] Outcome refused_port(const std::string& name, int error, const char* missing, const char* forbidden);
 
 class DescriptorDriver : public Driver {
  public:
-  // Takes the descriptor over and makes it non-blocking. Where that fails the port is gone from the beginning: neither
-  // may a call block, nor a socket that is not known as one end the program with SIGPIPE.
+  // Takes ownership of the descriptor and makes it non-blocking. If that fails, the port counts as gone, because a call
+  // could block. It also counts as gone if nobody knows whether it is a socket, because a broken socket could end the
+  // program with SIGPIPE.
   explicit DescriptorDriver(int descriptor) noexcept;
   ~DescriptorDriver() override;
 
@@ -31,7 +33,7 @@ class DescriptorDriver : public Driver {
 
  private:
   int descriptor_;
-  std::atomic<int> error_ = 0;  // sender and receiver may both meet it
+  std::atomic<int> error_ = 0;  // atomic: the sending and the receiving thread may both set it
   bool usable_;
   bool socket_;    // a socket needs MSG_NOSIGNAL
   bool datagram_;  // an empty datagram is not the end of a stream

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An open descriptor of this process: fd:7. `sim:` uses it inside.
+// fd:7 is an open descriptor of this process. `sim:` is made of such a link.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 namespace unitylink {
 namespace {
 
-// To a virtual board in this process, whose time the link has too.
+// A link to a virtual board in this process. It uses the time of the boards.
 class LocalDriver final : public DescriptorDriver {
  public:
   using DescriptorDriver::DescriptorDriver;
@@ -18,7 +18,7 @@ class LocalDriver final : public DescriptorDriver {
   }
 };
 
-// Whether this process made the pair of sockets, one end of which it is.
+// Whether the descriptor is one end of a socket pair that this process made.
 bool made_here(int descriptor) noexcept {
   ucred maker{};
   socklen_t size = sizeof maker;
@@ -27,7 +27,8 @@ bool made_here(int descriptor) noexcept {
 
 }  // namespace
 
-// The driver takes the descriptor over: closing it is how the other side learns that the link has ended.
+// The driver owns the descriptor from now on. It must close it, because this tells the other side that the link has
+// ended.
 Outcome open_descriptor(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   std::uint64_t number = 0;
   if (!parse_number(url.path, 1u << 20, number)) {

@@ -14,7 +14,7 @@ constexpr std::array chips{
     Chip{"FT231X", 0x1000, 1, false, false, false},
 };
 
-// An eighth of a divisor as the chip has it, in bits 14 to 16.
+// The chip's code for 0 to 7 eighths of a divisor. It stands in bits 14 to 16.
 constexpr std::array<std::uint32_t, 8> eighths{0, 3, 2, 4, 1, 5, 6, 7};
 constexpr std::uint32_t twelve_megahertz = 1u << 17;
 
@@ -27,9 +27,9 @@ const Chip* chip_of(std::uint16_t release) noexcept {
 
 Divisor divisor_of(const Chip& chip, std::uint32_t baud_hz) noexcept {
   const std::uint64_t clock_hz = chip.high_speed ? 12'000'000 : 3'000'000;
-  const std::uint64_t most = (1u << 17) - 1;  // 14 bits and three for the eighths
+  const std::uint64_t most = (1u << 17) - 1;  // 14 bits for the whole part, and three for the eighths
   std::uint64_t eighth = std::clamp<std::uint64_t>((clock_hz * 8 * 2 / std::max(baud_hz, 1u) + 1) / 2, 8, most);
-  if (eighth > 8 && eighth < 16) {  // below 2 there are 1 and 1.5 only
+  if (eighth > 8 && eighth < 16) {  // below 2 the chip has only 1 and 1.5
     eighth = eighth < 10 ? 8 : eighth < 14 ? 12 : 16;
   }
   std::uint32_t code = static_cast<std::uint32_t>(eighth >> 3) | eighths[eighth & 7] << 14;

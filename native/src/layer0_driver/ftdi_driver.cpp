@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// FTDI's USB chips without the kernel's serial driver: its latency timer, event character and FIFO modes, and transfers
-// of many packets.
-//   ftdi:SERIAL?channel=B&mode=serial&baud=3000000     ftdi:?mode=sync-fifo (the only chip there is)
-// Options: channel=A..D (A), mode=serial|fifo|sync-fifo (serial; fifo is the asynchronous FT245 interface), baud= (of
-// serial), latency= (ms, 1), event= (the character that sends at once what the chip has gathered; else what ends the
-// messages of the protocol that is spoken; none).
+// FTDI's USB chips, used without the kernel's serial driver. So the link can set the latency timer, the event character
+// and the FIFO modes, and one transfer moves many packets.
+//   ftdi:SERIAL?channel=B&mode=serial&baud=3000000     ftdi:?mode=sync-fifo (if only one chip is plugged in)
+// Options, with their defaults:
+//   channel=A..D           (A)
+//   mode=serial|fifo|sync-fifo   (serial) fifo is the asynchronous FT245 interface
+//   baud=                  only for mode=serial
+//   latency=               (1) in ms
+//   event=                 after this character the chip sends at once what it has collected; none: no such character.
+//                          By default it is the end of a message in the protocol of the link
 
 #include <algorithm>
 #include <array>
@@ -19,13 +23,13 @@
 namespace unitylink {
 namespace {
 
-constexpr std::size_t transfers = 4;               // under way at once, so that the chip never waits for the PC
-constexpr std::size_t transfer_bytes = 16 * 1024;  // a short packet ends one earlier
-constexpr unsigned int send_timeout_ms = 100;      // between looks at the end
+constexpr std::size_t transfers = 4;  // several in progress at once, so that the chip never waits for the PC
+constexpr std::size_t transfer_bytes = 16 * 1024;  // at most: a short packet ends a transfer early
+constexpr unsigned int send_timeout_ms = 100;      // how often the thread checks whether it must end
 constexpr long events_timeout_us = 50'000;
 constexpr std::uint64_t patience_ns = 100'000'000;
 
-// What the link does not fetch stays in the transfers, then in the chip, which stalls the board.
+// If the link does not fetch its bytes, they stay in the transfers. When these are full, the chip stops the board.
 class FtdiDriver final : public PumpedDriver {
  public:
   FtdiDriver(std::unique_ptr<ftdi::Port> port, const SocketPair& pair, std::uint64_t byte_time_ns, bool event_told)
@@ -38,7 +42,7 @@ class FtdiDriver final : public PumpedDriver {
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
   void messages_end_with(std::uint8_t end) noexcept override {
     if (!event_told_ && running()) {
-      static_cast<void>(port_->set_event(end));  // without it the latency timer hands on
+      static_cast<void>(port_->set_event(end));  // if it fails, the chip delivers when its latency timer ends
     }
   }
 
@@ -143,7 +147,7 @@ class FtdiDriver final : public PumpedDriver {
       bytes = bytes.subspan(static_cast<std::size_t>(done));
       if (code == usb::error_no_device) {
         ended("the FTDI chip was unplugged");
-      } else if (code != 0 && code != usb::error_timeout) {  // a timeout: the board does not take it now
+      } else if (code != 0 && code != usb::error_timeout) {  // a timeout: the board takes no bytes now
         ended(std::string("USB transfer to the FTDI chip failed: ") + port_->library().error_name(code));
       }
     }
@@ -154,7 +158,7 @@ class FtdiDriver final : public PumpedDriver {
   bool event_told_;
 };
 
-// The serial port that the kernel has for the chip, with what it cost to take it.
+// The kernel's serial port of the chip, with a warning that it is used instead.
 class KernelPort final : public Driver {
  public:
   KernelPort(std::unique_ptr<Driver> driver, std::string notice)
@@ -180,8 +184,8 @@ std::string first_line(const std::filesystem::path& file) {
   return line;
 }
 
-// /dev/ttyUSB0 of the chip and channel, "" where the kernel has none. UNITYLINK_ROOT is another root of /sys and /dev,
-// for tests.
+// The kernel's port of this chip and channel, such as /dev/ttyUSB0. "": there is none. For tests, UNITYLINK_ROOT names
+// another folder that contains sys and dev.
 std::string kernel_port(const ftdi::Settings& settings) {
   const char* const told = std::getenv("UNITYLINK_ROOT");
   const std::string root = told != nullptr ? told : "";
@@ -200,7 +204,7 @@ std::string kernel_port(const ftdi::Settings& settings) {
       const std::string name = entry.path().filename().string();
       if (name.starts_with("ttyUSB")) {
         if (!port.empty()) {
-          return {};  // several chips: which one is meant is not known
+          return {};  // several chips match, and the URL does not say which one
         }
         port = root + "/dev/" + name;
       }
@@ -228,9 +232,8 @@ Outcome fall_back(const Url& url, const ftdi::Settings& settings, const Outcome&
 
 }  // namespace
 
-// bad_url, not_found, permission, busy. Where the chip cannot be had without the kernel's driver (libusb is missing, no
-// permission), and the mode is not sync-fifo, the kernel's serial port of the same chip is opened instead; warning()
-// says so.
+// Errors: bad_url, not_found, permission, busy. If libusb is missing or may not use the chip, the kernel's serial port
+// of the same chip is opened instead, and warning() says so. This does not work for mode=sync-fifo.
 Outcome open_ftdi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   ftdi::Settings settings;
   if (Outcome outcome = ftdi::settings_of(url, settings); !outcome.ok()) {

@@ -11,7 +11,7 @@ namespace unitylink::ftdi {
 namespace {
 
 constexpr unsigned int control_timeout_ms = 1000;
-constexpr double baud_error_most = 0.03;  // what a receiver bears
+constexpr double baud_error_most = 0.03;  // a receiver tolerates this
 constexpr std::array<std::uint16_t, 5> products{0x6001, 0x6010, 0x6011, 0x6014, 0x6015};
 
 Outcome refused(const usb::Library& library, int code, const std::string& what) {
@@ -171,7 +171,7 @@ Outcome Port::set_up(const Settings& settings) {
     return {Status::bad_url, "baud=" + std::to_string(settings.baud_hz) + ": the nearest that an " + name + " can is " +
                                  std::to_string(divisor.baud_hz)};
   }
-  library_->set_auto_detach_kernel_driver(handle_, 1);  // it comes back when the interface is released
+  library_->set_auto_detach_kernel_driver(handle_, 1);  // the kernel's driver returns when the interface is released
   if (const int code = library_->claim_interface(handle_, static_cast<int>(channel_)); code != 0) {
     return refused(
         *library_, code,
@@ -222,7 +222,7 @@ int Port::transfer(Request request, std::uint16_t value, std::uint16_t index) no
 
 Port::~Port() {
   if (claimed_) {
-    if (mode_ == Mode::sync_fifo) {  // the next program may want it otherwise
+    if (mode_ == Mode::sync_fifo) {  // the next program may need another mode
       transfer(Request::bit_mode, mode_reset, 0);
     }
     library_->release_interface(handle_, static_cast<int>(channel_));

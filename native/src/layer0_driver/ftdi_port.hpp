@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One channel of an FTDI chip, claimed and set up: what the driver moves bytes through.
+// One channel of an FTDI chip, claimed and set up. The driver moves its bytes through it.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ namespace unitylink::ftdi {
 enum class Mode { serial, fifo, sync_fifo };
 
 struct Settings {
-  std::string serial_number;  // "" where the chip must be the only one
+  std::string serial_number;  // "": any, if only one chip is plugged in
   unsigned channel = 0;
   Mode mode = Mode::serial;
   std::uint32_t baud_hz = 0;
   std::uint8_t latency_ms = 1;
   std::optional<std::uint8_t> event;
-  bool event_told = false;  // by the URL: it stays whatever protocol is spoken
+  bool event_told = false;  // the URL has event=, so the protocol does not change it
 };
 
 [[nodiscard]] Outcome settings_of(const Url& url, Settings& settings);
@@ -46,7 +46,7 @@ class Port {
   [[nodiscard]] Outcome find(const std::string& serial_number, usb::Device** devices, std::size_t count);
   [[nodiscard]] Outcome set_up(const Settings& settings);
   [[nodiscard]] Outcome request(Request request, std::uint16_t value, std::uint16_t index, const char* what);
-  int transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept;  // a code of libusb's
+  int transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept;  // returns a code of libusb
 
   std::shared_ptr<usb::Library> library_;
   usb::Context* context_ = nullptr;

@@ -52,11 +52,11 @@ Outcome GpioLine::open(const std::string& place, std::unique_ptr<GpioLine>& line
     return refused(error);
   }
   Descriptor opened(request.fd);
-  if (::fcntl(opened.get(), F_SETFL, O_NONBLOCK) != 0) {  // a look at the line would wait for its next edge
+  if (::fcntl(opened.get(), F_SETFL, O_NONBLOCK) != 0) {  // otherwise high() would wait for the next edge
     return refused(errno);
   }
   line.reset(new GpioLine(request.fd));
-  opened.release();  // it is the line's
+  opened.release();  // the line owns it now
   return {};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A wire on which the FPGA says that it has something: an input of a GPIO chip, through the kernel's character device.
+// A wire on which the FPGA signals that it has bytes to send. It is an input of a GPIO chip, used through the kernel's
+// character device.
 #pragma once
 
 #include <memory>
@@ -11,14 +12,14 @@ namespace unitylink {
 
 class GpioLine {
  public:
-  // `place` is a chip and a line of it: "/dev/gpiochip0:25". bad_url, not_found, permission, busy, mismatch (no such
-  // line).
+  // `place` names a chip and its line: "/dev/gpiochip0:25". Errors: bad_url, not_found, permission, busy, mismatch (no
+  // such line).
   [[nodiscard]] static Outcome open(const std::string& place, std::unique_ptr<GpioLine>& line);
   GpioLine(const GpioLine&) = delete;
   GpioLine& operator=(const GpioLine&) = delete;
   ~GpioLine();
 
-  // Readable when the line has risen since high() was asked.
+  // Readable if the line has risen since the last call of high().
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
   [[nodiscard]] bool high() const noexcept;
 

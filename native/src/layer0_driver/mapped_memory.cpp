@@ -36,7 +36,7 @@ Outcome MappedMemory::open(const MappedWindow& window, std::unique_ptr<MappedMem
   if (!file.open()) {
     return cannot(path, "cannot be opened");
   }
-  // Only whole pages can be mapped; the window may begin within one.
+  // Only whole pages can be mapped, but the window may begin inside a page.
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   const std::uint64_t within = window.offset % page;
   std::unique_ptr<MappedMemory> made(new MappedMemory(window, static_cast<std::size_t>(within + window.bytes)));

@@ -13,17 +13,17 @@
 
 namespace unitylink {
 
-// What of a device is mapped.
+// The part of a device that is mapped.
 struct MappedWindow {
   std::string path;
-  std::uint64_t offset = 0;  // in bytes, and so is the size: multiples of 4
+  std::uint64_t offset = 0;  // offset and size are in bytes, and multiples of 4
   std::uint64_t bytes = 0;
   std::uint32_t address_bytes = 0;
-  std::uint32_t base_hz = 0;  // the frequency that divisors divide
+  std::uint32_t base_hz = 0;  // the base frequency: a group is polled at base_hz / divisor
 };
 
-// Word n is the 32 bits at byte 4 n of the window. Not thread-safe against close(); accesses of several threads may
-// cross.
+// Word n is the 32 bits at byte 4 n of the window. Several threads may access words at the same time, but not during
+// close().
 class MappedMemory {
  public:
   [[nodiscard]] static Outcome open(const MappedWindow& window, std::unique_ptr<MappedMemory>& memory);
@@ -32,23 +32,24 @@ class MappedMemory {
   ~MappedMemory() { close(); }
 
   [[nodiscard]] const MappedWindow& window() const noexcept { return window_; }
-  // Not once it is closed.
+  // False for every address after close().
   [[nodiscard]] bool has(std::uint32_t address) const noexcept { return address < words_; }
-  [[nodiscard]] std::string beyond(std::uint32_t address) const;  // why it has not
+  [[nodiscard]] std::string beyond(std::uint32_t address) const;  // the error text for an address beyond it
 
-  // Of addresses that it has.
+  // For addresses with has(address) only.
   [[nodiscard]] std::uint32_t load(std::uint32_t address) const noexcept { return base_[address]; }
   void store(std::uint32_t address, std::uint32_t value) noexcept { base_[address] = value; }
-  // One after the other, in order.
+  // Loads one word after the other, in this order.
   void load(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values) const noexcept;
-  // Loads words again until two passes in a row agree, so that all were so at one moment; false where none of `passes`
-  // did, with the load before it.
+  // `values` are the result of an earlier load. Loads the words again until two loads in a row are equal: then the
+  // words had these values at one moment. Returns false if this does not happen within `passes` loads, the first one
+  // included.
   [[nodiscard]] bool settle(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                             std::size_t passes) const noexcept;
   void close() noexcept;
 
  private:
-  // Not mapped yet. It lets go of a mapping that it is given, whatever fails afterwards.
+  // Nothing is mapped yet. Once mapping_ is set, the destructor releases it.
   MappedMemory(const MappedWindow& window, std::size_t length) : window_(window), length_(length) {}
 
   const MappedWindow window_;

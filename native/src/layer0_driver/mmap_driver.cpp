@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Registers that are memory: no bytes, but the memory itself. layer2_message/mapped_engine.hpp stands on it.
+// Registers that are memory of this machine. This driver sends no bytes: MappedEngine (layer2_message) accesses the
+// memory.
 //   mmap:/dev/uio0     mmap:/dev/mem?offset=0x43C00000&size=65536     mmap:registers.bin
-// Options: offset= and size= (in bytes; the size is known of files, BARs and UIO devices), address_bytes= (what the
-// window needs), base_hz= (1000).
+// Options, with their defaults:
+//   offset=         (0) in bytes
+//   size=           in bytes; by default all of a file, a BAR or a map of a UIO device
+//   address_bytes=  by default as many as the window needs
+//   base_hz=        (1000)
 #include <bit>
 #include <cerrno>
 #include <cstring>
@@ -36,14 +40,14 @@ class MmapDriver final : public Driver {
   std::unique_ptr<MappedMemory> memory_;
 };
 
-// `value` stays what it was where the URL does not say.
+// Without this option in the URL, `value` is not changed.
 Outcome number_of(const Url& url, const char* name, std::uint64_t& value) {
   const std::string* const text = url.option(name);
   const bool whole = text == nullptr || parse_number(*text, ~std::uint64_t{0} >> 1, value);
   return whole ? Outcome{} : wrong_url(url, std::string(name) + "=" + *text + " is not a whole number from 0 on");
 }
 
-// Of a regular file; `known` is false of a device.
+// The size of a regular file. A device has no size here: `known` is false.
 Outcome file_bytes(const std::string& path, std::uint64_t& bytes, bool& known) {
   struct stat status{};
   if (::stat(path.c_str(), &status) != 0) {
@@ -57,7 +61,7 @@ Outcome file_bytes(const std::string& path, std::uint64_t& bytes, bool& known) {
   return {};
 }
 
-// Of map n of a UIO device, which an offset of n pages chooses; false where it does not tell.
+// The size of map n of a UIO device. (An offset of n pages selects map n.) False: the device does not report it.
 bool uio_bytes(const std::string& path, std::uint64_t map, std::uint64_t& bytes) {
   std::ifstream told("/sys/class/uio/" + path.substr(std::strlen("/dev/")) + "/maps/map" + std::to_string(map) +
                      "/size");
@@ -65,7 +69,7 @@ bool uio_bytes(const std::string& path, std::uint64_t map, std::uint64_t& bytes)
   return std::getline(told, text) && parse_number(text, window_bytes_most, bytes);
 }
 
-// How many bytes there are from `offset` on, where the system knows.
+// The number of bytes from `offset` on, if the system knows it.
 Outcome size_of(const Url& url, std::uint64_t offset, std::uint64_t& size) {
   std::uint64_t bytes = 0;
   bool known = false;
@@ -97,7 +101,7 @@ Outcome window_of(const Url& url, MappedWindow& window) {
     }
   }
   const bool size_given = url.option("size") != nullptr;
-  if (!size_given) {  // then it is that of the file, and the window lies in it
+  if (!size_given) {  // then the window ends where the file ends
     if (Outcome outcome = size_of(url, window.offset, window.bytes); !outcome.ok()) {
       return outcome;
     }
@@ -118,7 +122,7 @@ Outcome window_of(const Url& url, MappedWindow& window) {
       return outcome;
     }
   }
-  // an access there would end the program
+  // an access beyond the end of a file would end the program
   if (const std::uint64_t end = window.offset + window.bytes; known && end > there) {
     return wrong_url(
         url, "the window ends at byte " + std::to_string(end) + ", and " + url.path + " has " + std::to_string(there));

@@ -10,7 +10,7 @@ DriverSource::~DriverSource() = default;
 
 Outcome DriverSource::open(std::unique_ptr<Driver>& driver, int cancelled) {
   const std::string* const trace = url_.option("trace");
-  // before the port: a file that cannot be written must not cost a connection
+  // opened before the port, so that a file that cannot be written is reported before the board gets a connection
   if (trace != nullptr && capture_ == nullptr) {
     std::unique_ptr<Capture> made;
     if (Outcome outcome = Capture::create(*trace, url_.text, made); !outcome.ok()) {
@@ -19,7 +19,8 @@ Outcome DriverSource::open(std::unique_ptr<Driver>& driver, int cancelled) {
     capture_ = std::move(made);
   }
   Outcome outcome = url_.row->open(url_, {.timeout_ns = timeout_ns_, .cancelled = cancelled}, driver);
-  if (!outcome.ok() && capture_ != nullptr && capture_->empty()) {  // the next try is not to find a file in its way
+  // An empty file is deleted, because the next attempt to open the link would refuse a file that exists.
+  if (!outcome.ok() && capture_ != nullptr && capture_->empty()) {
     capture_->discard();
     capture_.reset();
   }

@@ -19,9 +19,10 @@
 namespace unitylink::pair_bus {
 namespace {
 
-constexpr std::size_t turn_bytes = 1024;               // of ours to one node; a longer frame goes whole
-constexpr std::chrono::milliseconds linger{1};         // how long a node that has spoken is polled without a pause
-constexpr std::chrono::milliseconds absent_poll{250};  // a node that is not there costs its silence each time
+constexpr std::size_t turn_bytes = 1024;  // sent to one node in one turn; a longer frame is sent whole
+// a node that had something to send is polled without a pause for so long
+constexpr std::chrono::milliseconds linger{1};
+constexpr std::chrono::milliseconds absent_poll{250};  // each poll of an absent node costs the time `silence`
 constexpr unsigned misses_most = 3;
 
 std::mutex masters_mutex;
@@ -30,7 +31,7 @@ std::map<std::string, std::weak_ptr<Master>>& masters() {
   return all;
 }
 
-// Ports of the kernel that switch the transceiver by RTS. Adapters that do it themselves refuse, and need not be asked.
+// Asks the kernel to switch the transceiver by RTS. Adapters that switch it themselves refuse this, which does no harm.
 void ask_direction(int descriptor) noexcept {
   serial_rs485 settings{};
   settings.flags = SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
@@ -54,7 +55,7 @@ struct Master::Node {
   Node(const Settings& told, int far) : settings(told), descriptor(far) {}
   ~Node() { ::close(descriptor); }
 
-  // What the link has to say is `out`, what it has not fetched yet `in`.
+  // `out` is what the link wants to send. `in` is for the link, which has not fetched it yet.
   void collect() {
     std::uint8_t bytes[4096];
     while (out.size() < 4 * turn_bytes) {
@@ -70,7 +71,7 @@ struct Master::Node {
     in.erase(in.begin(), in.begin() + std::max<ssize_t>(count, 0));
     return in.empty();
   }
-  // Bytes of `out` in whole frames, as many as a turn holds.
+  // The bytes of the whole frames at the front of `out`, as many as fit into one turn.
   [[nodiscard]] std::size_t whole() const {
     const auto end = out.size() <= turn_bytes ? out.end() : out.begin() + turn_bytes;
     const auto last = std::find(std::make_reverse_iterator(end), out.rend(), border);
@@ -84,7 +85,7 @@ struct Master::Node {
   const Settings settings;
   const int descriptor;
   std::vector<std::uint8_t> out, in;
-  Clock::time_point next = Clock::now();  // when it is polled though there is nothing to say
+  Clock::time_point next = Clock::now();  // when it is polled even if there is nothing to send
   Clock::time_point busy_until{};
   unsigned misses = 0;
 };
@@ -113,9 +114,10 @@ Outcome Master::of(const Url& url, const Settings& settings, std::shared_ptr<Mas
 }
 
 void Master::disown(std::shared_ptr<Master> shared) {
-  new (&masters_mutex) std::mutex;  // its old state names threads that do not exist here
+  new (&masters_mutex) std::mutex;  // the old one may be locked by a thread that does not exist in this process
   masters().clear();
-  static_cast<void>(new std::shared_ptr<Master>(std::move(shared)));  // its destructor would wait for the thread
+  // never deleted: its destructor would wait for a thread that does not exist here
+  static_cast<void>(new std::shared_ptr<Master>(std::move(shared)));
 }
 
 Master::Master(std::unique_ptr<Driver> port, std::string baud)
@@ -160,7 +162,7 @@ std::string Master::reason() const {
 void Master::fail(const std::string& why) {
   const std::scoped_lock lock(mutex_);
   why_ = why;
-  port_->close();  // for the next master: a link that is not closed yet must not hold the port
+  port_->close();  // now, so that another master can open the port even if a link of this one is not closed yet
   for (const auto& [number, node] : nodes_) {
     ::shutdown(node->descriptor, SHUT_RDWR);
   }
@@ -178,7 +180,8 @@ void Master::serve() noexcept {
     Clock::time_point next = Clock::now() + absent_poll;
     for (const auto& node : nodes) {
       node->collect();
-      const bool free = node->hand_on();  // else its link does not fetch: the node has to wait, and so has its gateware
+      const bool free = node->hand_on();  // false: its link does not fetch its bytes, so the node gets no turn, and its
+                                          // gateware waits
       if (free && (node->whole() > 0 || Clock::now() >= node->next)) {
         if (!give_turn(*node)) {
           fail(port_->reason());
@@ -192,7 +195,7 @@ void Master::serve() noexcept {
   }
 }
 
-// Until then, or until there is something to say or a node has come.
+// Waits until this time, or until there is something to send, or a node was added.
 void Master::pause(Clock::time_point until) {
   std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}};
   {

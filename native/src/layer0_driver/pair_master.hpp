@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The master of an RS-485 pair: a thread that gives each node its turn and moves bytes between them and the nodes'
-// socket pairs.
+// The master of an RS-485 pair. Its thread gives each node its turn, and moves bytes between the node and the socket
+// pair of the node's link.
 #pragma once
 
 #include <atomic>
@@ -19,28 +19,28 @@ namespace unitylink::pair_bus {
 
 struct Settings {
   unsigned node = 0;
-  std::string baud;  // as the URL has it
+  std::string baud;  // the text of the URL
   std::uint64_t poll_ns = 0;
   std::uint64_t silence_ns = 0;
 };
 
 class Master {
  public:
-  // The master of the port that the URL names, which other links may have already.
+  // The master of the port that the URL names. Links to other nodes of the same port share it.
   [[nodiscard]] static Outcome of(const Url& url, const Settings& settings, std::shared_ptr<Master>& shared);
-  // In a forked child: neither thread nor port are its own.
+  // For a forked child: the thread and the port belong to the parent.
   static void disown(std::shared_ptr<Master> shared);
   Master(std::unique_ptr<Driver> port, std::string baud);
   Master(const Master&) = delete;
   Master& operator=(const Master&) = delete;
   ~Master();
 
-  // `descriptor` is the far end of the node's socket pair, and the master's from then on; busy where the node has a
-  // link.
+  // Adds a node. `descriptor` is the far end of its socket pair. The master owns it from then on. busy: the node has a
+  // link already.
   [[nodiscard]] Outcome join(const Settings& settings, int descriptor);
   void leave(unsigned node);
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept { return port_->byte_time_ns(); }
-  [[nodiscard]] std::string reason() const;  // why the port has gone; empty while it has not
+  [[nodiscard]] std::string reason() const;  // why the port is gone; empty: it is not
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -56,7 +56,7 @@ class Master {
   const std::string baud_;
   Descriptor wake_;
   std::atomic<bool> stop_ = false;
-  mutable std::mutex mutex_;  // all below
+  mutable std::mutex mutex_;  // guards all below
   std::map<unsigned, std::shared_ptr<Node>> nodes_;
   std::string why_;
   std::thread thread_;

@@ -4,7 +4,7 @@
 namespace unitylink::pair_bus {
 namespace {
 
-constexpr std::size_t message_bytes_most = 1u << 16;  // longer is no message
+constexpr std::size_t message_bytes_most = 1u << 16;  // longer input is not a message
 
 }  // namespace
 
@@ -41,7 +41,8 @@ bool Answer::end_message() {
   const bool poll = (message_[0] & protocol::rs485::poll_bit) != 0;
   const unsigned node = message_[0] & protocol::rs485::nodes_max;
   if (poll) {
-    spoke_ = spoke_ && node == master_number;  // else it is our own poll, and what was heard before it was ourselves
+    // another number: this is the echo of our own poll, and so was all before it
+    spoke_ = spoke_ && node == master_number;
     return node == master_number;
   }
   selected_ = spoke_ = node == node_;

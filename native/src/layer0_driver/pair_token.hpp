@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tokens that stand between the frames on an RS-485 pair (docs/protocol.md, section 10), and what a master hears.
+// The tokens between the frames on an RS-485 pair (docs/protocol.md, section 10), and the answer that a master
+// receives.
 #pragma once
 
 #include <array>
@@ -29,17 +30,17 @@ inline constexpr unsigned master_number = 0;
   return {first, token_check(first), border};
 }
 
-// What comes between a poll and the end of the polled node's turn. What an adapter hears of the master itself is left
-// out.
+// All that is received between a poll and the end of the polled node's turn. Some adapters also receive what the master
+// sends. This echo is left out.
 class Answer {
  public:
   explicit Answer(unsigned node) noexcept : node_(node) {}
 
-  // True when the turn has ended; what comes behind is nobody's.
+  // Returns true when the turn has ended. Bytes after its end are ignored.
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
-  // whole, with their borders
+  // The frames of the answer, each with its border.
   [[nodiscard]] const std::vector<std::uint8_t>& frames() const noexcept { return frames_; }
-  // the node has said who it is
+  // Whether the node has sent its own token.
   [[nodiscard]] bool spoke() const noexcept { return spoke_; }
 
  private:

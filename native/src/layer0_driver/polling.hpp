@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// poll() with a time in ns, as all times here are.
+// poll() with a time in ns, like all times in this library.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace unitylink {
 
 inline constexpr std::uint64_t for_ever = ~std::uint64_t{0};
 
-// What ppoll() returns: how many of `waiting` are ready, 0 when the time is over, -1 (errno) on an error or a signal.
+// Returns the result of ppoll(): the number of descriptors that are ready, 0 after the time `ns`, or -1 with errno
+// after an error or a signal.
 inline int poll_for(std::span<pollfd> waiting, std::uint64_t ns) noexcept {
   constexpr std::uint64_t second_ns = 1'000'000'000;
   const timespec time{.tv_sec = static_cast<std::time_t>(ns / second_ns), .tv_nsec = static_cast<long>(ns % second_ns)};

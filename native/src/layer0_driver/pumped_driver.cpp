@@ -12,7 +12,7 @@
 namespace unitylink {
 namespace {
 
-constexpr int patience_ms = 100;  // between looks at the end
+constexpr int patience_ms = 100;  // how often a thread checks whether it must end
 
 }  // namespace
 

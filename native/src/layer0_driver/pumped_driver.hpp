@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What drivers share whose port cannot be polled: threads move bytes between it and one end of a socket pair, and the
-// link waits at the other end as at any port. What the link does not fetch stays in the socket, and the threads wait.
+// The base of drivers whose port cannot be polled. Threads move bytes between the port and the far end of a socket
+// pair. The link waits at the near end, as at any other port. If the link does not fetch its bytes, the socket becomes
+// full, and the threads wait.
 #pragma once
 
 #include <atomic>
@@ -19,28 +20,31 @@ struct SocketPair {
   int far = -1;   // the threads'
 };
 
-// closed where there is none to be had.
+// The error is closed, with the reason of the operating system.
 [[nodiscard]] Outcome make_socket_pair(SocketPair& pair);
 
-// Who derives from it calls close() in its destructor, before what its threads use is gone.
+// A derived class must call close() in its destructor, because its threads use its members.
 class PumpedDriver : public DescriptorDriver {
  public:
   void close() noexcept override;
-  void disown() noexcept override;  // a forked child: the threads and the port are the parent's
+  void disown() noexcept override;  // for a forked child: the threads and the port belong to the parent
   [[nodiscard]] std::string reason() const override;
 
  protected:
   explicit PumpedDriver(const SocketPair& pair) noexcept : DescriptorDriver(pair.near), far_(pair.far) {}
 
   void start(std::function<void()> pump) { pumps_.emplace_back(std::move(pump)); }
-  // Threads have no more to do: the link was closed, or the port has gone.
+  // False: the link was closed or the port is gone, so the threads must end.
   [[nodiscard]] bool running() const noexcept { return !stop_ && !gone_; }
-  // The port has gone; reason() is `why` from now on.
+  // A thread calls this when the port is gone. From now on reason() returns `why`.
   void ended(const std::string& why);
+  // Gives bytes from the port to the link, and waits until the link has room for them.
   void hand_on(std::span<const std::uint8_t> bytes);
-  // What the link wants sent, as soon as there is anything; 0 after `patience_ns`, or as soon as `other` can be read.
+  // Waits for bytes that the link wants to send, and returns their number. Returns 0 after `patience_ns`, or when the
+  // descriptor `other` becomes readable.
   [[nodiscard]] std::size_t fetch(std::span<std::uint8_t> room, std::uint64_t patience_ns, int other = -1);
-  // The threads have ended, or are the parent's (`ours` is false): the port is let go.
+  // Releases the port after the threads have ended. `ours` is false in a forked child: threads and port belong to the
+  // parent.
   virtual void let_go(bool ours) noexcept = 0;
 
  private:

@@ -13,7 +13,8 @@ std::uint64_t real_ns() noexcept {
 }
 
 RobotTime& RobotTime::here() {
-  static auto* const time = new RobotTime;  // never deleted: a board's thread may outlive what is static
+  // never deleted: the thread of a board may still run when static objects are destroyed
+  static auto* const time = new RobotTime;
   return *time;
 }
 
@@ -38,7 +39,7 @@ void RobotTime::Follower::due(std::uint64_t robot_ns) noexcept {
 std::uint64_t RobotTime::now_ns(std::uint64_t real) noexcept {
   const std::scoped_lock lock(mutex_);
   const std::uint64_t wanted = real - std::min(real, slip_ns_);
-  if (wanted <= last_ns_) {  // another thread has looked at its watch later, and come first
+  if (wanted <= last_ns_) {  // another thread read the real time later, but came here first
     return last_ns_;
   }
   const std::uint64_t lag_most = followers_.size() > 1 ? lag_together_ns : lag_alone_ns;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A node on an RS-485 pair: one serial port, shared by the links of this process to all nodes on it. We are the master.
+// A node on an RS-485 pair. All links of this process to nodes of the same pair share one serial port. The PC is the
+// master.
 //   rs485:/dev/ttyUSB0?node=3&baud=3000000
-// Options: node= (1 to 63), baud=, poll= (s between looks at a node that has nothing to say, 0.001), silence= (s until
-// a node that was polled counts as not there, 0.02).
+// Options, with their defaults:
+//   node=      1 to 63
+//   baud=      (115200)
+//   poll=      (0.001) s between two polls of a node that has nothing to send
+//   silence=   (0.02) s after which a node that does not answer its poll counts as absent
 
 #include <unistd.h>
 
@@ -19,7 +23,7 @@ using pair_bus::Master;
 constexpr std::uint64_t poll_ns_default = 1'000'000;
 constexpr std::uint64_t silence_ns_default = 20'000'000;
 
-// The link's end of a socket pair; the master has the other.
+// The link's end of the socket pair. The master has the other end.
 class Rs485Driver final : public DescriptorDriver {
  public:
   Rs485Driver(std::shared_ptr<Master> master, unsigned node, int descriptor)
@@ -29,11 +33,11 @@ class Rs485Driver final : public DescriptorDriver {
   void close() noexcept override {
     if (master_ != nullptr) {
       master_->leave(node_);
-      master_.reset();  // the last one closes the port
+      master_.reset();  // the last link closes the port
     }
     DescriptorDriver::close();
   }
-  void disown() noexcept override {  // a forked child: the master's thread is the parent's
+  void disown() noexcept override {  // for a forked child: the master's thread belongs to the parent
     Master::disown(std::move(master_));
     DescriptorDriver::close();
   }
@@ -71,8 +75,8 @@ Outcome settings_of(const Url& url, pair_bus::Settings& settings) {
 
 }  // namespace
 
-// bad_url, not_found, permission, busy (the port, or a second link to the node), mismatch (another baud rate than the
-// links to other nodes).
+// Errors: bad_url, not_found, permission, busy (another program has the port, or another link has the node), mismatch
+// (the links to other nodes have another baud rate).
 Outcome open_rs485(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   pair_bus::Settings settings;
   if (Outcome outcome = settings_of(url, settings); !outcome.ok()) {

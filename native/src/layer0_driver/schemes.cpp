@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of schemes. Each opener stands in the driver's own file.
+// The table of schemes. Each opener is in the file of its driver.
 #include "layer0_driver/schemes.hpp"
 
 #include <algorithm>
@@ -58,7 +58,7 @@ constexpr Scheme table[] = {
      .once = true},
 };
 
-// Made at its first use, which may be that of an AddedScheme in another file, before this file's own objects are made.
+// Made at its first use. This may be an AddedScheme in another file, before the static objects of this file are made.
 std::vector<const Scheme*>& rows() {
   static std::vector<const Scheme*> all = [] {
     std::vector<const Scheme*> built_in;

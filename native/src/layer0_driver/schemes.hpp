@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schemes of link URLs: what may stand before the colon. A scheme is one row of the table in schemes.cpp, and one
-// driver, which the row opens. URLs, options, error messages, Python's `connect` and the help of the commands go by the
-// rows.
+// The schemes of link URLs. A scheme is the word before the colon. Each is one row of the table in schemes.cpp, and one
+// driver, which the row opens. The parsing of URLs and options, error messages, Python's `connect` and the help of the
+// commands use the rows.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace unitylink {
 class Driver;
 struct Url;
 
-// How long opening may take.
+// How long opening may take, and what ends it early.
 struct Patience {
   std::uint64_t timeout_ns = 0;
-  int cancelled = -1;  // a descriptor: opening ends with closed as soon as it is readable. -1: never
+  int cancelled = -1;  // a descriptor: when it becomes readable, opening ends with closed. -1: never
 };
 
-// Opens what the URL names; the errors are bad_url, not_found, permission, busy, mismatch, timeout and closed.
+// Opens what the URL names. Errors: bad_url, not_found, permission, busy, mismatch, timeout and closed.
 using Opener = Outcome(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver);
 
 // What stands between the colon and the options.
@@ -36,30 +36,30 @@ enum class Place : std::uint8_t {
 struct Scheme {
   std::string_view name;
   std::string_view form;  // an example of its URLs
-  std::string_view what;  // where it leads, in a few words
+  std::string_view what;  // what it is a link to, in a few words
   Place place = Place::file;
-  // its own, with a space between two; those of every link are in layer2_message/link_options.cpp
+  // the scheme's own options, with spaces between them; layer2_message/link_options.cpp has those of every link
   std::string_view options = {};
   Opener* open = nullptr;
-  // bytes go there; else it is memory of this machine, and an option of a protocol means nothing
+  // it carries bytes; false: it is memory of this machine, so the options of the protocols are refused
   bool stream = true;
   bool once = false;         // cannot be opened a second time
-  bool framed_only = false;  // carries no classic text
-  bool loses_order = false;  // bytes may come in another order, or twice: every frame gets the longer checksum
+  bool framed_only = false;  // cannot carry the text of the classic protocol
+  bool loses_order = false;  // bytes may arrive in another order, or twice, so every frame gets the longer checksum
 
-  // `options`, one by one.
+  // The words of `options`.
   [[nodiscard]] std::vector<std::string_view> option_names() const;
-  // Whether an option is the scheme's own.
+  // Whether `options` has this word.
   [[nodiscard]] bool takes(std::string_view option) const;
 };
 
-// All rows, in the order in which they are told.
+// All rows, in the order of messages and help texts.
 [[nodiscard]] const std::vector<const Scheme*>& schemes();
-// nullptr: there is none of this name.
+// nullptr: there is no scheme of this name.
 [[nodiscard]] const Scheme* find_scheme(std::string_view name);
 
-// A row from outside of the core, for a program that is linked with it. To be made before the first link is opened;
-// `scheme` must stay:
+// Adds a row from outside the core, for a program that is linked with it. Make it before the first link is opened.
+// `scheme` must not be destroyed.
 //   const Scheme loop{.name = "loop", .form = "loop:", .what = "a wire back", .place = Place::name,
 //                     .open = &open_loop};
 //   const AddedScheme added(loop);

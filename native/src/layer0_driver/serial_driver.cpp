@@ -17,7 +17,8 @@ namespace unitylink {
 namespace {
 
 constexpr std::uint64_t bits_per_byte = 10;  // start, 8 data, stop
-constexpr std::uint64_t baud_hz_min = 50;    // the slowest that termios names; below, a timeout would be a night
+// the slowest rate that termios names; with a slower one a timeout would take hours
+constexpr std::uint64_t baud_hz_min = 50;
 
 class SerialDriver final : public DescriptorDriver {
  public:
@@ -37,13 +38,13 @@ class SerialDriver final : public DescriptorDriver {
   std::uint64_t byte_time_ns_;
 };
 
-// Devices 136 to 143 are the slaves of Unix 98 pseudo-terminals; their baud rate is only a number.
+// Device numbers 136 to 143 are Unix 98 pseudo-terminals. Their baud rate has no effect.
 bool is_pseudo_terminal(int descriptor) noexcept {
   struct stat status{};
   return ::fstat(descriptor, &status) == 0 && major(status.st_rdev) >= 136 && major(status.st_rdev) <= 143;
 }
 
-// Asks USB adapters to deliver at once instead of after their latency timer. Many drivers have no such setting.
+// Asks a USB adapter to deliver bytes at once and not when its latency timer ends. Many drivers have no such setting.
 void ask_low_latency(int descriptor) noexcept {
   serial_struct serial{};
   if (::ioctl(descriptor, TIOCGSERIAL, &serial) == 0) {
@@ -75,7 +76,8 @@ Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& dr
                ? Outcome{Status::not_found, "serial port " + url.path + ": this is not a serial port"}
                : cannot_open_serial(url.path, errno);
   }
-  // TIOCEXCL does not stop root, flock does not stop programs that do not ask: together they stop nearly all.
+  // Keeps other programs out. TIOCEXCL does not stop root, and flock does not stop programs that do not ask for the
+  // lock. Together they stop nearly all.
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     return cannot_open_serial(url.path, errno);
   }
@@ -90,7 +92,7 @@ Outcome open_serial(const Url& url, const Patience&, std::unique_ptr<Driver>& dr
   ask_low_latency(descriptor);
   const std::uint64_t byte_time_ns = is_pseudo_terminal(descriptor) ? 0 : bits_per_byte * 1'000'000'000u / baud_hz;
   driver = std::make_unique<SerialDriver>(descriptor, byte_time_ns);
-  port.release();  // it is the driver's
+  port.release();  // the driver owns it now
   return {};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Its own file because the kernel's termios2, which takes any baud rate, cannot be included beside <termios.h>.
+// A separate file, because the kernel's termios2 and <termios.h> cannot be included together. Only termios2 takes any
+// baud rate.
 #include <asm/ioctls.h>
 #include <asm/termbits.h>
 #include <cerrno>
@@ -17,11 +18,11 @@ int make_raw(int descriptor, std::uint32_t baud_hz) noexcept {
   settings.c_iflag = 0;
   settings.c_oflag = 0;
   settings.c_lflag = 0;
-  // CLOCAL: carrier detect does not matter. No HUPCL: closing does not drop DTR, which resets many boards.
+  // CLOCAL ignores carrier detect. Without HUPCL, closing does not lower DTR. (This would reset many boards.)
   settings.c_cflag = CS8 | CREAD | CLOCAL | BOTHER | (BOTHER << IBSHIFT);
   settings.c_ispeed = baud_hz;
   settings.c_ospeed = baud_hz;
-  settings.c_cc[VMIN] = 1;  // with 0 an empty terminal would read as the end of the stream
+  settings.c_cc[VMIN] = 1;  // with 0, a read without bytes would look like the end of the stream
   settings.c_cc[VTIME] = 0;
   return ::ioctl(descriptor, TCSETS2, &settings) == 0 ? 0 : errno;
 }

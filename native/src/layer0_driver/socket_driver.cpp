@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// TCP and UDP. TCP sends at once (no Nagle). UDP is connected: one datagram per flush, an empty one says goodbye.
+// TCP and UDP. TCP sends at once (TCP_NODELAY). The UDP socket is connected. Each call of send() is one datagram. An
+// empty datagram tells the board that the link has ended.
 
 #include <algorithm>
 #include <atomic>
@@ -31,7 +32,7 @@ class UdpDriver final : public DescriptorDriver {
     return transfer;
   }
 
-  // The empty datagram frees the board for the next program; UDP has no other goodbye.
+  // The empty datagram frees the board for the next program. UDP itself has no message for the end of a connection.
   void close() noexcept override {
     if (descriptor() >= 0) {
       static_cast<void>(::send(descriptor(), nullptr, 0, MSG_NOSIGNAL));
@@ -40,8 +41,8 @@ class UdpDriver final : public DescriptorDriver {
   }
 
  protected:
-  // "Port unreachable" may come from anybody, and from a board that is being started again. Where somebody has answered
-  // before it is a datagram that was lost; where nobody has, nobody is there.
+  // "Port unreachable" may come from anybody, and from a board that is restarting. If the board has answered before,
+  // this counts as a lost datagram. If it never has, nobody is there.
   [[nodiscard]] Transfer failed(int error) noexcept override {
     return error == ECONNREFUSED && heard_ ? Transfer{} : DescriptorDriver::failed(error);
   }
@@ -50,7 +51,7 @@ class UdpDriver final : public DescriptorDriver {
   std::atomic<bool> heard_ = false;
 };
 
-// 0, or the errno of a non-blocking connect that is given `timeout_ns`, and less when `cancelled` is readable.
+// Connects within `timeout_ns`. Returns 0 or an errno: ECANCELED if the descriptor `cancelled` becomes readable.
 int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeout_ns, int cancelled) noexcept {
   if (::connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) {
     return 0;
@@ -61,7 +62,7 @@ int connect_within(int descriptor, const addrinfo& address, std::uint64_t timeou
   const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeout_ns);
   pollfd waiting[2] = {{descriptor, POLLOUT, 0}, {cancelled, POLLIN, 0}};
   int ready = -1;
-  do {  // a signal is no reason to give up
+  do {  // after a signal, it waits again
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
     ready = ::poll(waiting, 2, static_cast<int>(std::max<std::int64_t>(left, 0)) + 1);
@@ -93,8 +94,8 @@ Outcome cannot_connect(const Url& url, int error) {
 
 }  // namespace
 
-// tcp://HOST:PORT or udp://HOST:PORT. not_found (no such host, nothing listens, no route), timeout, closed. A
-// connection is given up as soon as `cancelled`, a descriptor, is readable; -1: never.
+// Opens tcp://HOST:PORT or udp://HOST:PORT. Errors: not_found (no such host, nothing listens, no route), permission,
+// timeout, closed.
 Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Driver>& driver) {
   const bool stream = url.scheme == "tcp";
   addrinfo hints{};
@@ -126,7 +127,7 @@ Outcome open_socket(const Url& url, const Patience& patience, std::unique_ptr<Dr
     } else {
       driver = std::make_unique<UdpDriver>(socket.get());
     }
-    socket.release();  // it is the driver's
+    socket.release();  // the driver owns it now
     break;
   }
   return error == 0 ? Outcome{} : cannot_connect(url, error);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An SPI slave behind the kernel's spidev: the PC is the master, and each byte it clocks out brings one in.
+// An SPI slave, through the kernel's spidev. The PC is the master. Each byte that it sends also receives one.
 //   spi:/dev/spidev0.0?speed_hz=10000000&poll=0.001&waiting=/dev/gpiochip0:25
-// Options: speed_hz= (of sck, 10 MHz), waiting= (the line on which the slave's wire of that name is), poll= (s between
-// looks at a slave that has nothing to say, 0.001; with a line 0.1, in case that the wire is off).
+// Options, with their defaults:
+//   speed_hz=   (10000000) the frequency of sck
+//   waiting=    the GPIO line to which the slave's output `waiting` is connected
+//   poll=       (0.001) s between two polls of a slave that has nothing to send; with `waiting=` (0.1), in case the
+//   wire
+//               is broken
 
 #include <algorithm>
 #include <atomic>
@@ -23,16 +27,17 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t speed_hz_default = 10'000'000;
 constexpr std::uint64_t poll_ns_alone = 1'000'000;
 constexpr std::uint64_t poll_ns_beside_line = 100'000'000;
-constexpr std::size_t message_bytes = 1024;  // of the link's, in a transfer
-constexpr std::size_t look_bytes = 32;       // of filler behind them: an answer to one read comes within these
-// as much again while the slave goes on speaking; spidev takes 4096 in all
+constexpr std::size_t message_bytes = 1024;  // from the link, in one transfer
+constexpr std::size_t look_bytes = 32;       // of filler after them; the answer to one read fits into these
+// doubles up to this while the slave still sends; spidev takes 4096 bytes in one transfer
 constexpr std::size_t filler_bytes_most = 1024;
-constexpr std::chrono::milliseconds linger{1};  // how long answers are looked for without a pause
+// after a byte in either direction, the slave is polled without a pause for so long
+constexpr std::chrono::milliseconds linger{1};
 constexpr std::uint8_t filler = 0;
 
-// One thread clocks: what the link has to say, and zeros behind it for what the slave has. A zero is filler between
-// messages only, so nothing is clocked while a message of the link's is cut. A line on which the slave says that it has
-// something spares looking for it.
+// One thread makes all transfers: the bytes of the link, then zeros, during which the slave can send. A zero is filler
+// only between messages. So no zeros are sent while a message of the link is incomplete. With `waiting=` the slave
+// signals that it has bytes, so it need not be polled.
 class SpiDriver final : public PumpedDriver {
  public:
   SpiDriver(std::unique_ptr<SpiPort> port, std::unique_ptr<GpioLine> line, const SocketPair& pair,
@@ -50,7 +55,7 @@ class SpiDriver final : public PumpedDriver {
   void messages_end_with(std::uint8_t end) noexcept override { end_ = end; }
 
  private:
-  void let_go(bool) noexcept override {  // in a forked child too: it is the child's copy of the descriptors
+  void let_go(bool) noexcept override {  // also in a forked child, because these descriptors are its own copies
     port_.reset();
     line_.reset();
   }
@@ -58,7 +63,7 @@ class SpiDriver final : public PumpedDriver {
   void clock_all() {
     std::vector<std::uint8_t> out(message_bytes + filler_bytes_most), in(out.size());
     std::size_t look = look_bytes;
-    bool whole = true;  // the last message of the link's
+    bool whole = true;  // the last message from the link is complete
     Clock::time_point busy_until = Clock::now();
     while (running()) {
       const bool busy = line_ ? line_->high() : Clock::now() < busy_until;
@@ -90,7 +95,8 @@ class SpiDriver final : public PumpedDriver {
     }
   }
 
-  // Classic messages have no zeros; a framed one ends with one, and more of them mean nothing.
+  // Removes filler. Classic messages contain no zeros. A framed message ends with one zero, and any further zeros are
+  // filler.
   std::size_t without_filler(std::span<std::uint8_t> bytes) noexcept {
     std::size_t kept = 0;
     for (const std::uint8_t byte : bytes) {
@@ -103,17 +109,16 @@ class SpiDriver final : public PumpedDriver {
   }
 
   std::unique_ptr<SpiPort> port_;
-  std::unique_ptr<GpioLine> line_;  // of the slave's `waiting`; may be none
+  std::unique_ptr<GpioLine> line_;  // the slave's `waiting`; nullptr without this option
   std::uint64_t byte_time_ns_;
   std::uint64_t poll_ns_;
   std::atomic<std::uint8_t> end_ = '\n';
-  bool inside_ = false;  // a message of the slave's
+  bool inside_ = false;  // the last byte received belongs to an incomplete message
 };
 
 }  // namespace
 
-// bad_url, not_found, permission, busy, mismatch (a speed, mode or line that is not there). closed once a transfer
-// fails.
+// Errors: bad_url, not_found, permission, busy, mismatch (no such speed, mode or line).
 Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& driver) {
   std::uint64_t speed_hz = speed_hz_default;
   if (const std::string* text = url.option("speed_hz");

@@ -33,12 +33,13 @@ Outcome SpiPort::open(const std::string& path, std::uint32_t speed_hz, std::uniq
     return cannot_open_spi(path, errno);
   }
   std::unique_ptr<SpiPort> made(new SpiPort(opened.get(), speed_hz));
-  const int descriptor = opened.release();  // it is the port's
+  const int descriptor = opened.release();  // the port owns it now
   std::uint8_t mode = 0;
   if (::ioctl(descriptor, SPI_IOC_RD_MODE, &mode) != 0) {
     return cannot_open_spi(path, errno);
   }
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {  // spidev lets several programs in, whose messages would mix
+  // spidev allows several programs at once, and their messages would mix
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     return cannot_open_spi(path, errno);
   }
   mode = SPI_MODE_0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One chip select of an SPI bus, through the kernel's spidev: mode 0, 8 bits, most significant bit first.
+// One chip select of an SPI bus, through the kernel's spidev. It uses mode 0 and 8 bits, most significant bit first.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ class SpiPort {
   SpiPort& operator=(const SpiPort&) = delete;
   ~SpiPort();
 
-  // One transfer: as many bytes each way as `out` and `in` both have. 0, or an errno.
+  // Makes one transfer. Its length is that of `out` or `in`, whichever is shorter. Returns 0 or an errno.
   [[nodiscard]] int exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) const noexcept;
 
  private:

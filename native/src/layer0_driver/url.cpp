@@ -18,7 +18,8 @@ Outcome wrong(std::string_view text, const std::string& why) {
   return {Status::bad_url, "link URL '" + std::string(text) + "': " + why};
 }
 
-// %41 is A, as in every URL: a file name may have an & in it. False: a % without two hex digits behind it, or a NUL.
+// Replaces %41 by A, as in every URL, so that a file name can contain an &. False: a % has no two hex digits after it,
+// or stands for a NUL.
 bool unescape(std::string_view text, std::string& plain) {
   plain.clear();
   for (std::size_t index = 0; index < text.size(); ++index) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libusb-1.0, loaded when it is wanted: without a USB chip nobody needs it. Its ABI is fixed since 1.0; what is
-// declared here is what we use. The environment variable UNITYLINK_LIBUSB names another file to load.
+// libusb-1.0. It is loaded only for an `ftdi:` link, because no other link needs it. Its ABI has not changed since 1.0,
+// so this file declares what we use of it. The environment variable UNITYLINK_LIBUSB names another file to load.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ struct Interval {  // timeval
 
 class Library {
  public:
-  // not_found, with how to install it, where it is missing.
+  // Errors: not_found if it is missing; the text says how to install it.
   [[nodiscard]] static Outcome load(std::shared_ptr<Library>& library);
   Library() = default;
   Library(const Library&) = delete;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is sent, and when. classic_engine_receive.cpp: what is received. classic_engine_recovery.cpp: missing answers.
-// classic_engine_bus.cpp: what 2012 gateware does after a bus timeout.
+// What is sent, and when. Received messages are in classic_engine_receive.cpp, missing answers in
+// classic_engine_recovery.cpp, and bus timeouts of 2012 gateware in classic_engine_bus.cpp.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -55,7 +55,7 @@ bool ClassicEngine::admits(const Exchange& exchange) const noexcept {
   if (pending_end_ + exchange.request_bytes_ > pending_.size()) {
     return false;
   }
-  if (in_flight_.empty() || &exchange == &freeing_) {  // all before it are answered
+  if (in_flight_.empty() || &exchange == &freeing_) {  // all requests before it were answered
     return true;
   }
   const auto alone = [](Operation operation) {
@@ -125,7 +125,7 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
     default: break;
   }
   exchange.begin_ = position_ + (pending_end_ - pending_begin_);
-  if (exchange.operation == Operation::empty_message) {  // without the checksum that the encoder would write
+  if (exchange.operation == Operation::empty_message) {  // without a checksum, which the encoder would add
     room[0] = static_cast<std::uint8_t>(bytes::checked_head);
     room[1] = static_cast<std::uint8_t>(bytes::line_feed);
     pending_end_ += 2;
@@ -149,7 +149,8 @@ void ClassicEngine::encode(Exchange& exchange) noexcept {
 
 void ClassicEngine::encode_fence() noexcept {
   pending_begin_ = pending_end_ = 0;
-  // noise, or a host that went away, may have begun a frame there, which takes everything up to the next 00
+  // noise, or an earlier host, may have begun a frame at the device. Then all bytes up to the next 00 belong to that
+  // frame
   if (fence_unanswered_) {
     pending_[pending_end_++] = static_cast<std::uint8_t>(frame::delimiter);
   }
@@ -167,13 +168,13 @@ void ClassicEngine::encode_fence() noexcept {
 
 // ---- time
 
-// For one attempt.
+// The time that one attempt may take.
 std::uint64_t ClassicEngine::allowance_ns(const Exchange& exchange) const noexcept {
   return exchange.timeout_ns + 2 * settings_.byte_time_ns * (exchange.request_bytes_ + exchange.reply_bytes_);
 }
 
-// When a request ends, sent or not. One more attempt than its own allows for the fences between them. Requests before
-// it may take longer.
+// The latest end of a request, sent or not. It includes one more attempt than its own, for the fences between its
+// attempts.
 std::uint64_t ClassicEngine::limit_of(const Exchange& exchange) const noexcept {
   const std::uint64_t fence_ns = 2 * settings_.byte_time_ns * (fence_bytes_max + configuration_reply_bytes_max);
   const auto patience_ns = [this, fence_ns](const Exchange& one) {
@@ -249,7 +250,7 @@ void ClassicEngine::drop(Status status, std::uint64_t now_ns) noexcept {
   fence_code_ = 0;
 }
 
-// `strict`: a write that was sent is unknown even if it could be repeated.
+// `strict`: a write that was sent is unknown, even if it could be repeated.
 void ClassicEngine::finish_all(Status status, std::uint64_t now_ns, bool strict) noexcept {
   now_ns_ = now_ns;
   state_ = State::fence_due;

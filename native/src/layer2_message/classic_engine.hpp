@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ClassicEngine turns requests into text, in order, and text into answers. It also recovers when an answer is missing.
-// Sans I/O: it is given bytes and times, and gives bytes and results, so tests can run it on a virtual clock.
+// It does no I/O and reads no clock: it gets bytes and times, so tests can run it on a virtual clock.
 //
 //   submit() -> waiting -> transmit() -> in flight -> receive() -> replied -> done
 //                  ^                        |  a bad or missing answer: everything in flight is void
@@ -104,18 +104,19 @@ class ClassicEngine final : public Engine {
   State state_ = State::fence_due;
 
   ExchangeList waiting_;
-  ExchangeList in_flight_;            // first those with a reply, then those that wait for an answer
+  ExchangeList in_flight_;            // first the requests with a reply, then those that wait for one
   Exchange* oldest_ = nullptr;        // the first one in in_flight_ that waits for an answer
   std::uint32_t batch_ = 0;           // number of requests in in_flight_
-  std::uint32_t request_credit_ = 0;  // bytes of those that wait, in each direction
+  std::uint32_t request_credit_ = 0;  // bytes of the waiting requests, in each direction
   std::uint32_t reply_credit_ = 0;
 
   std::uint64_t oldest_since_ns_ = 0;
   std::uint64_t fence_deadline_ns_ = 0;
-  std::uint32_t fences_sent_ = 0;      // since the last one that was answered
-  std::uint32_t fences_hastened_ = 0;  // of those, given up early because a datalink error may have consumed them
+  std::uint32_t fences_sent_ = 0;  // fences sent since the last one that was answered
+  // how many of those were given up early, because a datalink error may have removed them
+  std::uint32_t fences_hastened_ = 0;
   bool fence_hastened_ = false;
-  bool fence_unanswered_ = false;  // the last one was not answered in its whole time
+  bool fence_unanswered_ = false;  // the last fence was not answered in its full time
   bool publishes_checked_ = false;
   std::uint8_t fence_code_ = 0;      // the last ?xx received while fencing
   std::uint32_t late_refusals_ = 0;  // answers to surplus fences that may still come

@@ -26,7 +26,7 @@ void ClassicEngine::on_bus_answer(Exchange& exchange, bool done) noexcept {
   const StrayCycle before = stray_cycle_;
   stray_cycle_ = StrayCycle::none;
   exchange.stray_cycle = done && (before == StrayCycle::write || (before == StrayCycle::read && exchange.writes()));
-  // it did no harm, so the requests before it need not report it
+  // the cycle did no harm, so the earlier requests need not report it
   if (before == StrayCycle::read && !exchange.writes()) {
     for (Exchange* other = in_flight_.front(); other != nullptr && other != &exchange;
          other = ExchangeList::after(*other)) {
@@ -43,9 +43,9 @@ void ClassicEngine::on_bus_timeout(Exchange& exchange) noexcept {
     return;
   }
   if (&exchange == &freeing_) {
-    harmless_address_.reset();  // it no longer answers
+    harmless_address_.reset();  // this address no longer answers
   }
-  if (stray_cycle_ == StrayCycle::none || exchange.words > 0) {  // otherwise the cycle before goes on
+  if (stray_cycle_ == StrayCycle::none || exchange.words > 0) {  // otherwise the earlier cycle is still open
     stray_cycle_ = exchange.writes() ? StrayCycle::write : StrayCycle::read;
   }
   exchange.stray_cycle = true;
@@ -57,7 +57,7 @@ bool ClassicEngine::wants_bus_freed() const noexcept {
          state_ == State::ready && !ended_ && !(in_flight_.empty() && waiting_.empty());
 }
 
-// Its answer belongs to the requests before it. They get their results when the bus is free.
+// Reads a word to free the bus. The requests before it get their results when the bus is free.
 void ClassicEngine::free_bus() noexcept {
   const Exchange& cause = in_flight_.empty() ? *waiting_.front() : *in_flight_.front();
   const bool checked = cause.checked;

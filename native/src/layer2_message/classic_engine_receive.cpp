@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Assigns each received message to its receiver.
+// Gives each received message to the request or the group that it belongs to.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ void ClassicEngine::on_message(const Message& message) noexcept {
     case MessageKind::malformed: statistics_.malformed_messages += 1; break;
     case MessageKind::application_error:
     case MessageKind::reply:
-      if (message.is_publish()) {  // cut short by an error of the device's bus
+      if (message.is_publish()) {  // an error of the device's bus has cut it short
         statistics_.mismatched_publishes += 1;
       } else if (state_ == State::ready) {
         on_reply(message);
@@ -80,7 +80,7 @@ void ClassicEngine::on_message(const Message& message) noexcept {
   }
 }
 
-// A reply that cannot be accepted. Its request is not known either.
+// A reply cannot be accepted. It is not known to which request it belongs.
 void ClassicEngine::on_bad_reply() noexcept {
   if (state_ == State::fencing) {
     hasten_fence();
@@ -106,7 +106,8 @@ void ClassicEngine::on_reply(const Message& message) noexcept {
     on_application_error(exchange, message);
   } else if (message.head == head && message.kind == MessageKind::reply && take_data(exchange, message)) {
     if (exchange.operation == Operation::write_group_addresses) {
-      rings_[exchange.address] = exchange.ring;  // at once: the next message may be the group's first publish
+      // set at once, because the next message may be the group's first publish
+      rings_[exchange.address] = exchange.ring;
     }
     on_bus_answer(exchange, true);
     replied(exchange, Status::ok);
@@ -184,7 +185,7 @@ void ClassicEngine::replied(Exchange& exchange, Status status) noexcept {
   }
 }
 
-// There are as many answers as requests, so each answer belongs to its request.
+// All requests were answered, so the n-th answer belongs to the n-th request.
 void ClassicEngine::settle_batch() noexcept {
   batch_ = 0;
   ExchangeList again;
@@ -210,7 +211,7 @@ void ClassicEngine::on_datalink_error(std::uint8_t code) noexcept {
     fence_code_ = code;
     blame(code);
     if (code == datalink_error::format && !plain_fence_ && !reported_) {
-      plain_fence_ = true;  // the answer to '$' of a datalink without checksums
+      plain_fence_ = true;  // a datalink without checksums answers '$' in this way
       state_ = State::fence_due;
     } else {
       hasten_fence();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recovery after a missing or wrong answer: void, fence, and what follows.
+// Recovery after a missing or wrong answer: the requests in flight become void, and a fence is sent.
 #include "layer2_message/classic_engine.hpp"
 
 #include <algorithm>
@@ -10,16 +10,17 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint32_t hastened_fences_max = 8;
-constexpr std::uint64_t hastened_part = 8;  // of the timeout
+constexpr std::uint64_t hastened_part = 8;  // the next fence comes after this part of the timeout
 
 }  // namespace
 
-// Bytes lost at the device's end cause errors of form and checksum. Their codes are higher.
+// Lost bytes also cause errors of form and checksum. The code for lost bytes is higher than theirs, so the highest code
+// is kept.
 void ClassicEngine::keep_cause(Exchange& exchange, std::uint8_t datalink_code) noexcept {
   exchange.datalink_code = std::max(exchange.datalink_code, datalink_code);
 }
 
-// The device does not say whose bytes it lost. So every waiting request may be meant, and reports it if it fails.
+// The device does not report which request has lost bytes. So each waiting request reports this error if it fails.
 void ClassicEngine::blame(std::uint8_t datalink_code) noexcept {
   if (datalink_code < datalink_error::physical) {
     return;
@@ -33,7 +34,7 @@ void ClassicEngine::blame(std::uint8_t datalink_code) noexcept {
   }
 }
 
-// Bytes that the device reported as damaged or lost explain a silence after them.
+// The status of a request without an answer. If the device has reported damaged or lost bytes, they are the reason.
 Status ClassicEngine::silence_of(const Exchange& exchange) noexcept {
   return exchange.datalink_code >= datalink_error::physical ? Status::protocol_error : Status::timeout;
 }
@@ -68,7 +69,7 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
         (!left || (exchange.repeat && exchange.failures_ < exchange.attempts_max)) && now_ns_ < limit_of(exchange);
     exchange.state_ = Exchange::State::waiting;
     if (once_more && exchange.batch != nullptr) {
-      exchange.batch->failed = false;  // the answers it had are void as well
+      exchange.batch->failed = false;  // its answers are void as well
     }
     (once_more ? again : over).push_back(exchange);
   }
@@ -80,7 +81,7 @@ void ClassicEngine::void_in_flight(Status why, std::uint8_t datalink_code) noexc
   }
 }
 
-// To be sent again, before all other requests.
+// Puts these requests before all others, to be sent again.
 void ClassicEngine::put_back(ExchangeList& again) noexcept {
   look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
   for (const Exchange* exchange = again.front(); exchange != nullptr; exchange = ExchangeList::after(*exchange)) {
@@ -164,7 +165,7 @@ void ClassicEngine::on_fence_answer(const Message& message) noexcept {
     const bool maybe_2012 = !corrected_ && (!reported_ || has_comma_byte(*reported_));
     const auto configuration = parse_configuration(message.fields, decoder_.sum(), message.checksum, maybe_2012);
     const bool other = configuration && reported_ && *configuration != *reported_;
-    // without a checksum, a strange answer is more likely noise than another device
+    // without a checksum, an unexpected answer is more likely noise than another device
     if (!configuration || (other && plain_fence_)) {
       statistics_.malformed_messages += 1;
       hasten_fence();

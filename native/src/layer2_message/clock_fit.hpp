@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The device's clock in the host's time: offset and drift, fitted to readings of the clock. Sans I/O.
+// Converts the device's clock to the host's time. Offset and drift are fitted to readings of the clock. Sans I/O.
 #pragma once
 
 #include <algorithm>

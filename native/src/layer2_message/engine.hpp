@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Link needs of an engine, whichever protocol it speaks: requests in, bytes out; bytes in, verdicts out. Sans I/O:
-// it is given bytes and times and gives bytes and verdicts, so that tests can run it on a virtual clock. ClassicEngine
-// and FramedEngine speak a protocol; MappedEngine needs none.
+// The interface between Link and its engine. The engine turns requests into bytes, and received bytes into results. It
+// does no I/O and reads no clock: it gets bytes and times from its caller, so tests can run it on a virtual clock.
+// ClassicEngine and FramedEngine each speak a protocol. MappedEngine needs none.
 #pragma once
 
 #include <array>
@@ -19,17 +19,17 @@
 namespace unitylink {
 
 struct EngineSettings {
-  Crc8 sum{};  // of the classic protocol
-  // false: the gateware has none, and a '$' may hang it, so that none is ever sent
+  Crc8 sum{};  // the checksum of the classic protocol
+  // false: the gateware has no checksums. A '$' could hang it, so none is ever sent
   bool checksums = true;
-  std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // the device's, for classic requests
-  std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // the device's, for classic replies
-  std::uint32_t window = 64;                                                 // requests in flight together
+  std::uint32_t receive_fifo_bytes = protocol::limits::fifo_bytes_default;   // of the device, for classic requests
+  std::uint32_t transmit_fifo_bytes = protocol::limits::fifo_bytes_default;  // of the device, for classic replies
+  std::uint32_t window = 64;                                                 // most requests in flight
   std::uint64_t timeout_ns = 100'000'000;
-  std::uint64_t byte_time_ns = 0;  // on the wire: long messages are given the time they need
-  // the CRC-32C in every frame, where the device knows it: for links that lose order
+  std::uint64_t byte_time_ns = 0;  // on the wire; long messages get more time
+  // every frame has the CRC-32C, if the device knows it; for links that lose the order of bytes
   bool checked_long = false;
-  std::uint64_t seed = 0;  // what the epochs of framed sessions are drawn from
+  std::uint64_t seed = 0;  // of the random epochs of framed sessions
 };
 
 class Engine {
@@ -41,41 +41,45 @@ class Engine {
   Engine& operator=(const Engine&) = delete;
   virtual ~Engine() = default;
 
-  // Widths are needed before anything but the request that begins a link is submitted.
+  // Gives the widths of the device. Only the request that begins a link (resynchronise) can be submitted before.
   virtual void configure(const Configuration& configuration) noexcept = 0;
+  // Takes a request. The caller keeps it, and the buffers that it points to, until it is done.
   virtual void submit(Exchange& exchange, std::uint64_t now_ns) noexcept = 0;
+  // Takes bytes from the device.
   virtual void receive(std::span<const std::uint8_t> bytes, std::uint64_t now_ns) noexcept = 0;
-  // What is to be sent now; sent() says how much of it has been.
+  // The bytes to send now. After sending, the caller tells by sent() how many were sent.
   [[nodiscard]] virtual std::span<const std::uint8_t> transmit(std::uint64_t now_ns) noexcept = 0;
   virtual void sent(std::size_t bytes) noexcept = 0;
+  // Does what is due by now, such as timeouts. Call it at next_deadline_ns() at the latest.
   virtual void advance(std::uint64_t now_ns) noexcept = 0;
   [[nodiscard]] virtual std::uint64_t next_deadline_ns() const noexcept = 0;
-  // Takes requests back: all of them are done afterwards.
+  // Gives requests up: all of them are done when this returns.
   virtual void abandon(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
-  // The gentle form: what is on its way is waited for, at most the usual time, but not sent again.
+  // Gives requests up, but still waits for those that were sent, for the usual time. It sends none of them again.
   virtual void withdraw(std::span<Exchange> exchanges, std::uint64_t now_ns) noexcept = 0;
-  // Ends everything, with `status`; writes on their way end unknown. Nothing is accepted any more.
+  // Ends the engine. All requests get `status`, except writes that were sent: their status is unknown. No request is
+  // accepted afterwards.
   virtual void end(Status status, std::uint64_t now_ns) noexcept = 0;
-  // The line is gone, not for ever: all that is under way ends with `status`, writes of which something has left
-  // unknown, and nothing of it is sent again. What is submitted from then on begins anew, on another line.
+  // The line is gone and may come back. All requests get `status`, except writes of which a byte was sent: their status
+  // is unknown. None of them is sent again. Later requests go to the new line.
   virtual void cut(Status status, std::uint64_t now_ns) noexcept = 0;
-  // Ends a request that has not been submitted.
+  // Ends a request that was not submitted.
   void decline(Exchange& exchange, Status status, std::uint64_t now_ns) noexcept {
     now_ns_ = exchange.begun_ns = now_ns;
     finish(exchange, status);
   }
-  // The line comes back: a board that serves another program is asked again later, and is not the end.
+  // For a link with reconnect=1. If the board serves another program, the engine asks again later, and does not end.
   void set_lasting() noexcept { lasting_ = true; }
-  // The same as end() without telling anybody: their threads are in another process.
+  // For a forked child. Like end(), but calls nobody, because the waiting threads are in the parent.
   virtual void forget(Status status) noexcept = 0;
 
-  // Who gets a group's publishes; nullptr: nobody, they are counted as unclaimed.
+  // From now on the publishes of the group go into `ring`. nullptr: they are dropped, and counted as unclaimed.
   virtual void claim(std::uint32_t group, PublishRing* ring) noexcept { rings_[group] = ring; }
   [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] Statistics& statistics() noexcept { return statistics_; }
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
   [[nodiscard]] std::uint64_t last_answer_ns() const noexcept { return last_answer_ns_; }
-  [[nodiscard]] std::uint64_t now_ns() const noexcept { return now_ns_; }  // the last time it was given
+  [[nodiscard]] std::uint64_t now_ns() const noexcept { return now_ns_; }  // the time of the last call
   [[nodiscard]] std::uint64_t completed() const noexcept { return completed_; }
   [[nodiscard]] std::optional<Status> ended() const noexcept { return ended_; }
 
@@ -99,8 +103,8 @@ class Engine {
   std::uint64_t now_ns_ = 0;
   std::uint64_t last_answer_ns_ = 0;  // 0: never
   std::uint64_t completed_ = 0;
-  std::uint64_t progress_ns_ = 0;  // the last answer to a caller: what waits behind it has its time from then on
-  std::uint64_t look_ns_ = 0;      // when the first of those that wait may be late
+  std::uint64_t progress_ns_ = 0;  // when a caller was last answered; the time limit of the next request begins here
+  std::uint64_t look_ns_ = 0;      // when the first waiting request may be late
   bool lasting_ = false;
   std::array<PublishRing*, protocol::limits::groups_max> rings_{};
 };

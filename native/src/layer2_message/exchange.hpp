@@ -14,15 +14,14 @@ namespace unitylink {
 
 class PublishRing;
 
-// The highest number that stands in so many bytes of a word.
+// The highest number that fits into so many bytes.
 [[nodiscard]] constexpr std::uint32_t highest(std::uint32_t bytes) noexcept {
   return bytes >= 4 ? 0xFFFFFFFFu : (1u << (8 * bytes)) - 1;
 }
 
 enum class Operation : std::uint8_t {
   // both protocols
-  // only the fence, or the opening of a session; done when the device has answered it; a link begins with it
-  resynchronise,
+  resynchronise,  // sends only a fence, or opens a session; a link begins with it. Done when the device has answered
   read,
   read_many,
   write,

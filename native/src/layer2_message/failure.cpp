@@ -30,7 +30,7 @@ std::string_view meaning_of(std::string_view error) noexcept {
   return "an error of the gateware";
 }
 
-constexpr unsigned overrun = 4;  // among the bits of a physical error
+constexpr unsigned overrun = 4;  // bit of a physical error
 
 std::string_view meaning_of(std::uint8_t code) noexcept {
   namespace codes = protocol::datalink_error;

@@ -31,10 +31,11 @@ template <class Make>
 
 [[nodiscard]] std::string hex_address(std::uint32_t address, std::uint32_t address_bytes);
 [[nodiscard]] std::string duration_text(std::uint64_t ns);
-// For a call that continues after its writes. They were executed, so `down`, which says that nothing was sent, would be
-// wrong.
+// Corrects the status of a call that continues after its writes. `down` says that nothing was sent. But the writes were
+// executed.
 [[nodiscard]] Outcome behind_writes(Outcome outcome);
-// The failure to report, and not one that was only given up because of it. exchanges.size() if none has failed.
+// The number of the exchange whose failure is reported. Exchanges that were given up because of it do not count.
+// exchanges.size(): none has failed.
 [[nodiscard]] std::size_t first_failed(std::span<const Exchange> exchanges) noexcept;
 [[nodiscard]] Outcome describe(const Exchange& exchange, const FailureContext& context);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is sent, and when. framed_engine_receive.cpp: what is received. framed_engine_session.cpp: sessions, and missing
-// answers.
+// What is sent, and when. Received frames are in framed_engine_receive.cpp, sessions and missing answers in
+// framed_engine_session.cpp.
 #include "layer2_message/framed_engine.hpp"
 
 #include <algorithm>
@@ -12,17 +12,20 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t posts_in_flight_bytes = 16384;  // on a line without losses
+constexpr std::uint64_t posts_in_flight_bytes = 16384;  // most bytes of posts in flight, on a line without losses
 constexpr std::uint64_t posts_in_flight_least = 4;
-constexpr std::uint64_t posts_in_flight_blind = 32;  // after a loss, when the speed of the line is not known
-// a quarter of these are open when the device is asked for its count
+// most posts in flight after a loss, if the speed of the line is not known the device is asked for its count after each
+// quarter of the posts that may be in flight
+constexpr std::uint64_t posts_in_flight_blind = 32;
 constexpr std::uint64_t confirm_part = 4;
-// of the timeout, before the first repeat, even on a quick line, because hosts may pause
+// a request waits at least this part of the timeout before its first repeat, because hosts may pause
 constexpr std::uint64_t wait_part = 20;
-// beyond a round trip, after an answer has shown a loss (RFC 9002, 6.2)
+// after an answer has shown a loss, the repeat comes this long after a round trip (RFC 9002, 6.2)
 constexpr std::uint64_t repeat_wait_ns = 1'000'000;
-constexpr std::uint64_t confirm_patience_ns = 5'000'000;  // for the last posts of a burst
-constexpr std::string_view classic_question = "#RLC\n";   // not the fence, because its answer may still be on its way
+// how long after the last post of a burst the device is asked for its count
+constexpr std::uint64_t confirm_patience_ns = 5'000'000;
+// not the fence, because an answer to an earlier fence may still arrive
+constexpr std::string_view classic_question = "#RLC\n";
 
 }  // namespace
 
@@ -127,7 +130,7 @@ void FramedEngine::encode_greeting() noexcept {
                 .word(frame::version, 1)
                 .word(frame::version, 1)
                 .finish();
-    if (probe_ && sessions_ == 0) {  // gateware without frames has skipped HELLO, and answers this
+    if (probe_ && sessions_ == 0) {  // gateware without frames skips HELLO, but answers this question
       std::copy(classic_question.begin(), classic_question.end(), space.begin() + static_cast<std::ptrdiff_t>(size));
       size += classic_question.size();
       space[size++] = frame::delimiter;
@@ -143,7 +146,7 @@ void FramedEngine::encode_greeting() noexcept {
   greeting_deadline_ns_ = now_ns_ + greeting_wait_ns_ + allowance_ns(greeting_bytes);
 }
 
-// Sends the oldest place that is due.
+// Sends the oldest request that must be sent (again).
 bool FramedEngine::send_due() noexcept {
   for (std::uint16_t id = base_id_; due_ > 0 && id != next_id_; ++id) {
     Place& place = place_of(id);
@@ -166,11 +169,11 @@ bool FramedEngine::send_due() noexcept {
 
 // Sends the next new message: posts and requests in the order in which they were made.
 bool FramedEngine::send_next() noexcept {
-  if (given_up_ > 0) {  // a late one must not undo what is made after its caller got the result
+  if (given_up_ > 0) {  // a late copy of a given-up request must not undo what its caller does after the result
     return false;
   }
   if (!waiting_.empty() && waiting_.front()->follows_ <= posts_.sent()) {
-    // no post waits for it, because requests that fill the window may be waiting for posts
+    // posts do not wait for a request, because the requests that fill the window may wait for posts
     const bool question = is_confirmation(*waiting_.front());
     const bool sent = send_request();
     if (sent || !question) {
@@ -183,7 +186,8 @@ bool FramedEngine::send_next() noexcept {
 // Sends the first waiting request.
 bool FramedEngine::send_request() noexcept {
   Exchange& exchange = *waiting_.front();
-  if (exchange.operation == Operation::resynchronise) {  // a session is open: done when it is set up like the last one
+  if (exchange.operation == Operation::resynchronise) {  // a session is open: this request is done when the session is
+                                                         // set up like the last one
     if (restoring()) {
       return false;
     }
@@ -200,7 +204,7 @@ bool FramedEngine::send_request() noexcept {
     return false;  // its group may not be defined yet
   }
   Place& place = place_of(next_id_);
-  // The other half of a large window is for requests after a lost one.
+  // Only half of a large window is used. The other half is for requests after a lost one.
   const std::uint32_t most = window_ >= 64 ? window_ / 2 : window_;
   if (place.used || in_flight_ >= most) {
     return false;
@@ -228,7 +232,7 @@ bool FramedEngine::send_request() noexcept {
   place.limit_ns = limit_of(exchange);
   exchange.state_ = Exchange::State::in_flight;
   exchange.sent = true;
-  if (exchange.operation == Operation::define_group) {  // at once: a publish may come before the answer
+  if (exchange.operation == Operation::define_group) {  // set at once, because a publish may arrive before the answer
     rings_[exchange.address] = exchange.ring;
     groups_[exchange.address] = {exchange.ring, exchange.addresses, exchange.value, exchange.on_event, 0};
   }
@@ -255,7 +259,7 @@ std::uint64_t FramedEngine::posts_most() const noexcept {
 bool FramedEngine::send_post() noexcept {
   const bool confirming = std::any_of(confirmations_.begin(), confirmations_.end(),
                                       [](const Exchange& own) { return own.state_ == Exchange::State::in_flight; });
-  // only while an answer will surely come, or its absence will be noticed
+  // more posts are only sent while an answer is expected, or its absence will be noticed
   if (confirming && posts_.sent() - posts_.confirmed() >= posts_most()) {
     return false;
   }
@@ -313,7 +317,7 @@ std::size_t FramedEngine::encode(Place& place) noexcept {
   return size;
 }
 
-// Its frame was sent.
+// Call it when the frame of this place was sent.
 void FramedEngine::commit(Place& place, std::size_t size) noexcept {
   if (place.wait_ns == 0) {
     const std::uint64_t most = place.exchange != nullptr ? place.exchange->timeout_ns : settings_.timeout_ns;
@@ -351,7 +355,8 @@ void FramedEngine::maintain() noexcept {
   }
 }
 
-// Asks for the count of posts: after each part of those that may be in flight, and some time after the last one.
+// Asks for the device's count of posts: after each quarter of those that may be in flight, and some time after the last
+// one.
 void FramedEngine::confirm() noexcept {
   if (posts_.made() == posts_.confirmed()) {
     confirm_ns_ = no_deadline;
@@ -360,7 +365,7 @@ void FramedEngine::confirm() noexcept {
     *own = Exchange{};
     own->operation = Operation::synchronise;
     own->attempts_max = 3;
-    queue(*own, true);  // not after the posts still to be sent, because they may have to wait for its answer
+    queue(*own, true);  // in front of the posts still to be sent, because they may have to wait for its answer
     confirming_ = posts_.sent();
     confirm_ns_ = now_ns_ + std::max(confirm_patience_ns, 2 * smoothed_ns_);
   }

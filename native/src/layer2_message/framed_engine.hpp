@@ -80,7 +80,7 @@ class FramedEngine final : public Engine {
   [[nodiscard]] bool restoring() const noexcept { return !idle(restoration_); }
   // Writes without an answer, 1 to post_words_max of them in one message. False: there is no room until the device has
   // confirmed some. It is asked to do so.
-  static constexpr std::size_t post_words_max = 32;  // lost with one message
+  static constexpr std::size_t post_words_max = 32;  // words that are lost with one message
   [[nodiscard]] bool post(std::span<const Post> words, std::uint64_t now_ns) noexcept;
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }
   // Posts of lost sessions that the device had not confirmed. The call resets the count.
@@ -109,9 +109,9 @@ class FramedEngine final : public Engine {
     std::optional<Status> refusal;
     std::uint16_t id = 0;
     std::uint16_t post = 0;   // number of posts executed before it, if `barrier`
-    std::uint32_t bytes = 0;  // of its frame, for the credit
+    std::uint32_t bytes = 0;  // bytes of its frame, for the credit
     std::uint32_t transmissions = 0;
-    std::uint64_t first_order = 0;  // its first and last transmission, counted over all
+    std::uint64_t first_order = 0;  // numbers of its first and last transmission
     std::uint64_t last_order = 0;
     std::uint64_t first_sent_ns = 0;
     std::uint64_t sent_ns = 0;
@@ -121,7 +121,7 @@ class FramedEngine final : public Engine {
 
   struct Group {
     PublishRing* ring = nullptr;
-    std::span<const std::uint32_t> addresses;  // of the subscription, which outlives its claim
+    std::span<const std::uint32_t> addresses;  // owned by the subscription, which exists longer than its claim
     std::uint32_t divisor = 0;
     bool on_event = false;
     std::uint16_t sequence = 0;  // of the next publish
@@ -203,7 +203,7 @@ class FramedEngine final : public Engine {
   bool text_ = false;                // within a line of classic text
   std::size_t text_bytes_ = 0;       // of it so far
   std::array<char, 4> text_head_{};  // its first bytes
-  std::uint32_t passed_over_ = 0;    // HELLOs without an answer whose classic question was answered
+  std::uint32_t passed_over_ = 0;    // HELLOs without an answer, although the classic question after them was answered
   std::optional<Greeting> greeting_;
   std::uint16_t offered_epoch_;  // requested by OPEN
   bool greeting_due_ = false;    // HELLO or OPEN must be sent, depending on the state
@@ -219,22 +219,22 @@ class FramedEngine final : public Engine {
   ExchangeList waiting_;
   std::uint32_t window_ = 1;
   std::uint16_t next_id_ = 0;
-  std::uint16_t base_id_ = 0;    // the oldest without an answer, or next_id_
-  std::uint32_t due_ = 0;        // places to be sent
+  std::uint16_t base_id_ = 0;    // the id of the oldest request without an answer, or next_id_
+  std::uint32_t due_ = 0;        // number of places that must be sent
   std::uint32_t given_up_ = 0;   // places whose SYNC has no answer yet, and whose caller does not wait for it
   std::uint32_t credit_ = 0;     // bytes of requests in flight
   std::uint32_t in_flight_ = 0;  // requests: places in use
-  std::uint64_t order_ = 0;      // transmissions so far
+  std::uint64_t order_ = 0;      // all transmissions so far
   std::array<Place, window_max> places_;
 
-  std::uint64_t smoothed_ns_ = 0;  // round trip; 0: not measured
+  std::uint64_t smoothed_ns_ = 0;  // mean round trip; 0: not measured yet
   std::uint64_t variation_ns_ = 0;
   std::uint64_t quickest_ns_ = no_deadline;
 
   PostQueue posts_;
   std::uint64_t unknown_posts_ = 0;
   std::uint64_t careful_until_ns_ = 0;  // until then only few posts are in flight, because one was lost
-  std::uint64_t post_bytes_ = 0;        // of the last post's frame
+  std::uint64_t post_bytes_ = 0;        // bytes of the last post's frame
   std::uint64_t gone_back_order_ = 0;   // transmissions when the posts were last started again
   // the engine's own questions about the posts; an answer to a later one shows that an earlier one was lost
   std::array<Exchange, 4> confirmations_;
@@ -244,7 +244,7 @@ class FramedEngine final : public Engine {
   std::array<Group, protocol::limits::groups_max> groups_;
   std::array<ExchangeGroup, protocol::limits::exchanges_max> exchange_groups_;
   Exchange restoration_;             // the engine's own request that sets up a new session
-  std::uint32_t restored_ = 0;       // steps of it that are done
+  std::uint32_t restored_ = 0;       // number of its steps that are done
   std::uint32_t restored_most_ = 0;  // since a session was last set up completely
   bool publishing_ = false;
   std::uint32_t deadman_ticks_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Assigns each received frame to its receiver.
+// Gives each received frame to the request or the group that it belongs to.
 #include <algorithm>
 
 #include "layer1_stream/frame_heads.hpp"
@@ -11,8 +11,8 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint8_t frame_kind_min = 0x80;  // below it begins a line of the classic protocol
-// or the time of so many posts without a loss, before many are sent ahead again
+constexpr std::uint8_t frame_kind_min = 0x80;  // a lower first byte begins a line of the classic protocol
+// after a loss only few posts are in flight: for so long, or for the time of careful_posts if that is longer
 constexpr std::uint64_t careful_ns = 40'000'000;
 constexpr std::uint64_t careful_posts = 200;
 constexpr std::uint32_t turns_at_once = 16;  // transmissions of a request that is answered with `order` or `behind`
@@ -71,7 +71,7 @@ void FramedEngine::receive(std::span<const std::uint8_t> bytes, std::uint64_t no
 // it at any time.
 void FramedEngine::on_text() noexcept {
   const std::string_view name(text_head_.data() + 1, text_head_.size() - 1);
-  // gateware may not know the question
+  // an error is also an answer, because the gateware may not know the question
   const bool answers = text_bytes_ == text_head_.size() && text_head_[0] == bytes::plain_head &&
                        (name == protocol::reply::read_configuration || name[0] == bytes::error_mark);
   if (!probe_ || state_ != State::greeting || greeting_due_ || !answers) {
@@ -159,7 +159,7 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   const auto id = static_cast<std::uint16_t>(number_at(payload.data(), 2));
   Place& place = place_of(id);
   const std::uint64_t confirmed = posts_.confirmed();
-  // an old answer has an old count, which is refused
+  // an old answer has an old count, which confirm() refuses
   if (posts_.confirm(number_at(payload.data() + 2, 2)) && posts_.confirmed() != confirmed) {
     progress_ns_ = now_ns_;
   }
@@ -172,7 +172,7 @@ void FramedEngine::on_reply(std::uint8_t status, std::span<const std::uint8_t> p
   if (place.transmissions == 1) {
     measure(now_ns_ - place.sent_ns);
   }
-  // on a line that keeps the order, their answers are lost
+  // on a line that keeps the order, the answers of all earlier requests are lost
   for (std::uint16_t earlier = base_id_; earlier != id; ++earlier) {
     Place& other = place_of(earlier);
     if (other.used && other.last_order < place.first_order) {
@@ -189,13 +189,13 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     if (status == reply_status::order && place.chained) {
       ask_in_turn(place);
     } else if (status == reply_status::invalid && believed(place)) {
-      // it was executed, but its long answer was not kept
+      // the read was executed, but the device did not keep its long answer: read again
       release(place);
       if (exchange != nullptr) {
         finish(*exchange, exchange->cut_off());
       }
     }
-    return;  // any other answer is to a copy; the SYNC will be answered, too
+    return;  // any other answer is for an earlier copy; the answer to the SYNC will follow
   }
   if (exchange == nullptr) {
     release(place);
@@ -215,7 +215,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
     return;
   }
   if (status == reply_status::behind && !place.barrier) {
-    return;  // to a copy sent before its barrier was set again; the last copy will be answered, too
+    return;  // this answers an earlier copy with another barrier; the answer to the last copy will follow
   }
   if (status == reply_status::behind) {
     if (static_cast<std::int16_t>(static_cast<std::uint16_t>(posts_.confirmed()) - place.post) < 0 &&
@@ -233,7 +233,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   if ((status != reply_status::ok || !fits) && !believed(place)) {
     return;
   }
-  if (!fits) {  // the device is not what it reports
+  if (!fits) {  // the device has other properties than it reports
     statistics_.malformed_messages += 1;
     release(place);
     finish(*exchange, exchange->writes() ? Status::unknown : Status::protocol_error);
@@ -253,7 +253,7 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
   release(place);
   progress_ns_ = is_own(*exchange) ? progress_ns_ : now_ns_;
   finish(*exchange, status_of(status));
-  if (over) {  // the next one opens another session
+  if (over) {  // the session is closed; the next request opens another one
     lose_session();
     session_epoch_ = no_session;
     state_ = State::silent;
@@ -264,13 +264,13 @@ void FramedEngine::on_answer(Place& place, std::uint8_t status, std::span<const 
         progress_ns_ = now_ns_;
       }
       restore();
-    } else {  // it had room for this before
+    } else {  // the earlier session had room for this, so the device is another one
       end(Status::mismatch, now_ns_);
     }
   }
 }
 
-// What the engine itself learns from an answer.
+// Takes from an answer what the engine itself needs.
 void FramedEngine::on_executed(const Place& place) noexcept {
   const Exchange& exchange = *place.exchange;
   if (&exchange == &reading_) {
@@ -285,7 +285,8 @@ void FramedEngine::on_executed(const Place& place) noexcept {
   }
 }
 
-// As in TCP (RFC 6298), so that a repeat comes soon on a quick line, and not too soon on an uneven one.
+// Measures the round trip as TCP does (RFC 6298). So a repeat comes soon on a fast line, and not too soon on a line
+// with changing delays.
 void FramedEngine::measure(std::uint64_t round_trip_ns) noexcept {
   quickest_ns_ = std::min(quickest_ns_, round_trip_ns);
   if (smoothed_ns_ == 0) {
@@ -303,15 +304,15 @@ void FramedEngine::ask_again(Place& place) noexcept {
   place.due = true;
 }
 
-// Its turn has not come, because an earlier request was lost and is repeated. After so many such answers it waits until
-// it is late.
+// The device cannot execute it yet, because an earlier request was lost and is repeated. It is sent again at once, but
+// after turns_at_once times only when it is late.
 void FramedEngine::ask_in_turn(Place& place) noexcept {
   if (place.transmissions < turns_at_once) {
     ask_again(place);
   }
 }
 
-// An answer with an error has come twice, the second time to a repeat.
+// True: the answer with an error has come twice, the second time to a repeat.
 bool FramedEngine::believed(Place& place) noexcept {
   if (place.doubted && !place.due) {
     return true;
@@ -321,9 +322,10 @@ bool FramedEngine::believed(Place& place) noexcept {
   return false;
 }
 
-// Nothing was executed, and nothing will be once a SYNC has taken its id.
+// Ends a request that was not executed. It never will be, because a SYNC takes its id.
 void FramedEngine::refuse(Place& place, Status status) noexcept {
-  if (reply_bytes(*place.exchange, configuration_) == sync_reply_bytes) {  // its own answer would look like the SYNC's
+  // a late answer to it would look like that to the SYNC
+  if (reply_bytes(*place.exchange, configuration_) == sync_reply_bytes) {
     give_up(place);
     return;
   }

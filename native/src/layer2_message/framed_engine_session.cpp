@@ -10,16 +10,17 @@ namespace {
 using namespace protocol;
 
 constexpr std::uint32_t openings_max = 3;
-constexpr std::uint32_t vain_at_once = 4;  // HELLOs and OPENs in a row, before there are pauses between them
+constexpr std::uint32_t vain_at_once = 4;  // so many HELLOs and OPENs follow each other without a pause
 constexpr std::uint32_t vain_doublings = 16;
 constexpr std::uint64_t vain_pause_ns = 1'000'000;  // the first pause
-constexpr std::uint32_t unanswered_max = 2;  // transmissions of one request before the engine asks for the session
+// after so many transmissions of one request, the engine asks whether the session still exists
+constexpr std::uint32_t unanswered_max = 2;
 constexpr std::uint32_t first_exchange = 1 + limits::groups_max;  // after the dead-man and the groups
 constexpr std::uint32_t restoration_steps = first_exchange + limits::exchanges_max + 1;  // publishing
-constexpr std::uint32_t restoration_attempts = 1000;                                     // as long as the session lasts
+constexpr std::uint32_t restoration_attempts = 1000;  // so many that it ends only with the session
 constexpr std::uint64_t clock_interval_soon_ns = 20'000'000;
 constexpr std::uint64_t clock_interval_late_ns = 500'000'000;
-constexpr std::uint32_t keep_alive_part = 3;  // of the dead-man's time
+constexpr std::uint32_t keep_alive_part = 3;  // a sign of life comes after this part of the dead-man's time
 // The first epoch is random. This step goes through all other epochs before one comes again. If each were random, a
 // message that is late by some sessions would meet its own epoch once in 65,280.
 constexpr std::uint32_t epoch_step = 40'343;  // prime to `epochs`
@@ -46,7 +47,7 @@ void FramedEngine::greet() noexcept {
       in_vain_ <= vain_at_once ? 0 : greeting_sent_ns_ + std::min(settings_.timeout_ns, vain_pause_ns << doublings);
 }
 
-// The device knows no frames, or only those of another version.
+// The device does not know frames, or only those of another version.
 void FramedEngine::refuse() noexcept {
   state_ = State::silent;
   while (!waiting_.empty()) {
@@ -93,7 +94,7 @@ void FramedEngine::on_greeting(const Greeting& told) noexcept {
   greet();
 }
 
-// An OPEN whose answer was lost may have made the session that it offered.
+// An OPEN without an answer may have opened the session that it requested.
 void FramedEngine::notice_restart(std::uint32_t told_epoch) noexcept {
   if (sessions_ > 0 && told_epoch != session_epoch_ && told_epoch != offered_epoch_) {
     statistics_.restarts += 1;
@@ -124,7 +125,7 @@ void FramedEngine::on_opened(std::uint16_t epoch) noexcept {
   restore();
 }
 
-// Ends everything in flight: reads are sent again, and all others are unknown.
+// The session is lost. Reads in flight are sent again. All other requests in flight end as unknown.
 void FramedEngine::lose_session() noexcept {
   ExchangeList again;
   look_ns_ = waiting_.empty() ? no_deadline : look_ns_;
@@ -222,12 +223,12 @@ std::uint64_t FramedEngine::keep_alive_ns() const noexcept {
   return std::uint64_t{deadman_ticks_} * 1'000'000'000 / hz / keep_alive_part;
 }
 
-// The time that the line itself needs for a request that finds it full, and for its answer.
+// The time that the line needs for a request when it is full, and for the answer.
 std::uint64_t FramedEngine::message_allowance_ns() const noexcept {
   return greeting_ ? allowance_ns(greeting_->credit + greeting_->reply_max) : allowance_ns(greeting_bytes);
 }
 
-// When a request ends, sent or not. If its session is lost and found again meanwhile, it gets no more time.
+// The latest end of a request, sent or not. The loss of its session does not extend it.
 std::uint64_t FramedEngine::limit_of(const Exchange& exchange) const noexcept {
   if (exchange.limit_ns_ != 0) {
     return exchange.limit_ns_;
@@ -289,7 +290,7 @@ void FramedEngine::advance(std::uint64_t now_ns) noexcept {
     greeting_from_ns_ = 0;
     greeting_wait_ns_ = std::min(settings_.timeout_ns, 2 * greeting_wait_ns_);
     if (state_ != State::checking && waiting_.empty() && !publishing_ && deadman_ticks_ == 0) {
-      state_ = State::silent;  // no request is left
+      state_ = State::silent;  // there are no more requests
       greeting_due_ = false;
     }
   }
@@ -394,7 +395,7 @@ void FramedEngine::cut(Status status, std::uint64_t now_ns) noexcept {
   }
   forget_session();
   decoder_.reset();
-  decoder_.set_key(FrameKey{});  // publishes of the old session are not for the new one
+  decoder_.set_key(FrameKey{});  // publishes of the old session must not count in the new one
   text_ = greeting_due_ = false;
   in_vain_ = 0;
   greeting_from_ns_ = 0;

@@ -12,16 +12,16 @@ namespace {
 using namespace protocol;
 
 constexpr std::size_t count_max = 255;  // words in one operation of a list
-constexpr std::size_t run_min = 8;      // addresses in a row from which naming only the first is shorter at every width
+constexpr std::size_t run_min = 8;      // from so many addresses in a row on, a run is shorter at every width
 
-// The first words that one operation names: each by its address, or all by the first address.
+// The first words, as one operation. It has an address for each word, or only the first address of a run.
 struct Part {
   std::size_t count = 1;
   bool together = false;
   std::uint32_t step = 0;  // from one address of a run to the next
 };
 
-// The words before a run, or the run that begins here. `same`: equal addresses are a run, too.
+// Returns the words before the next run, or the run that begins here. `same`: equal addresses also make a run.
 Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
   std::size_t rising = 1;  // addresses in a row that end here
   std::size_t standing = 1;
@@ -48,11 +48,11 @@ Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
 // The addresses, and the words to write there if there are any, as operations of a list.
 void put_words(FrameEncoder& result, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
                const Configuration& configuration) noexcept {
-  FrameEncoder encoder = result;  // the bytes that it writes cannot change a copy, so the copy stays in registers
+  FrameEncoder encoder = result;  // a local copy, which the compiler can keep in registers
   const bool writes = !words.empty();
   const unsigned width = configuration.address_bytes;
   for (std::size_t at = 0; at < addresses.size();) {
-    // A list operation may answer "too_long" to repeated reads of one address.
+    // Equal addresses make no run in a read, because a list may answer "too_long" to such a run.
     const Part part = first_part(addresses.subspan(at), writes);
     const std::uint32_t operation = !part.together   ? (writes ? list_operation::write : list_operation::read)
                                     : part.step == 0 ? list_operation::write_fifo
@@ -90,7 +90,7 @@ void for_each_operation(std::span<const ListWord> steps, const Put& put) {
     const std::size_t rising = plain ? run_from(at, 1) : 1;
     std::size_t count = fifo ? run_from(at, 0) : rising;
     const bool up = rising >= run_min;
-    if (!fifo && !up) {  // up to where a run begins
+    if (!fifo && !up) {  // single words, up to the next run
       count = 1;
       while (at + count < steps.size() && count < count_max && steps[at + count].operation == operation &&
              !(plain && run_from(at + count, 1) >= run_min)) {
@@ -133,7 +133,7 @@ std::size_t reply_words(const Exchange& exchange) noexcept {
                                                  : exchange.addresses.size();
 }
 
-// Bytes of the number of words done, with which the reply to a list begins.
+// The bytes of the number of executed words, with which the reply to a list begins.
 std::size_t done_bytes(const Exchange& exchange) noexcept {
   const bool list = exchange.operation == Operation::read_many || exchange.operation == Operation::transfer ||
                     exchange.operation == Operation::list;

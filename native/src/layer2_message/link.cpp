@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The wire: who polls, who reads, who waits. link_requests.cpp and link_subscriptions.cpp stand on run(),
-// link_listening.cpp on lead().
+// The wire: which thread polls, reads or waits. link_requests.cpp and link_subscriptions.cpp use run(),
+// link_listening.cpp uses lead().
 #include "layer2_message/link.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace unitylink {
 namespace {
 
-// a pseudo-terminal gives no more at a time, so less than this means empty
+// a read from a pseudo-terminal gives at most this much; less means that it is empty
 constexpr std::size_t terminal_chunk = 4095;
 constexpr int reads_per_turn_max = 16;
 constexpr std::uint64_t interruption_patience_ns = 100'000'000;
@@ -63,7 +63,7 @@ Outcome Link::open(std::string_view text, std::unique_ptr<Link>& link) {
     return outcome;
   }
   Outcome outcome = open(std::move(driver), std::move(source), options, link);
-  // datagrams: only the first finds out that nobody is there
+  // with UDP, only the first datagram shows that nobody is there
   if (outcome.status == Status::closed && url.row->loses_order) {
     outcome.status = Status::not_found;
   }
@@ -114,7 +114,8 @@ void Link::run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t unt
   std::uint64_t now = now_ns();
   std::uint64_t look_ns = std::min(until_ns, now + interruption_patience_ns);
   submit_all(exchanges);
-  if (std::ranges::all_of(exchanges, &Exchange::done)) {  // refused, or of mapped memory: nobody waits
+  // they were refused, or mapped memory has executed them: no need to wait
+  if (std::ranges::all_of(exchanges, &Exchange::done)) {
     if (leading_ && engine_->next_deadline_ns() < leading_until_ns_) {
       wake();
     }
@@ -122,7 +123,7 @@ void Link::run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t unt
   }
   ++callers_;
   if (reader_leading_) {
-    wake();  // a caller is quicker at reading its own answer than at being woken for it
+    wake();  // so that this caller reads its answer itself, which is quicker than being woken for it
   }
   std::size_t done = 0;
   while (true) {
@@ -149,7 +150,7 @@ void Link::run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t unt
   hand_over();
 }
 
-// What is not taken is done at once.
+// Submits the requests. While the line is gone they are declined, and so are done at once.
 void Link::submit_all(std::span<Exchange> exchanges) noexcept {
   const std::uint64_t now = now_ns();
   const bool taken = takes_requests();
@@ -163,7 +164,7 @@ void Link::submit_all(std::span<Exchange> exchanges) noexcept {
   flush(now);
 }
 
-// One turn of waiting: at the descriptor, or for who is there.
+// Waits once: as the leader at the descriptor, or as a follower for the leader.
 void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
   if (!leading_) {
     lead(lock, until_ns);
@@ -177,7 +178,8 @@ void Link::turn(Lock& lock, std::uint64_t until_ns) noexcept {
   --followers_;
 }
 
-// Perhaps not as long: now_ns() may be slower than the real time, and then whoever waits looks, and waits again.
+// May return too early, because robot time may be slower than real time. Then the caller checks its condition, and
+// waits again.
 void Link::wait(Lock& lock, std::condition_variable& news, std::uint64_t until_ns) const noexcept {
   news.wait_for(lock, std::chrono::nanoseconds(until_ns - std::min(until_ns, now_ns())));
 }
@@ -203,7 +205,7 @@ void Link::hand_over() noexcept {
 
 void Link::wake() noexcept { signal(wake_descriptor_.get()); }
 
-// Everything the engine has to say, as far as the driver takes it.
+// Sends the bytes of the engine, as many as the driver takes.
 void Link::flush(std::uint64_t now) noexcept {
   blocked_ = false;
   if (!program_lives() && line_ != Line::gone && !engine_->ended()) {
@@ -228,7 +230,7 @@ void Link::flush(std::uint64_t now) noexcept {
   }
 }
 
-// One turn at the descriptor: wait, read, dispatch, send. The lock is open only while waiting and reading.
+// Leads once: waits at the descriptor, reads, dispatches, sends. It gives the lock back only while it waits and reads.
 void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   leading_ = true;
   const std::uint64_t until = std::min({until_ns, engine_->next_deadline_ns(), program_until_ns_.load()});
@@ -237,7 +239,7 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   const std::uint64_t published = engine_->statistics().publishes;
   pollfd waiting[2] = {{driver_->descriptor(), static_cast<short>(blocked_ ? POLLIN | POLLOUT : POLLIN), 0},
                        {wake_descriptor_.get(), POLLIN, 0}};
-  // for robot time goes on only while its callers sleep
+  // not in robot time, because it advances only while the callers sleep
   const bool paced = callers_ > 0 && !reader_leading_ && clock_ == &real_ns;
   const std::uint64_t start = paced ? real_ns() : 0;
   const std::uint64_t look_until = std::min(until, start + (paced ? pace_.look_ns() : 0));
@@ -291,11 +293,11 @@ void Link::lead(Lock& lock, std::uint64_t until_ns) noexcept {
   }
 }
 
-// To all who wait for publishes: there are new ones, or there will be none any more.
+// Wakes all threads that wait for publishes: there are new ones, or there will be no more.
 void Link::announce() noexcept {
   published_.notify_all();
   if (leading_) {
-    wake();  // a leader that polls would not hear of it before its own deadline
+    wake();  // otherwise the leader, which polls, would notice only at its own deadline
   }
   for (const int descriptor : notified_) {
     signal(descriptor);
@@ -330,12 +332,12 @@ void Link::close() {
     const std::scoped_lock lock(mutex_);
     listens = !engine_->ended() && line_ == Line::up;
   }
-  if (framed_ && listens) {  // other hosts, and classic writes, may use it again
+  if (framed_ && listens) {  // then other hosts, and classic writes, may use the device
     Exchange exchange;
     prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
     exchange.operation = Operation::close_session;
     run(std::span(&exchange, 1), now_ns() + farewell_ns);
-  } else if (publishing && listens) {  // a board left publishing would meet the next program with it
+  } else if (publishing && listens) {  // otherwise the next program would receive these publishes
     Exchange exchange;
     prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
     exchange.operation = Operation::disable_publishing;
@@ -363,7 +365,7 @@ void Link::close() {
 }
 
 void Link::disown() noexcept {
-  // Their old states name threads that do not exist here.
+  // The old ones may be locked by threads that do not exist in this process.
   for (std::mutex* mutex : {&mutex_, &configuring_, &reader_mutex_}) {
     new (mutex) std::mutex;
   }

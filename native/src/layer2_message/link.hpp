@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Link: one engine, one driver, one mutex. Every call may be made from any thread.
 //
-// Caller reads: a waiting caller polls the descriptor itself and dispatches whatever arrives, for others too; when its
-// own answers are in it hands the role on. Only while there are subscriptions or asynchronous requests does a reader
-// thread stand in, and it stands back as long as callers come.
+// The caller reads. A thread that waits for an answer polls the descriptor itself, and dispatches all that arrives,
+// also for other threads. It is then the leader. When it has its answers, it passes this role on. A reader thread
+// exists only if there are subscriptions or asynchronous requests. It does not read while callers do.
 #pragma once
 
 #include <array>
@@ -30,38 +30,39 @@
 namespace unitylink {
 
 struct RequestOptions {
-  std::optional<bool> checked = std::nullopt;    // the link's default
-  bool repeat = false;                           // sending it twice does no harm
-  std::uint64_t timeout_ns = 0;                  // per attempt, 0: the link's default
-  std::uint64_t until_ns = Engine::no_deadline;  // of link time: then it is given up, however many attempts are left
+  std::optional<bool> checked = std::nullopt;  // the link's default
+  bool repeat = false;                         // the request may be sent twice without harm
+  std::uint64_t timeout_ns = 0;                // for each attempt; 0: the link's default
+  // in link time: the request is given up then, even if attempts are left
+  std::uint64_t until_ns = Engine::no_deadline;
 };
 
-// One call of a vector form: its exchanges, and how they lie in the caller's arrays.
+// One vector call: its exchanges, and their places in the caller's arrays.
 struct Call {
   std::vector<Exchange> exchanges;
   Batch batch;
-  std::size_t block = 1;            // addresses in each exchange but the last
-  std::span<std::uint32_t> values;  // of single reads, filled by result()
+  std::size_t block = 1;            // addresses in each exchange; the last one may have fewer
+  std::span<std::uint32_t> values;  // for single reads: result() writes the words here
 };
 
-// What a framed device says about itself, from its control registers and its greeting.
+// What a framed device reports about itself in its control registers and its answer to HELLO.
 struct Description {
   std::uint32_t version = 0;  // of the protocol: major in the upper half, minor in the lower
   std::uint32_t gateware_version = 0;
   std::uint32_t build = 0;
   std::uint32_t clock_hz = 0;
-  std::uint32_t features = 0;     // bits of protocol::control_value
-  std::uint32_t credit = 0;       // bytes of unanswered requests
-  std::uint32_t request_max = 0;  // bytes of the longest payloads
-  std::uint32_t reply_max = 0;
+  std::uint32_t features = 0;       // bits of protocol::control_value
+  std::uint32_t credit = 0;         // bytes of unanswered requests
+  std::uint32_t request_max = 0;    // bytes of the longest request payload
+  std::uint32_t reply_max = 0;      // bytes of the longest reply payload
   std::uint32_t window = 0;         // requests in flight
-  std::uint32_t cache = 0;          // bytes of a reply kept for a repeat
+  std::uint32_t cache = 0;          // bytes of a reply that the device keeps for a repeat
   std::uint32_t exchanges = 0;      // exchange groups
-  std::uint32_t exchange_size = 0;  // words in each
+  std::uint32_t exchange_size = 0;  // words in each exchange group
   std::uint64_t spec_hash = 0;
 };
 
-// The device's clock in the host's time; period_ns 0: not known yet.
+// The device's clock, measured with the host's clock. period_ns is 0 until it is known.
 struct ClockState {
   double period_ns = 0;
   double drift_ppm = 0;
@@ -70,21 +71,22 @@ struct ClockState {
 
 struct SubscriptionRequest {
   std::span<const std::uint32_t> addresses;
-  std::uint32_t divisor = 0;  // publish every so many base periods, 0: not by time
-  bool on_event = false;      // publish when the group's event input says so
-  bool verify = true;         // read every address once before: on 2012 gateware a silent one would publish for ever
-  std::size_t ring = 4096;    // publishes kept until they are fetched
-  std::optional<std::uint32_t> group = std::nullopt;  // of the gateware: the one with a certain event line; else any
+  std::uint32_t divisor = 0;  // publish every `divisor` base periods; 0: not by time
+  bool on_event = false;      // publish at an event of the group's event input
+  bool verify = true;  // read every address once first: 2012 gateware publishes an address without an answer for ever
+  std::size_t ring = 4096;  // publishes kept until they are drained
+  // the group of the gateware, if a certain event line is needed; else any
+  std::optional<std::uint32_t> group = std::nullopt;
 };
 
-// What has become of the line, or of the device behind it. Of a link that is opened again the order is lost, restarted
-// (if it was), back.
+// A change of the line or of the device. When a link with reconnect=1 loses its line, the events are lost, restarted
+// (if the device was reset), and back.
 struct LinkEvent {
   enum class Kind : std::uint8_t {
-    lost,  // the line is gone, or the device silent; it is being opened again
-    // the device has not gone on where it was: it was reset, or another host has had it. Its outputs are its own
+    lost,  // the line is gone, or the device is silent; the link opens it again
+    // the device was reset, or another host used it. Its outputs may differ from what was written
     restarted,
-    back,  // requests are taken again; subscriptions, groups and the dead-man are as they were
+    back,  // requests are accepted again; subscriptions, groups and the dead-man are set up as before
   };
   Kind kind = Kind::lost;
   std::uint64_t time_ns = 0;
@@ -93,7 +95,7 @@ struct LinkEvent {
 
 class Link {
  public:
-  // Opens the port, resynchronises with the device whatever it was doing, and asks for its configuration.
+  // Opens the port, resynchronises with the device, and asks for its configuration.
   [[nodiscard]] static Outcome open(std::string_view url, std::unique_ptr<Link>& link);
   [[nodiscard]] static Outcome open(std::unique_ptr<Driver> driver, const LinkOptions& options,
                                     std::unique_ptr<Link>& link);
@@ -105,82 +107,84 @@ class Link {
   [[nodiscard]] const LinkOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::uint32_t usable_group_size() const noexcept;
   [[nodiscard]] bool framed() const noexcept { return framed_ != nullptr; }
-  // "framed", "classic", or "memory", where there is no protocol.
+  // "framed", "classic", or "memory" (no protocol).
   [[nodiscard]] const char* protocol() const noexcept { return framed_ ? "framed" : mapped_ ? "memory" : "classic"; }
-  // Why the classic protocol is spoken although it was not asked for; empty: it was, or is not spoken.
+  // Why the link speaks the classic protocol although the URL does not ask for it. Empty in all other cases.
   [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   // All zero on a classic link.
   [[nodiscard]] const Description& description() const noexcept { return description_; }
-  // Was the gateware built from `spec` (what errors call it), which has one of `hashes`? mismatch: it says that it was
-  // not. `unverified` is why that is not known, and what the user overrides by spec_hash=any; empty: it was.
+  // Checks that the gateware was built from the spec that has one of these hashes. `spec` is its name in errors.
+  // mismatch: the gateware reports another hash. `unverified` gets the reason why the result is not known, or was
+  // overridden by spec_hash=any. It is empty if the gateware has the right hash.
   [[nodiscard]] Outcome check_spec(std::string_view spec, std::span<const std::uint64_t> hashes,
                                    std::string& unverified) const;
   [[nodiscard]] ClockState clock();
 
   [[nodiscard]] Outcome read(std::uint32_t address, std::uint32_t& value, const RequestOptions& how);
-  // In blocks of what the device can hold; `atomic`: in one block or not at all.
+  // Reads blocks, each as large as the device allows. `atomic`: all in one block, else mismatch.
   [[nodiscard]] Outcome read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                                   bool atomic, const RequestOptions& how);
-  // One R each, as many in flight as window and credit allow.
+  // Reads each word by its own request. As many requests are in flight as window and credit allow.
   [[nodiscard]] Outcome read_each(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                                   const RequestOptions& how);
   [[nodiscard]] Outcome write(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
-  // Words of mapped memory, while nobody else holds the link: an access takes less time than to give away what the
-  // caller holds, such as Python's lock. False: nothing was done, and the call of the full form tells why, or waits.
+  // Accesses mapped memory without waiting. The caller may hold a lock meanwhile, such as Python's: the access is
+  // shorter than giving the lock away. False: nothing was done, because another thread uses the link, or the access
+  // fails. Then call the full form, which waits, or gives the error.
   [[nodiscard]] bool read_at_once(std::uint32_t address, std::uint32_t& value) noexcept;
   [[nodiscard]] bool read_at_once(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                                   bool atomic) noexcept;
   [[nodiscard]] bool write_at_once(std::uint32_t address, std::uint32_t value) noexcept;
-  // In order; after one has failed no further one is sent. Outcome::index says which.
+  // Writes in order. After a failed write no further one is sent. Outcome::index is the number of the failed one.
   [[nodiscard]] Outcome write_many(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                                    const RequestOptions& how);
 
-  // Writes, then reads; one message each way where the protocol and the device's buffers allow. `atomic`: with the bus
-  // held, or mismatch.
+  // Writes, then reads, in one message each way if the protocol and the device's buffers allow. `atomic`: with the bus
+  // held, else mismatch.
   [[nodiscard]] Outcome transfer(std::span<const std::uint32_t> write_addresses,
                                  std::span<const std::uint32_t> write_values, std::span<const std::uint32_t> addresses,
                                  std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
-  // Any operations, in order; `values` has room for the words that are read. Framed: in one message where the device's
-  // buffers allow, else in several that stay in order; `atomic`: in one, with the bus held, or mismatch. On a classic
-  // link they are reads and writes, one after the other.
+  // Does any operations in order. `values` has room for the words that are read. On a framed link they go in one
+  // message if the device's buffers allow, else in several, still in order. `atomic`: in one message with the bus held,
+  // else mismatch. On a classic link they are single reads and writes.
   [[nodiscard]] Outcome list(std::span<const ListWord> steps, std::span<std::uint32_t> values, bool atomic,
                              const RequestOptions& how);
-  // Writes without answers, at the full rate of the line; sync() tells what became of them. Words of one call go out
-  // together: where one fails, those behind it in its message are not executed. On a classic link they are ordinary
+  // Writes without answers, at the full rate of the line. sync() gives the result. The words of one call are sent
+  // together. If one fails, those after it in its message are not executed. On a classic link these are ordinary
   // writes.
   [[nodiscard]] Outcome post(std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> values,
                              const RequestOptions& how);
-  // Returns when the device has executed all posts; bus_error when some of them failed since the last call, unknown
-  // when a session was lost before it had confirmed some.
+  // Returns when the device has executed all posts. bus_error: some failed since the last call. unknown: a session was
+  // lost before the device had confirmed all its posts.
   [[nodiscard]] Outcome sync(const RequestOptions& how);
-  // Names the words of an exchange group, once: `id` stands for it from then on, in later sessions too, until it is
-  // released. mismatch where the device has no group left, or none so large. On a classic link it is kept here, and
+  // Defines an exchange group: its words are named once. `id` stands for it until it is released, also in later
+  // sessions. mismatch: the device has no group left, or none so large. On a classic link the link keeps the group, and
   // exchange() is write_many() and read_many().
   [[nodiscard]] Outcome define_exchange(std::span<const ExchangeWord> outputs, std::span<const ExchangeWord> inputs,
                                         std::uint32_t& id);
-  // Writes all outputs, then reads all inputs, with the bus held: only their data travels.
+  // Writes all outputs, then reads all inputs, with the bus held. Only data is sent, without addresses.
   [[nodiscard]] Outcome exchange(std::uint32_t id, std::span<const std::uint32_t> outputs,
                                  std::span<std::uint32_t> inputs, const RequestOptions& how);
   void release_exchange(std::uint32_t id);
-  // The device's own registers (protocol::control); mismatch on a classic link.
+  // Reads and writes the device's own registers (protocol::control). mismatch: a classic link.
   [[nodiscard]] Outcome read_control(std::uint32_t address, std::span<std::uint32_t> values, const RequestOptions& how);
   [[nodiscard]] Outcome write_control(std::uint32_t address, std::uint32_t value, const RequestOptions& how);
 
-  // So many seconds of silence from here on make the outputs safe, 0: never. Signs of life are sent while nobody calls.
-  // mismatch: it has none.
+  // Sets the dead-man: after `silence_s` seconds without a message from this link, the gateware makes its outputs safe.
+  // 0: never. The link sends signs of life while nobody calls. mismatch: the gateware has no dead-man.
   [[nodiscard]] Outcome set_dead_man(double silence_s, const RequestOptions& how);
-  // Lets outputs be written again after the dead-man has tripped, and starts it again; in another session if it tripped
-  // in this one.
+  // Allows writes again after the dead-man has tripped, and starts it again. If it tripped in the open session, a new
+  // session begins.
   [[nodiscard]] Outcome arm(const RequestOptions& how);
-  // The dead-man watches the link; this makes the link watch the program. Where alive() is not called for `patience_s`,
-  // the line is given up as if it were lost, and opened again (reconnect=1) when the program lives again; without
-  // reconnect=1 the link ends. 0: never. range.
+  // The dead-man watches the link. This call makes the link also watch the program. If alive() is not called for
+  // `patience_s`, the link gives its line up. With reconnect=1 the line is opened again at the next call of alive(),
+  // else the link ends. 0: the program is not watched. range: more than an hour.
   [[nodiscard]] Outcome watch_program(double patience_s);
-  // The program lives. Neither locks, waits nor allocates.
+  // Says that the program works. It never locks, waits or allocates.
   void alive() noexcept;
 
-  // `id` names the subscription from then on; an id never comes back. What the device sent before it stopped can be
-  // drained until its group (group_of) is subscribed anew; then there is nothing behind the old id any more.
+  // `id` is the number of the subscription. No number is used twice. After unsubscribe(), earlier publishes can still
+  // be drained, until another subscription gets the same group (group_of).
   [[nodiscard]] Outcome subscribe(const SubscriptionRequest& request, std::uint32_t& id);
   [[nodiscard]] static constexpr std::uint32_t group_of(std::uint32_t id) noexcept {
     return id % protocol::limits::groups_max;
@@ -190,19 +194,20 @@ class Link {
   [[nodiscard]] std::size_t words(std::uint32_t id);      // in each publish
   [[nodiscard]] std::size_t available(std::uint32_t id);  // publishes to drain
   [[nodiscard]] std::uint64_t lost(std::uint32_t id);     // overwritten before they were drained
-  [[nodiscard]] std::uint64_t missing(std::uint32_t id);  // lost on the way; classic publishes do not tell
+  [[nodiscard]] std::uint64_t missing(std::uint32_t id);  // lost on the line; classic: always 0, it cannot know
   std::size_t drain(std::uint32_t id, std::span<double> times_s, std::span<std::uint32_t> values);
-  // True when there is something to drain; false after `timeout_ns`, or when link or subscription has ended.
+  // Waits for a publish. True: there is something to drain. False: `timeout_ns` is over, or the link or the
+  // subscription has ended.
   [[nodiscard]] bool wait_publish(std::uint32_t id, std::uint64_t timeout_ns);
-  // How many publishes have come and subscriptions have ended in all; returns when that is no longer `seen`, after
-  // `timeout_ns`, or when the link was closed.
+  // Waits for any news. The result counts all publishes, ended subscriptions and events so far. Returns when this count
+  // differs from `seen`, after `timeout_ns`, or when the link was closed.
   [[nodiscard]] std::uint64_t wait_publishes(std::uint64_t seen, std::uint64_t timeout_ns);
-  // `descriptor` (an eventfd) is written to at every batch of publishes, and when the link closes.
+  // Writes to `descriptor`, an eventfd, whenever publishes have arrived, and when the link closes.
   void notify_publishes(int descriptor);
   void forget_notification(int descriptor);
 
-  // The vector calls in their parts, for asynchronous callers: plan, submit, and when all exchanges are done, result.
-  // `addresses` and `values` must stay until then.
+  // The steps of a vector call, for asynchronous callers: plan, submit, and result when all exchanges are done.
+  // `addresses` and `values` must exist until then.
   [[nodiscard]] Outcome plan_read_many(Call& call, std::span<const std::uint32_t> addresses,
                                        std::span<std::uint32_t> values, bool atomic, const RequestOptions& how);
   [[nodiscard]] Outcome plan_read_each(Call& call, std::span<const std::uint32_t> addresses,
@@ -210,37 +215,37 @@ class Link {
   [[nodiscard]] Outcome plan_write_many(Call& call, std::span<const std::uint32_t> addresses,
                                         std::span<const std::uint32_t> values, const RequestOptions& how);
   void submit(Call& call);
-  // Nobody wants it any more: what has not been sent is not, the rest is not sent again. It is done as usual, if not at
-  // once then soon.
+  // Gives a call up. Its requests are not sent any more, and not sent again. Those in flight end as usual, so the call
+  // is done soon.
   void withdraw(Call& call);
   [[nodiscard]] Outcome result(const Call& call);
 
-  // Until requests are taken: at once, unless the line is gone and comes back (reconnect=1). down after `timeout_ns`,
-  // closed when it has ended.
+  // Waits until requests are accepted. It returns at once, unless the line is gone and is being opened again
+  // (reconnect=1). down: not within `timeout_ns`. closed: the link has ended.
   [[nodiscard]] Outcome wait_up(std::uint64_t timeout_ns);
-  // Those from number `from` on, of which the last 64 are kept; `from` becomes the number of the next. wait_publishes()
-  // counts them, too.
+  // Returns the events from number `from` on, and sets `from` to the number of the next event. The last 64 are kept.
   [[nodiscard]] std::vector<LinkEvent> events(std::uint64_t& from);
-  // Another number whenever the device may not hold any more what was written to it: after each restart, and each time
+  // A number that changes each time the device may have lost what was written to it: after each restart, and each time
   // the line has come back.
   [[nodiscard]] std::uint64_t generation() const noexcept { return generation_; }
 
   [[nodiscard]] Statistics statistics();
   [[nodiscard]] bool closed();
-  // Ok while the link lives, then why it has ended; `by_itself`: not by close().
+  // Why the link has ended; ok: it has not. `by_itself` is false if this program closed it.
   [[nodiscard]] Outcome ending(bool& by_itself);
-  // What did not go as wished although the link lives or lived, such as a trace that ends early; empty: nothing.
+  // A problem that does not end the link, such as a trace that ended early. Empty: none.
   [[nodiscard]] std::string warning();
-  // Everything waiting ends with Status::closed, here and in other threads. Does not wait for a silent device.
+  // Ends the link. All waiting calls, also in other threads, return Status::closed. It does not wait for a silent
+  // device.
   void close();
-  // In a forked child, first of all: the link stays the parent's, and is closed here without a word to the device.
+  // The first call in a forked child. The link belongs to the parent, so this closes it without a message to the
+  // device.
   void disown() noexcept;
-  // Asked by threads that wait for an answer, about ten times a second, with no lock held; true makes them give their
-  // request up.
+  // Threads that wait for an answer call `interrupted` about ten times a second, with no lock held. If it returns true,
+  // they give their request up.
   static void ask_while_waiting(bool (*interrupted)() noexcept) noexcept;
 
-  // The time of deadlines and publishes, in which robots move: the real one, or that of the virtual boards in this
-  // process.
+  // The time of deadlines and publishes: real time, or the robot time of the virtual boards in this process.
   [[nodiscard]] std::uint64_t now_ns() const noexcept { return clock_(); }
 
  private:
@@ -266,7 +271,7 @@ class Link {
   void hand_over() noexcept;
   void wake() noexcept;
   void announce() noexcept;
-  [[nodiscard]] Outcome end() const;  // why it has ended, with the mutex held
+  [[nodiscard]] Outcome end() const;  // why the link has ended; call it with the mutex held
   void run_once(Lock& lock, std::span<Exchange> exchanges, std::uint64_t until_ns);
   [[nodiscard]] static bool was_cut(std::span<Exchange> exchanges) noexcept;
   void submit_all(std::span<Exchange> exchanges) noexcept;
@@ -282,7 +287,7 @@ class Link {
   enum class Line : std::uint8_t {
     up,
     gone,
-    opening,  // the reader sets it up as it was; nobody else's requests are taken
+    opening,  // the reader sets the device up as before; requests of other threads are refused
   };
   [[nodiscard]] bool takes_requests() const noexcept;
   [[nodiscard]] bool waits_for_line(std::span<const Exchange> exchanges) const noexcept;
@@ -334,70 +339,70 @@ class Link {
 
   const LinkOptions options_;
   const Driver::TimeSource clock_;
-  // replaced by the reader alone, with the mutex held and nobody leading; none while the line is gone
+  // Only the reader replaces it, with the mutex held and without a leader. nullptr while the line is gone.
   std::unique_ptr<Driver> driver_;
-  std::unique_ptr<DriverSource> source_;  // of it, where the link was opened by a URL
+  std::unique_ptr<DriverSource> source_;  // opens the driver again; nullptr if the link was not opened by a URL
   Configuration configuration_;
   Description description_;
   std::string notice_;
-  bool checksums_ = true;  // false: the device's datalink knows no '$'
+  bool checksums_ = true;  // false: the device's datalink does not know '$'
   Descriptor wake_descriptor_;
-  Descriptor cancel_descriptor_;  // readable once the link ends
+  Descriptor cancel_descriptor_;  // becomes readable when the link ends
 
-  std::mutex mutex_;                   // all below, up to the next mutex
-  std::condition_variable turn_;       // followers: something was finished, or the role is free
-  std::condition_variable published_;  // those who wait for publishes, while somebody else reads
-  std::condition_variable idle_;       // the reader, while others read for themselves
+  std::mutex mutex_;                   // guards all below, up to the next mutex
+  std::condition_variable turn_;       // for followers: a request was finished, or there is no leader
+  std::condition_variable published_;  // for threads that wait for publishes while another thread reads
+  std::condition_variable idle_;       // for the reader, while other threads read
   ClassicEngine classic_;
-  std::unique_ptr<FramedEngine> framed_;  // once the device has shown that it speaks it
-  std::unique_ptr<MappedEngine> mapped_;  // where the registers are memory
-  Engine* engine_ = &classic_;            // the one of the three that is used
+  std::unique_ptr<FramedEngine> framed_;  // nullptr until the device has shown that it speaks this protocol
+  std::unique_ptr<MappedEngine> mapped_;  // if the registers are memory of this machine
+  Engine* engine_ = &classic_;            // the engine in use, one of these three
   std::array<std::shared_ptr<const ExchangeLayout>, protocol::limits::exchanges_max> exchanges_;
-  std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // that the engine may still read
+  std::vector<std::shared_ptr<const ExchangeLayout>> released_exchanges_;  // the engine may still read them
   std::uint32_t exchanges_made_ = 0;
-  std::uint32_t dead_man_ticks_ = 0;  // as set last
-  std::uint32_t failed_posts_ = 0;    // of this session, told by the last sync()
+  std::uint32_t dead_man_ticks_ = 0;  // the last setting
+  std::uint32_t failed_posts_ = 0;    // in this session, as of the last sync()
   std::uint64_t failed_session_ = 0;
   std::string reason_;  // why the link has ended
-  bool lasts_ = false;  // the line is opened again when it is lost
+  bool lasts_ = false;  // reconnect=1: a lost line is opened again
   Line line_ = Line::up;
   std::string lost_because_;
-  std::uint64_t lost_ns_ = 0;   // when what was under way was last cut off
-  std::string trouble_;         // why it could not be opened again, the last time
-  std::uint32_t attempts_ = 0;  // to open it again, since it was lost
+  std::uint64_t lost_ns_ = 0;   // when the line was last lost
+  std::string trouble_;         // why the last attempt to open it again failed
+  std::uint32_t attempts_ = 0;  // attempts to open it again since it was lost
   std::thread::id restorer_;
-  std::uint64_t heard_ns_ = 0;  // when the last byte came
+  std::uint64_t heard_ns_ = 0;  // when the last byte arrived
   std::uint64_t restarts_seen_ = 0;
   std::deque<LinkEvent> events_;
   std::uint64_t events_made_ = 0;
   std::atomic<std::uint64_t> generation_ = 0;
-  std::atomic<std::uint64_t> program_patience_ns_ = 0;  // 0: nobody watches the program
+  std::atomic<std::uint64_t> program_patience_ns_ = 0;  // 0: the program is not watched
   std::atomic<std::uint64_t> program_until_ns_ = Engine::no_deadline;
   ReplyPace pace_;
   bool leading_ = false;
-  bool blocked_ = false;  // the driver took less than it was offered
+  bool blocked_ = false;  // the driver has no room for more bytes
   std::uint64_t leading_until_ns_ = 0;
-  bool reader_leading_ = false;  // the leader waits for no answer
-  bool reader_rests_ = false;    // until who waits for publishes has gone
-  unsigned followers_ = 0;       // wait for turn_
-  unsigned callers_ = 0;         // wait for answers, leading or not
+  bool reader_leading_ = false;  // the leader does not wait for an answer
+  bool reader_rests_ = false;    // while another thread waits for publishes and reads
+  unsigned followers_ = 0;       // threads that wait for turn_
+  unsigned callers_ = 0;         // threads that wait for answers, the leader included
   std::uint64_t last_call_ns_ = 0;
   std::thread::id last_caller_;
-  unsigned listeners_ = 0;  // wait for publishes, leading or not
+  unsigned listeners_ = 0;  // threads that wait for publishes, the leader included
   std::uint64_t last_listened_ns_ = 0;
   std::vector<int> notified_;
   std::array<std::shared_ptr<Subscription>, protocol::limits::groups_max> subscriptions_;
-  std::vector<std::shared_ptr<Subscription>> released_subscriptions_;  // that the engine may still read
+  std::vector<std::shared_ptr<Subscription>> released_subscriptions_;  // the engine may still read them
   std::uint64_t subscriptions_ended_ = 0;
   bool reader_wanted_ = false;
 
-  std::mutex configuring_;  // one subscribe or unsubscribe at a time
-  // the host's shadow: bit g of the mask is group g
+  std::mutex configuring_;  // held during a subscribe or unsubscribe
+  // the host's copy: bit g belongs to group g
   std::array<std::uint8_t, protocol::limits::groups_max / 8> event_mask_{};
   bool quieted_ = false;
   std::thread reader_;
   std::mutex reader_mutex_;
-  bool reader_kept_ = false;  // an asynchronous user keeps it for the link's life
+  bool reader_kept_ = false;  // an asynchronous user keeps the reader as long as the link exists
 
   std::atomic<Gateware> gateware_;
   std::array<std::uint8_t, 65536> received_;

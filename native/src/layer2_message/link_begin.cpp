@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a link begins: resynchronise, find out which protocol is spoken and what the device can do.
+// How a link begins: it resynchronises with the device, and finds out its protocol and its abilities.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -12,8 +12,8 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t beginning_bytes = 8192;                // more than all that is said until a link has begun
-constexpr std::size_t described = control::spec_hash_low + 1;  // registers of the description, from 0
+constexpr std::uint64_t beginning_bytes = 8192;                // more than all bytes of the beginning of a link
+constexpr std::size_t described = control::spec_hash_low + 1;  // the description is in the registers from 0 on
 
 std::string hash_text(std::uint64_t hash) {
   char text[24];
@@ -23,8 +23,8 @@ std::string hash_text(std::uint64_t hash) {
 
 }  // namespace
 
-// Ends, whatever the device says: an unanswered fence and an unanswered HELLO have their attempts, and so has all that
-// describes the device, twice.
+// Ends within 4 x attempts x timeout, whatever the device answers: one part for the fence, one for HELLO, and two for
+// the description of the device.
 Outcome Link::begin() {
   if (MappedMemory* const memory = driver_->memory(); memory != nullptr) {
     begin_mapped(*memory);
@@ -46,7 +46,7 @@ Outcome Link::begin() {
       Outcome silent = outcome_of(exchange);
       const bool maybe_frames = exchange.status == Status::timeout && options_.protocol == Protocol::automatic &&
                                 options_.gateware != Gateware::published_2012 && options_.engine.checksums;
-      if (maybe_frames) {  // gateware that was built without the classic protocol does not answer it
+      if (maybe_frames) {  // gateware without the classic protocol does not answer the fence
         Outcome outcome = begin_framed(until_ns);
         return outcome.ok() || framed_ ? outcome : silent;
       }
@@ -56,12 +56,12 @@ Outcome Link::begin() {
     checksums_ = classic_.checksums();
     reported = classic_.reported();
   }
-  // Frames may have a '$' in them.
+  // Frames may contain a '$', so gateware that may hang on it must not get any.
   const bool known_classic = options_.protocol == Protocol::classic || options_.gateware == Gateware::published_2012 ||
                              !options_.engine.checksums;
   if (!known_classic) {
     Outcome outcome = begin_framed(until_ns);
-    // no proof that it knows no frames
+    // this does not prove that it knows no frames
     if (options_.protocol == Protocol::automatic && outcome.status == Status::timeout && !framed_) {
       outcome.text +=
           "; it sometimes answered in the classic protocol, but too seldom to be sure that it knows no other: is the "
@@ -95,7 +95,7 @@ Outcome Link::begin() {
   return outcome;
 }
 
-// There is nobody to ask: the URL has told, and what has no limit here has the protocol's.
+// Mapped memory cannot be asked. The URL gives its widths. For the rest, the limits of the protocol are used.
 void Link::begin_mapped(MappedMemory& memory) {
   const std::scoped_lock lock(mutex_);
   mapped_ = std::make_unique<MappedEngine>(memory);
@@ -116,7 +116,7 @@ void Link::begin_mapped(MappedMemory& memory) {
   quieted_ = true;
 }
 
-// framed_ stays only if the device speaks the framed protocol, whatever else is wrong.
+// Tries the framed protocol. framed_ stays set only if the device speaks it, also if something else is wrong.
 Outcome Link::begin_framed(std::uint64_t until_ns) {
   {
     const std::scoped_lock lock(mutex_);
@@ -147,7 +147,8 @@ Outcome Link::begin_framed(std::uint64_t until_ns) {
   outcome = describe_device(how);
   if (outcome.ok() && options_.deadman_s > 0) {
     outcome = set_dead_man(options_.deadman_s, how);
-    if (outcome.status == Status::denied) {  // it tripped before: whoever may arm it has to have a link
+    // it tripped earlier: the link opens all the same, so that the program can arm it
+    if (outcome.status == Status::denied) {
       return {};
     }
   }

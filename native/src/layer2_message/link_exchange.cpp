@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exchange groups: words that are named once and then travel as bare data, many times a second.
+// Exchange groups: their words are named once. Then only data is sent, many times a second.
 #include <algorithm>
 
 #include "layer1_stream/frame_heads.hpp"

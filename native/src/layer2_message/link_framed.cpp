@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What only the framed protocol can do, and what stands in for it on a classic link.
+// What only the framed protocol can do, and what a classic link does instead.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ constexpr std::size_t list_of_one_bytes = frame_head::list + frame_head::operati
 
 constexpr std::size_t words_max = 255;  // in one operation
 constexpr std::size_t posts_per_flush = 256;
-constexpr double ticks_max = 4294967295.0;  // of the base frequency
+constexpr double ticks_max = 4294967295.0;  // periods of the base frequency
 
 }  // namespace
 
@@ -23,8 +23,8 @@ Outcome Link::framed_only(const char* what) const {
                                 (mapped_ ? "mapped memory has no protocol" : "this link speaks the classic one")};
 }
 
-// Words that one message reads; so few that the device keeps the reply, where reading twice would do harm. 0: it knows
-// no lists.
+// The most words that one message can read. Without `repeat` the device must keep the reply, so there are fewer. 0: it
+// knows no lists.
 std::size_t Link::words_read(bool repeat) const noexcept {
   if ((description_.features & protocol::control_value::feature_lists) == 0) {
     return 0;
@@ -44,7 +44,7 @@ std::size_t Link::words_written() const noexcept {
                                               (configuration_.address_bytes + configuration_.data_bytes));
 }
 
-// Words of one call of post() that go out in one message.
+// The most words of post() in one message.
 std::size_t Link::words_posted() const noexcept {
   const std::size_t list = words_written();
   return list > 1 ? std::min(list, FramedEngine::post_words_max) : 1;
@@ -92,7 +92,7 @@ Outcome Link::transfer(std::span<const std::uint32_t> write_addresses, std::span
     return {};
   }
   RequestOptions reading = how;
-  reading.repeat = how.repeat || mapped_;  // words of one moment are read twice there
+  reading.repeat = how.repeat || mapped_;  // mapped memory reads words twice to get them as of one moment
   Outcome outcome = read_many(addresses, values, atomic, reading);
   if (!write_addresses.empty()) {
     outcome = behind_writes(std::move(outcome));
@@ -263,14 +263,14 @@ Outcome Link::set_dead_man(double silence_s, const RequestOptions& how) {
   }
   Outcome outcome = write_control(protocol::control::deadman_ticks, static_cast<std::uint32_t>(ticks), how);
   if (outcome.ok() && ticks > 0) {
-    start_reader();  // for the signs of life while nobody calls
+    start_reader();  // it sends the signs of life while nobody calls
   }
   return outcome;
 }
 
 Outcome Link::arm(const RequestOptions& how) {
   Outcome outcome = write_control(protocol::control::arm, 1, how);
-  if (outcome.status == Status::denied) {  // it tripped in this session, which is thereby over
+  if (outcome.status == Status::denied) {  // it tripped in this session, which may not arm it: another one is needed
     Exchange farewell;
     prepare(farewell, how);
     farewell.operation = Operation::close_session;

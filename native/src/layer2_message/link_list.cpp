@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lists: reads, writes, masked writes and additions in one message, and what stands in for them where there are none.
+// Lists: reads, writes, masked writes and additions in one message. Also what is done if the device knows no lists.
 #include <algorithm>
 #include <vector>
 
@@ -48,7 +48,7 @@ Outcome Link::check_list(std::span<const ListWord> steps, std::size_t room) cons
   return {};
 }
 
-// How many from the front one message holds; 0: not even one.
+// How many of the first steps fit into one message; 0: not even one.
 std::size_t Link::list_fits(std::span<const ListWord> steps) const noexcept {
   const auto fits = [&](std::size_t count) {
     const std::span<const ListWord> part = steps.first(count);
@@ -116,7 +116,7 @@ Outcome Link::list(std::span<const ListWord> steps, std::span<std::uint32_t> val
   return outcome;
 }
 
-// One after the other: reads and writes that follow each other go together.
+// Does the steps without lists. Reads in a row become one call, and so do writes.
 Outcome Link::list_apart(std::span<const ListWord> steps, std::span<std::uint32_t> values, const RequestOptions& how) {
   std::size_t read = 0;
   for (std::size_t begin = 0; begin < steps.size();) {

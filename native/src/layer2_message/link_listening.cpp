@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who reads while nobody waits for an answer: who waits for publishes, else the reader thread.
+// Which thread reads while no caller waits for an answer: one that waits for publishes, else the reader thread.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -9,13 +9,16 @@
 namespace unitylink {
 namespace {
 
-constexpr std::uint64_t call_patience_ns = 250'000;      // where there was one call there may soon be another
-constexpr std::uint64_t leader_patience_ns = 1'000'000;  // with one who reads, and may leave without a word
-// with one who waited for publishes, and does something with them
-constexpr std::uint64_t reader_patience_ns = 4'000'000;
-constexpr std::uint64_t gone_patience_ns = 100'000'000;  // with a line that is gone
-constexpr std::uint64_t reader_look_ns = 250'000'000;    // a reader that rests looks after the line so often
-constexpr std::uint64_t reader_rest_ns = 20'000'000;     // who has waited for so long is not looked after any more
+// How long a thread waits before it reads for others:
+constexpr std::uint64_t call_patience_ns = 250'000;      // after a call, because another call may soon follow
+constexpr std::uint64_t leader_patience_ns = 1'000'000;  // while there is a leader, who may leave without a signal
+constexpr std::uint64_t reader_patience_ns = 4'000'000;  // after a wait for publishes, because another may soon follow
+constexpr std::uint64_t gone_patience_ns = 100'000'000;  // while the line is gone
+
+// The reader rests while another thread has waited for publishes for this long.
+constexpr std::uint64_t reader_rest_ns = 20'000'000;
+// A resting reader checks this often whether it is needed.
+constexpr std::uint64_t reader_look_ns = 250'000'000;
 
 }  // namespace
 
@@ -30,7 +33,7 @@ void Link::start_reader() {
   }
   try {
     reader_ = std::thread([this] { read_loop(); });
-  } catch (...) {  // no memory, or no thread: then there is none, and the next who wants one tries again
+  } catch (...) {  // no memory, or no thread: the next call that needs the reader tries again
     const std::scoped_lock lock(mutex_);
     reader_wanted_ = false;
     throw;
@@ -50,11 +53,11 @@ void Link::stop_reader() {
   }
 }
 
-// One turn of reading for others, unless somebody else reads or is about to.
+// Reads once for others, unless another thread reads or will soon read.
 void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_t until_ns) noexcept {
   const std::uint64_t now = now_ns();
   const std::uint64_t call_ns = last_caller_ == std::this_thread::get_id() ? 0 : last_call_ns_ + call_patience_ns;
-  const bool gone = line_ != Line::up;  // the reader opens it, and announces that
+  const bool gone = line_ != Line::up;  // the reader opens it again, and calls announce() then
   if (leading_ || callers_ > 0 || now < call_ns || gone) {
     const std::uint64_t look_ns = std::min(until_ns, gone            ? now + gone_patience_ns
                                                      : now < call_ns ? call_ns
@@ -69,8 +72,8 @@ void Link::stand_in(Lock& lock, std::condition_variable& elsewhere, std::uint64_
   published_.notify_one();
 }
 
-// Until `ready()`, the end of the link or the timeout. Who waits for publishes reads them himself: the reader would
-// have to wake him, a second thread woken for each publish.
+// Waits until `ready()`, the end of the link or the timeout. A thread that waits for publishes reads them itself.
+// Otherwise each publish would wake two threads: the reader, and the one that waits.
 template <typename Ready>
 void Link::listen(Lock& lock, std::uint64_t timeout_ns, Ready ready) {
   if (ready() || engine_->ended()) {

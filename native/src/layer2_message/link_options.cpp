@@ -29,16 +29,17 @@ constexpr Override overrides[] = {
     {"rate_bytes", &LinkOptions::rate_bytes, limits_of::rate_bytes},
 };
 
-constexpr std::uint64_t spin_most_ns = 10'000'000;  // longer than that, a processor is taken from whoever might reply
+// longer would take processor time from the program that should reply
+constexpr std::uint64_t spin_most_ns = 10'000'000;
 
-// `plant` and `root` are read where virtual boards are made (simulate/simulated.py).
+// `plant` and `root` are read in simulate/simulated.py, which makes virtual boards.
 constexpr const char* of_every_link =
     "protocol, timeout, attempts, deadman, spec_hash, fifo, crc, polynomial, window, publish_crc, gateware, reconnect, "
     "wait, spin, trace, "
     "address_bytes, data_bytes, read_many, base_hz, groups, group_size, rate_bytes, publish_mode, plant and root (sim, "
     "rtl)";
 
-// The options of a scheme in a sentence; `last` stands before the last of them.
+// The options of a scheme as a part of a sentence. `last` is the word before the last one.
 std::string listed(const Scheme& scheme, const char* last) {
   const std::vector<std::string_view> names = scheme.option_names();
   std::string words;
@@ -181,12 +182,12 @@ Outcome parse_option(const Url& url, const std::string& name, const std::string&
     }
   }
   if (name == "trace" || url.row->takes(name)) {
-    return {};  // the driver's
+    return {};  // it belongs to the driver
   }
   return wrong_url(url, "no option '" + name + "'; " + known_options());
 }
 
-// The first that is no option of a scheme without a protocol.
+// The error for the first option that a scheme without a protocol does not have.
 Outcome refused_option(const Url& url) {
   for (const auto& [name, value] : url.options) {
     if (!url.row->takes(name)) {
@@ -204,7 +205,7 @@ Outcome parse_options(const Url& url, LinkOptions& options) {
   if (url.row->framed_only) {
     options.protocol = Protocol::framed;
   }
-  if (!url.row->stream) {  // its own options are read where it is opened
+  if (!url.row->stream) {  // its own options are read when it is opened
     return refused_option(url);
   }
   for (const auto& [name, value] : url.options) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The line that comes back (reconnect=1): how its loss is noticed and told, and how it is opened and set up again.
+// The line that comes back (reconnect=1): how its loss is noticed and reported, and how it is opened and set up again.
 //
-// The reader thread does it, which such a link keeps as long as it lives. While the line is gone nobody leads, and
-// requests are declined. Nothing that was asked before is sent again by itself: what was under way has been told as
-// unknown, or as not sent. Set up again is what the program has asked to go on: subscriptions, exchange groups,
-// publishing, the dead-man.
+// The reader thread does all of this. Such a link keeps it as long as the link exists. While the line is gone there is
+// no leader, and requests are declined. Requests that were in flight are reported as unknown, or as not sent. None of
+// them is sent again. Subscriptions, exchange groups, publishing and the dead-man are set up again.
 #include <algorithm>
 #include <chrono>
 
@@ -14,16 +13,16 @@
 namespace unitylink {
 namespace {
 
-// before the second attempt; twice as long before each that follows
+// before the second attempt; doubled before each later one
 constexpr std::uint64_t pause_first_ns = 10'000'000;
 constexpr std::uint64_t pause_most_ns = 1'000'000'000;
-// without a byte for so long the device is asked whether it is there
+// after so long without a byte, the link asks whether the device is there
 constexpr std::uint64_t silence_ns = 500'000'000;
-constexpr std::uint64_t program_look_ns = 20'000'000;  // between two looks whether a program lives again
+constexpr std::uint64_t program_look_ns = 20'000'000;  // how often the reader checks whether the program works again
 constexpr double program_patience_most_s = 3600;
 constexpr std::size_t events_kept = 64;
 
-// Without memory, descriptors or threads an attempt has failed, and there will be others.
+// Makes an attempt. Without memory, descriptors or threads it fails, and the next one may succeed.
 template <class Act>
 Outcome attempted(const Act& act) noexcept {
   try {
@@ -37,7 +36,7 @@ Outcome attempted(const Act& act) noexcept {
 
 }  // namespace
 
-// From here on a loss is not the end.
+// From now on the loss of the line does not end the link.
 void Link::last() {
   {
     const std::scoped_lock lock(mutex_);
@@ -53,7 +52,7 @@ bool Link::takes_requests() const noexcept {
   return engine_->ended() || line_ == Line::up || (line_ == Line::opening && std::this_thread::get_id() == restorer_);
 }
 
-// ---- reads that wait, where the URL says so
+// ---- reads that wait for the line (wait= in the URL)
 
 bool Link::waits_for_line(std::span<const Exchange> exchanges) const noexcept {
   return lasts_ && options_.wait_ns > 0 && std::this_thread::get_id() != restorer_ &&
@@ -64,7 +63,7 @@ bool Link::waits_for_line(std::span<const Exchange> exchanges) const noexcept {
          });
 }
 
-// All are asked anew where one did not come through.
+// Whether one of the reads was cut off. Then all of them are made again.
 bool Link::was_cut(std::span<Exchange> exchanges) noexcept {
   if (std::none_of(exchanges.begin(), exchanges.end(),
                    [](const Exchange& exchange) { return exchange.status == Status::down; })) {
@@ -110,7 +109,7 @@ void Link::tell(LinkEvent::Kind kind, std::string_view text) noexcept {
   try {
     events_.push_back({kind, now_ns(), in_words([&] { return std::string(text); })});
     events_made_ += 1;
-  } catch (const std::bad_alloc&) {  // then there is no such event; generation() tells of it
+  } catch (const std::bad_alloc&) {  // the event is left out, but generation() has changed
   }
   if (events_.size() > events_kept) {
     events_.pop_front();
@@ -118,7 +117,7 @@ void Link::tell(LinkEvent::Kind kind, std::string_view text) noexcept {
   announce();
 }
 
-// Of a session that the engine has begun anew by itself, too.
+// Reports each restart of the device that the engine has counted.
 void Link::notice_restarts() noexcept {
   if (engine_->statistics().restarts != restarts_seen_) {
     restarts_seen_ = engine_->statistics().restarts;
@@ -165,7 +164,7 @@ void Link::lose(Status status, std::string_view reason) noexcept {
   }
 }
 
-// When the reader asks whether the device is there, if nothing comes until then.
+// When the reader asks whether the device is there, if no byte arrives before.
 std::uint64_t Link::look_ns() const noexcept { return lasts_ ? heard_ns_ + silence_ns : Engine::no_deadline; }
 
 void Link::look_after(Lock& lock) {
@@ -178,13 +177,12 @@ void Link::look_after(Lock& lock) {
   lock.unlock();
   run(std::span(&question, 1));
   lock.lock();
-  heard_ns_ = std::max(heard_ns_, now_ns() - std::min(now_ns(), silence_ns / 2));  // asked again soon, not at once
+  // so that the next question comes soon, but not at once
+  heard_ns_ = std::max(heard_ns_, now_ns() - std::min(now_ns(), silence_ns / 2));
   if (question.status == Status::timeout) {
     lose(Status::timeout, "the device does not answer");
   }
 }
-
-// ---- and back
 
 // ---- the program
 
@@ -198,7 +196,7 @@ Outcome Link::watch_program(double patience_s) {
   program_patience_ns_ = static_cast<std::uint64_t>(patience_s * 1e9);
   program_until_ns_ = program_patience_ns_ > 0 ? now_ns() + program_patience_ns_ : Engine::no_deadline;
   if (program_patience_ns_ > 0) {
-    start_reader();  // which looks at the time while nobody calls
+    start_reader();  // it checks the time while nobody calls
     const std::scoped_lock lock(mutex_);
     wake();
   }
@@ -211,7 +209,9 @@ void Link::alive() noexcept {
   }
 }
 
-// One attempt, by the reader.
+// ---- the way back
+
+// The reader makes one attempt.
 void Link::reopen(Lock& lock) {
   while (leading_) {
     wake();
@@ -270,7 +270,7 @@ void Link::reopen(Lock& lock) {
   }
 }
 
-// The device as it was set up. FramedEngine does it by itself in each new session.
+// Sets the device up as before. On a framed link, FramedEngine does this in each new session.
 Outcome Link::restore() {
   Exchange exchange;
   prepare(exchange, {.checked = std::nullopt, .repeat = true, .timeout_ns = 0});
@@ -280,7 +280,7 @@ Outcome Link::restore() {
   if (!outcome.ok()) {
     return outcome;
   }
-  // not before: who closes a subscription must not wait for a silent device
+  // locked only now, so that nobody who closes a subscription waits for a silent device
   const std::scoped_lock one_at_a_time(configuring_);
   if (framed_) {
     return stop_closed_groups();
@@ -306,11 +306,11 @@ Outcome Link::restore() {
     outcome = command(options_.publish_checked && checksums_ ? Operation::enable_checked_publishing
                                                              : Operation::enable_publishing);
   }
-  quieted_ = true;  // also when it failed: then all of it is done again
+  quieted_ = true;  // also after a failure, so that the next attempt does all of it again
   return outcome;
 }
 
-// Those whose subscriptions were closed while FramedEngine was setting them up.
+// Stops groups whose subscriptions were closed while FramedEngine set them up.
 Outcome Link::stop_closed_groups() {
   for (std::uint32_t group = 0; group < configuration_.groups; ++group) {
     bool closed = false;

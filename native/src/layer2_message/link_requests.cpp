@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads and writes: checked before anything is sent, run, and told.
+// Reads and writes: they are checked before anything is sent, then run, then their result is returned.
 #include <algorithm>
 #include <limits>
 
@@ -31,7 +31,7 @@ void Link::prepare(Exchange& exchange, const RequestOptions& how) const noexcept
 }
 
 Outcome Link::check_address(std::uint32_t address, std::size_t index) const {
-  // what is beyond the memory is told when it is accessed
+  // an address beyond mapped memory is reported when it is accessed
   if (address <= highest(configuration_.address_bytes) || mapped_) {
     return {};
   }
@@ -55,7 +55,7 @@ Outcome Link::check_value(std::uint32_t address, std::uint32_t value, std::size_
   return at(std::move(outcome), index);
 }
 
-// The first that does not fit the device; `index` is that of the front one in the call.
+// The error for the first address that does not fit the device. `index` is the number of the first address in its call.
 Outcome Link::check_addresses(std::span<const std::uint32_t> addresses, std::size_t index) const {
   const std::uint32_t most = highest(configuration_.address_bytes);
   const auto wrong =
@@ -104,13 +104,13 @@ Outcome Link::check(const Exchange& exchange, std::size_t index) {
   return may_write();
 }
 
-// 2012 gateware writes 0, whatever it is given, when its words are not 32 bits. Only then is it asked, once, which one
-// it is.
+// 2012 gateware whose words are not 32 bits writes wrong values, mostly 0. So a device with such words is asked, once,
+// which gateware it has.
 Outcome Link::may_write() {
   if (configuration_.data_bytes == 4 || framed_) {
     return {};
   }
-  if (gateware_ == Gateware::automatic && !checksums_) {  // the question is a '$', and its answer that of a checksum
+  if (gateware_ == Gateware::automatic && !checksums_) {  // the question is a '$', so it needs a device with checksums
     return {
         Status::mismatch,
         "2012 gateware with " + std::to_string(8 * configuration_.data_bytes) +
@@ -219,7 +219,7 @@ bool Link::write_at_once(std::uint32_t address, std::uint32_t value) noexcept {
 
 // ---- vectors
 
-// That one request reads; 0: one each.
+// The most words of one request; 0: each word needs its own request.
 std::size_t Link::words_at_once(bool repeat) const noexcept {
   return framed_ ? words_read(repeat) : mapped_ ? std::numeric_limits<std::size_t>::max() : configuration_.read_many;
 }
@@ -317,7 +317,7 @@ Outcome Link::plan_write_many(Call& call, std::span<const std::uint32_t> address
   return {};
 }
 
-// The first that failed; behind it all are cancelled or void.
+// The first failure decides. All requests after it are cancelled or void.
 Outcome Link::result(const Call& call) {
   const std::span<const Exchange> exchanges(call.exchanges);
   if (!call.values.empty()) {
@@ -391,7 +391,7 @@ void Link::withdraw(Call& call) {
   const std::uint64_t now = now_ns();
   engine_->withdraw(call.exchanges, now);
   flush(now);
-  wake();  // the next deadline may be nearer now
+  wake();  // the next deadline may be earlier now
 }
 
 }  // namespace unitylink

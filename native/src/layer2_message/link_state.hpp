@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a link keeps about one subscription; private to the link's own files.
+// The state of one subscription. Only the files of Link use it.
 #pragma once
 
 #include <vector>
@@ -16,13 +16,13 @@ struct Link::Subscription {
         on_event(request.on_event),
         ring(request.addresses.size(), request.ring) {}
 
-  std::uint32_t id = 0;  // its group, plus 256 for each earlier subscription of the group
+  std::uint32_t id = 0;  // the group, plus 256 for each earlier subscription of this group
   std::vector<std::uint32_t> addresses;
   std::uint32_t divisor;
   bool on_event;
   bool open = false;
-  bool closed_unheard = false;  // closed while the line was gone: the device may be setting it up
-  PublishRing ring;             // outlives the subscription, so that earlier publishes can still be fetched
+  bool closed_unheard = false;  // closed while the line was gone, so the device may still publish it
+  PublishRing ring;             // kept after the end of the subscription, so that earlier publishes can be drained
 };
 
 }  // namespace unitylink

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Subscriptions: one gateware group each. The order of the commands is what 2012 gateware needs: addresses before a
-// rate, no rate on an empty group, rate 0 while addresses change, never a group filled to its advertised size.
+// Subscriptions: each uses one group of the gateware. 2012 gateware needs a certain order of commands. Addresses come
+// before a rate, an empty group has no rate, and the rate is 0 while addresses change. No group is filled to its
+// advertised size.
 #include <algorithm>
 #include <chrono>
 
@@ -13,13 +14,14 @@
 namespace unitylink {
 namespace {
 
-// Framed: the payload's head and words. Classic: "&PUB:", group and count, the words, "*hh", line feed.
+// The bytes of a publish. Framed: head and words of the payload. Classic: "&PUB:", group, count, words, "*hh", line
+// feed.
 std::uint64_t publish_bytes(std::size_t words, std::uint32_t data_bytes, bool checked, bool framed) noexcept {
   return framed ? frame_bytes(frame_head::publish + words * data_bytes)
                 : encoded_bytes(protocol::reply::publish.size(), 2 + words * data_bytes, checked);
 }
 
-// Every configuration command may be sent twice: it sets, it does not count.
+// A command that configures a group may be sent twice without harm.
 constexpr RequestOptions repeatable{.checked = std::nullopt, .repeat = true, .timeout_ns = 0};
 constexpr std::size_t ring_words_max = std::size_t{1} << 26;
 
@@ -28,7 +30,7 @@ Outcome cannot(std::string why) { return {Status::mismatch, "subscribe: " + std:
 }  // namespace
 
 std::uint32_t Link::usable_group_size() const noexcept {
-  if (framed_) {  // the definition and the publish have to fit into the device's buffers, too
+  if (framed_) {  // the definition and the publish must also fit into the device's buffers
     const auto words = [](std::uint32_t most, std::size_t head, std::uint32_t each) {
       return most > head ? static_cast<std::uint32_t>((most - head) / each) : 0;
     };
@@ -51,7 +53,7 @@ Outcome Link::command(Operation operation) {
 }
 
 Outcome Link::set_rate(std::uint32_t group, std::uint32_t divisor) {
-  if (framed_ || mapped_) {  // rate and addresses are one there, and this is asked for only to switch it off
+  if (framed_ || mapped_) {  // there the definition includes the rate; this call only switches the group off
     return define_group(group, {}, divisor, false, nullptr);
   }
   Exchange exchange;
@@ -77,7 +79,7 @@ Outcome Link::define_group(std::uint32_t group, std::span<const std::uint32_t> a
   return outcome_of(exchange);
 }
 
-// The mask is written from the host's own shadow: reading it back is broken in 2012 gateware at 16-bit data.
+// Writes the mask from the host's copy, because 2012 gateware with 16-bit data reads it back wrongly.
 Outcome Link::set_event(std::uint32_t group, bool on) {
   const std::size_t bytes = event_mask_bytes(configuration_.groups);
   auto& byte = event_mask_[bytes - 1 - group / 8];
@@ -91,7 +93,7 @@ Outcome Link::set_event(std::uint32_t group, bool on) {
   return outcome_of(exchange);
 }
 
-// Once per link: whatever another program left behind is switched off.
+// Switches off all publishes of an earlier program, once for each link.
 Outcome Link::quiet_device() {
   if (quieted_ || framed_) {  // a new session publishes nothing
     return {};
@@ -106,7 +108,7 @@ Outcome Link::quiet_device() {
   }
   event_mask_.fill(0);
   if (Outcome outcome = set_event(0, false); !outcome.ok() && outcome.status != Status::protocol_error) {
-    return outcome;  // gateware without events refuses the command, which does as well
+    return outcome;  // gateware without events refuses the command, and needs none
   }
   quieted_ = true;
   return {};
@@ -269,14 +271,15 @@ Outcome Link::subscribe(const SubscriptionRequest& request, std::uint32_t& id) {
   return {};
 }
 
-// The device first, and its answer: what it sent before has then come, and can be drained as all that came earlier.
+// Stops the device first, and waits for its answer. Then all publishes that it sent before have arrived, and can be
+// drained.
 Outcome Link::stop_group(const Subscription& subscription, bool last) {
   const std::uint32_t group = group_of(subscription.id);
   Outcome outcome;
   if (last) {
     outcome =
         framed_ ? write_control(protocol::control::publish, 0, repeatable) : command(Operation::disable_publishing);
-  } else if (framed_) {  // its publishes are nobody's as soon as the group is defined anew
+  } else if (framed_) {  // asked first, because publishes that arrive after the new definition are unclaimed
     std::uint32_t state = 0;
     outcome = read_control(protocol::control::publish, std::span(&state, 1), repeatable);
   }
@@ -302,7 +305,7 @@ Outcome Link::unsubscribe(std::uint32_t id) {
   }
   bool unheard = false;
   Outcome outcome = closed() ? Outcome{} : stop_group(*subscription, last);
-  if (outcome.status == Status::down || outcome.status == Status::unknown) {  // it is not set up again
+  if (outcome.status == Status::down || outcome.status == Status::unknown) {  // the group will not be set up again
     outcome = {};
     unheard = true;
   }
@@ -322,9 +325,9 @@ Outcome Link::unsubscribe(std::uint32_t id) {
   return outcome;
 }
 
-// ---- what has come
+// ---- publishes that have arrived
 
-// Nothing behind an id whose group has been subscribed anew.
+// nullptr for an id whose group was given to a later subscription.
 Link::Subscription* Link::find(std::uint32_t id) const noexcept {
   Subscription* const subscription = subscriptions_[group_of(id)].get();
   return subscription != nullptr && subscription->id == id ? subscription : nullptr;

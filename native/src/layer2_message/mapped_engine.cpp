@@ -9,7 +9,8 @@
 namespace unitylink {
 namespace {
 
-constexpr std::size_t settling_passes = 8;  // reads of some words in a row before they count as always changing
+// after so many reads with different values, the words count as always changing
+constexpr std::size_t settling_passes = 8;
 
 }  // namespace
 
@@ -33,7 +34,7 @@ bool MappedEngine::write(std::uint32_t address, std::uint32_t value) noexcept {
   return true;
 }
 
-// All or nothing: reading may do something.
+// Reads all words or none, because reading a word may have an effect.
 bool MappedEngine::read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                              bool atomic) noexcept {
   if (ended_ || !std::ranges::all_of(addresses, [this](std::uint32_t address) { return memory_.has(address); })) {
@@ -111,7 +112,7 @@ void MappedEngine::define(const Exchange& exchange, std::uint64_t now_ns) noexce
   claim(exchange.address, exchange.ring);
 }
 
-// Whose publishes nobody gets is not polled.
+// A group without a ring is not polled.
 void MappedEngine::claim(std::uint32_t group, PublishRing* ring) noexcept {
   rings_[group] = ring;
   if (ring == nullptr) {
@@ -134,7 +135,7 @@ void MappedEngine::advance(std::uint64_t now_ns) noexcept {
   find_next();
 }
 
-// A poll that comes late is not made up for: those that it is late by are lost.
+// A late poll counts once. The polls that should have come before it are lost.
 void MappedEngine::poll(Group& group, PublishRing& ring, std::uint64_t now_ns) noexcept {
   const std::span<std::uint32_t> words = std::span(words_).first(group.addresses.size());
   memory_.load(group.addresses, words);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MappedEngine: registers that are memory of this machine. There is no protocol: submit() does what is asked, at once,
-// and advance() polls the groups that are due, in place of publishes. What a protocol needs of an engine (bytes,
-// answers, repeats) it has not.
+// MappedEngine is the engine for registers that are memory of this machine. There is no protocol, so there are no
+// bytes, answers or repeats. submit() executes a request at once. advance() polls the groups that are due, because
+// nothing publishes them.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ class MappedEngine final : public Engine {
  public:
   explicit MappedEngine(MappedMemory& memory) noexcept : memory_(memory) {}
 
-  // One access, as submit() makes it, without an exchange around it. False: it has ended, or the address is beyond the
+  // One access, like submit() but without an Exchange. False: the engine has ended, or the address is beyond the
   // memory.
   [[nodiscard]] bool read(std::uint32_t address, std::uint32_t& value) noexcept;
   [[nodiscard]] bool write(std::uint32_t address, std::uint32_t value) noexcept;
   [[nodiscard]] bool read_many(std::span<const std::uint32_t> addresses, std::span<std::uint32_t> values,
                                bool atomic) noexcept;
-  // What became of a request that was refused here: bus_error, mismatch.
+  // The error of a request that this engine refused: bus_error or mismatch.
   [[nodiscard]] Outcome describe(const Exchange& exchange) const;
 
   void configure(const Configuration& configuration) noexcept override { configuration_ = configuration; }
@@ -34,7 +34,7 @@ class MappedEngine final : public Engine {
   void sent(std::size_t) noexcept override {}
   void advance(std::uint64_t now_ns) noexcept override;
   [[nodiscard]] std::uint64_t next_deadline_ns() const noexcept override { return next_due_ns_; }
-  // Nothing is ever under way.
+  // No request is ever in flight, so these have nothing to do.
   void abandon(std::span<Exchange>, std::uint64_t) noexcept override {}
   void withdraw(std::span<Exchange>, std::uint64_t) noexcept override {}
   void claim(std::uint32_t group, PublishRing* ring) noexcept override;
@@ -43,9 +43,9 @@ class MappedEngine final : public Engine {
   void forget(Status status) noexcept override;
 
  private:
-  // The words of a group, and when they are read next.
+  // A group: its words, and when they are read next.
   struct Group {
-    std::span<const std::uint32_t> addresses;  // of the subscription
+    std::span<const std::uint32_t> addresses;  // owned by the subscription
     std::uint64_t period_ns = 0;               // 0: it is not polled
     std::uint64_t due_ns = 0;
   };

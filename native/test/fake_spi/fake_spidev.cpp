@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// spidev as far as the SPI driver uses it. FAKE_SPI has `key=value` words with spaces between:
+// The part of spidev that the SPI driver uses. FAKE_SPI is `key=value` words with spaces between them:
 //   device=/dev/spidev0.0   file=FILE (opened in its place)     port=5555   the board: TCP on this machine
-//   exchange=1       the board is clocked too: it answers each byte with one
-//   log=FILE         a line for each setting, and at the end how many transfers and bytes there were
-//   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place), whose line 25 is the board's `waiting`
-//   unplug=1000      so many bytes after it was opened transfers fail   refuse=22   what setting the speed answers
-// FAKE_SPI_FAIL, looked at each time: the n-th of the calls that open the port and its line, or set them up, answers
-// EMFILE.
+//   exchange=1       the board answers each byte with a byte
+//   log=FILE         gets a line for each setting, and at the end the number of transfers and bytes
+//   gpiochip=/dev/gpiochip0   a GPIO chip (FILE is opened in its place); its line 25 is the board's `waiting`
+//   unplug=1000      transfers fail after so many bytes      refuse=22   the error of setting the speed
+// FAKE_SPI_FAIL=n: the n-th of the calls that open the port and its line, or set them up, fails with EMFILE. Each call
+// reads it again.
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstdarg>
@@ -34,8 +34,8 @@ namespace {
 struct Port {
   std::map<std::string, std::string> settings;
   int descriptor = -1, board = -1;
-  int chip = -1, line = -1;  // of GPIO; the line is a copy of the board's socket, which can be read when there is more
-  std::deque<std::uint8_t> coming;  // of the board's, from the last whole message on
+  int chip = -1, line = -1;  // of GPIO; the line is a copy of the board's socket, which is readable when bytes wait
+  std::deque<std::uint8_t> coming;  // bytes from the board that were not yet sent to the PC
   std::size_t whole = 0;            // bytes of `coming` in whole messages
   std::uint8_t next = 0;            // the byte on miso when the next transfer begins
   std::size_t transfers = 0, bytes = 0;
@@ -168,7 +168,7 @@ int open_instead(const char* name, const char* path, int flags, mode_t mode) {
     p.chip = descriptor;
   } else if (ours && descriptor >= 0 && p.descriptor < 0) {
     p.descriptor = descriptor;
-    p.bytes = 0;  // a port that is opened again is whole again
+    p.bytes = 0;  // when the port is opened again, transfers work again
     connect_board();
   }
   return descriptor;
@@ -198,7 +198,7 @@ int ask_chip(gpio_v2_line_request& request) {
 extern "C" {
 
 ssize_t read(int descriptor, void* bytes, size_t count) {
-  if (descriptor >= 0 && descriptor == port().line) {  // what happened on the line: the level says it all
+  if (descriptor >= 0 && descriptor == port().line) {  // no events of the line: its level is enough
     errno = EAGAIN;
     return -1;
   }

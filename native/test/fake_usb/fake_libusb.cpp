@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libusb-1.0 as far as the FTDI driver uses it, with one chip plugged in. FAKE_USB has `key=value` words with spaces
-// between:
+// The part of libusb-1.0 that the FTDI driver uses, with one chip plugged in. FAKE_USB is `key=value` words with spaces
+// between them:
 //   port=5555     the board behind the chip: TCP on this machine
 //   serial=FT1  release=0x0700 (bcdDevice)  packet=512
-//   log=FILE      a line for each control request, and at the end how packets came to be sent
+//   log=FILE      gets a line for each control request, and at the end the reasons why packets were sent
 //   unplug=1000   after so many bytes from the board the chip is gone, in the middle of a transfer
-//   refuse=-3     what opening the chip answers
-//   claim=-6      what claiming answers
-//   take=100      bytes the chip takes a time
+//   refuse=-3     the result of opening the chip
+//   claim=-6      the result of claiming a channel
+//   take=100      most bytes that the chip takes in one transfer
 #include <algorithm>
 #include <arpa/inet.h>
 #include <chrono>
@@ -35,7 +35,7 @@ struct Chip {
   std::map<std::string, std::string> settings;
   std::mutex mutex;
   int board = -1;
-  std::deque<std::uint8_t> gathered;  // from the board, for the PC
+  std::deque<std::uint8_t> gathered;  // bytes from the board for the PC
   std::deque<Transfer*> waiting;
   std::deque<Transfer*> cancelled;
   Clock::time_point last = Clock::now();
@@ -77,7 +77,7 @@ void connect_board() {
 void gather() {
   Chip& c = chip();
   std::uint8_t bytes[4096];
-  while (c.board >= 0 && c.gathered.size() < 4096) {  // the chip's buffer; then the board has to wait
+  while (c.board >= 0 && c.gathered.size() < 4096) {  // the size of the chip's buffer; when it is full, the board waits
     const ssize_t count = ::recv(c.board, bytes, 4096 - c.gathered.size(), MSG_DONTWAIT);
     if (count <= 0) {
       return;
@@ -86,11 +86,11 @@ void gather() {
   }
 }
 
-// Packs one packet behind what the transfer has; true when that ends it.
+// Adds one packet to the transfer. True: the transfer is complete.
 bool pack(Transfer& transfer, std::size_t count, std::size_t packet) {
   Chip& c = chip();
   unsigned char* const place = transfer.buffer + transfer.actual_length;
-  place[0] = 0x31;  // modem status, line status: as an FT2232H has them
+  place[0] = 0x31;  // modem status and line status of an FT2232H
   place[1] = 0x60;
   for (std::size_t n = 0; n < count; ++n) {
     place[2 + n] = c.gathered.front();
@@ -105,7 +105,7 @@ bool pack(Transfer& transfer, std::size_t count, std::size_t packet) {
   return c.gone || count + 2 < packet || transfer.actual_length + static_cast<int>(packet) > transfer.length;
 }
 
-// What the chip does when the PC asks for a packet; true when the first transfer is over.
+// The PC asks the chip for a packet. True: the first transfer is complete.
 bool serve(Transfer& transfer) {
   Chip& c = chip();
   const auto packet = static_cast<std::size_t>(c.number("packet", 512));
@@ -202,7 +202,7 @@ int libusb_control_transfer(Handle*, std::uint8_t type, std::uint8_t request, st
     c.latency_ms = value;
   } else if (request == 0x06) {
     c.event = (value & 0x100) != 0 ? value & 0xFF : -1;
-  } else if (request == 0x00 && value == 2) {  // the last of the set-up
+  } else if (request == 0x00 && value == 2) {  // the last request of the set-up
     connect_board();
   }
   return c.gone ? error_no_device : 0;

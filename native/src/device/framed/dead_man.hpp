@@ -22,7 +22,7 @@ class DeadMan final : public Bus {
   [[nodiscard]] std::uint32_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] bool running() const noexcept { return ticks_ > 0; }
   [[nodiscard]] bool tripped() const noexcept { return tripped_; }
-  // It tripped in the session that is still open, so this session may not arm it.
+  // True: it tripped in the session that is still open, so this session may not arm it.
   [[nodiscard]] bool tripped_in_session() const noexcept { return tripped_in_session_; }
 
   void begin_session() noexcept {
@@ -35,7 +35,7 @@ class DeadMan final : public Bus {
     feed(now);
   }
   void arm() noexcept { tripped_ = missed_ = false; }
-  // An intact frame of the session has arrived.
+  // Call it when an intact frame of the session has arrived.
   void feed(Clock now) noexcept { fed_at_ = now; }
 
   void trip(Clock now) {
@@ -60,7 +60,7 @@ class DeadMan final : public Bus {
     return running() ? (fed_at_ / period_ + ticks_) * period_ : missed_ ? again_at_ : never;
   }
 
-  // The bus, as the applications see it.
+  // The bus for the applications.
   BusReply read(std::uint32_t address, Clock now) override { return bus_.read(address, now); }
   BusStatus write(std::uint32_t address, std::uint32_t value, Clock now) override {
     return tripped_ ? BusStatus::denied : bus_.write(address, value, now);

@@ -11,7 +11,7 @@
 
 namespace unitylink::device {
 
-// Takes big-endian fields from the front. After a field that was too short, all results are wrong.
+// Reads big-endian fields one after the other. After a missing field, all further results are invalid.
 class Fields {
  public:
   explicit Fields(std::span<const std::uint8_t> left) noexcept : left_(left) {}
@@ -60,10 +60,10 @@ struct ExchangeWord {
 
 struct FrameRequest {
   std::uint8_t operation = 0;  // the kind without its bits
-  std::uint16_t id = 0;        // or the number of a post
+  std::uint16_t id = 0;        // the id, or the number of a post
   bool chained = false;
   std::optional<std::uint16_t> barrier;
-  std::uint32_t address = 0;  // of a word, of a control register, or the number of a group
+  std::uint32_t address = 0;  // the address of a word or a control register, or the number of a group
   std::uint32_t value = 0;    // value to write, count of read_control, or divisor of define_group
   std::uint8_t flags = 0;
   std::vector<ListWord> words;

@@ -18,12 +18,12 @@ constexpr std::uint8_t request_bits = protocol::frame::chained_bit | protocol::f
 
 bool is_post(std::uint32_t kind) noexcept { return kind == request_kind::post || kind == request_kind::post_list; }
 
-// Whether it changes how the next frame is read.
+// Whether a frame of this kind changes how the next frame is read.
 bool changes_session(std::uint32_t kind) noexcept {
   return kind == request_kind::open || (kind & ~request_bits & 0xFFu) == request_kind::close;
 }
 
-// Not a kind that a host sends: a device's kind, or a post with bits that only requests have.
+// Whether no host sends this kind: it is a kind of the device, or a post with bits that only requests have.
 bool is_foreign(std::uint32_t kind) noexcept {
   return (kind & protocol::frame::device_bit) != 0 ||
          ((kind & request_bits) != 0 && is_post(kind & ~request_bits & 0xFFu));
@@ -106,7 +106,7 @@ void FramedApplication::step(Clock now, bool port_free, Clock limit) {
     trip(now);
   } else if (sending() && physical_.room() == 0) {
     at_ = std::max(at_, now);
-    execute();  // it has no answer
+    execute();  // this frame has no answer
   } else if (sending()) {
     do {
       physical_.put(static_cast<char>(out_[sent_++]), at_++);
@@ -219,7 +219,7 @@ void FramedApplication::begin_session(const FrameKey& key) {
   bus_.begin_session();
 }
 
-// Writes every output that has a safe value. From then on nothing is written.
+// The dead-man trips: writes every output that has a safe value. Afterwards no write is executed.
 void FramedApplication::trip(Clock now) {
   bus_.trip(now);
   count(control::deadman_trips);

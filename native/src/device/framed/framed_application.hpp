@@ -26,20 +26,20 @@ namespace unitylink::device {
 // posts are executed and publishes are skipped. While no frame is in work, the classic side may use the port.
 class FramedApplication {
  public:
-  // `dead_man` is the bus, and may refuse accesses.
+  // All accesses go through `dead_man`, which may refuse writes.
   FramedApplication(const DeviceConfiguration& configuration, SubscriptionManager& subscriptions, DeadMan& dead_man,
                     PhysicalTransmitter& physical);
 
-  // The next byte between borders, or a border.
+  // Takes the next byte of a frame, or a border.
   void take(std::uint8_t byte, Clock now);
-  // No byte can be taken. The frames before are waiting, or one of them changes how the next one is read.
+  // True: no byte can be taken. Too many frames wait, or one of them changes how the next one is read.
   [[nodiscard]] bool stalled() const noexcept { return paused_ || waiting_.full(); }
-  // Bytes of a frame are being sent.
+  // True: bytes of a frame are being sent.
   [[nodiscard]] bool sending() const noexcept { return sent_ < out_.size(); }
 
-  // `port_free`: no classic message is being sent.
+  // When the next step is due. `port_free`: no classic message is being sent.
   [[nodiscard]] Clock next_clock(bool port_free) const noexcept;
-  // Nothing else happens before `limit`, so all bytes that are sent until then are one step.
+  // Does one step. Nothing else happens before `limit`, so all bytes that are sent until then are one step.
   void step(Clock now, bool port_free, Clock limit);
 
   [[nodiscard]] std::uint16_t offers() const noexcept { return offer_.made(); }
@@ -62,7 +62,7 @@ class FramedApplication {
     std::uint16_t sequence = 0;
   };
 
-  // The next frame has no answer, and needs no room for one.
+  // True: the next frame gets no answer, and needs no room for one.
   [[nodiscard]] bool says_nothing() const noexcept;
   void execute();
   void hello(std::span<const std::uint8_t> payload);
@@ -122,7 +122,7 @@ class FramedApplication {
   std::uint16_t first_failed_ = 0;
   Status first_failure_ = 0;
 
-  std::vector<std::uint8_t> data_;  // of the current reply, after `posts`
+  std::vector<std::uint8_t> data_;  // the data of the current reply, after `posts`
   std::vector<std::uint8_t> payload_;
   std::vector<std::uint8_t> out_;
   std::size_t sent_ = 0;

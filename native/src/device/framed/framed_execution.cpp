@@ -89,7 +89,7 @@ bool FramedApplication::built(std::uint32_t operation) const noexcept {
   }
 }
 
-// Why a request may not be executed yet.
+// Why a request must not be executed yet.
 FramedApplication::Status FramedApplication::untimely() const noexcept {
   if (request_.chained && !cache_.executed(static_cast<std::uint16_t>(request_.id - 1))) {
     return status::order;
@@ -100,7 +100,7 @@ FramedApplication::Status FramedApplication::untimely() const noexcept {
   return status::ok;
 }
 
-// Why it will never be executed, in the order of docs/protocol.md, section 3.
+// Why a request will never be executed. The checks have the order of docs/protocol.md, section 3.
 FramedApplication::Status FramedApplication::refusal(bool repeated) const noexcept {
   const std::size_t word_bytes = configuration_.data_bytes();
   bool writes = request_.operation == request_kind::write;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// To which protocol the next byte belongs (docs/protocol.md, "One port, two protocols").
+// Decides to which protocol the next byte belongs (docs/protocol.md, "One port, two protocols").
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class PortSplitter {
   static constexpr std::uint8_t kinds_first = 0x80;
 
   enum class State : std::uint8_t { classic, border, frame };
-  State state_ = State::classic;  // after power-on people may type
+  State state_ = State::classic;  // after power-on a person may type classic text
 };
 
 }  // namespace unitylink::device

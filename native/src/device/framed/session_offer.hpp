@@ -24,7 +24,7 @@ class SessionOffer {
     open_ = true;
     return shown(++made_);
   }
-  // An OPEN with this nonce is in time. Then the offer is used up.
+  // True: an OPEN with this nonce is accepted. This uses the offer up.
   [[nodiscard]] bool take(std::uint16_t nonce, Clock now) noexcept {
     if (now < rests_until_) {
       return false;

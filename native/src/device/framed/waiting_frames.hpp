@@ -27,7 +27,7 @@ class WaitingFrames {
   }
 
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
-  // No byte of another frame can be taken. The current frame may still end.
+  // True: no byte of another frame can be taken. The current frame may still end.
   [[nodiscard]] bool full() const noexcept { return count_ >= frames_most || bytes_ >= bytes_most_; }
   [[nodiscard]] const Waiting& front() const noexcept { return ring_[first_]; }
 
@@ -47,7 +47,7 @@ class WaitingFrames {
 
  private:
   static constexpr std::size_t frames_most = 16;
-  static constexpr std::size_t early = 4;  // the gateware pauses so many bytes before the end
+  static constexpr std::size_t early = 4;  // the gateware stops taking bytes when only so many are free
   static constexpr std::size_t most = frames_most + 1;
 
   std::vector<Waiting> ring_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The C side of compiled gateware: what Verilator made of model.v, behind the function table of rtl_model.h.
-// READ_WORDS, WRITE_WORDS, WRITTEN and GROUPS come from the build, and EITHER_EDGE: whether each edge of `clock` is a
-// clock of the design, so that one evaluation does for it.
+// The C side of compiled gateware: Verilator makes code from model.v, and this file gives it the function table of
+// rtl_model.h. The build defines READ_WORDS, WRITE_WORDS, WRITTEN, GROUPS and EITHER_EDGE. With EITHER_EDGE each edge
+// of `clock` is a clock of the design, so one evaluation is enough for it.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -26,7 +26,7 @@ struct Model {
 
 thread_local Model* at_work = nullptr;
 
-// A port of up to 64 bits is a number, a wider one a list of 32-bit words.
+// A port of up to 64 bits is a number. A wider port is a list of 32-bit words.
 template <class Port>
 void put_bit(Port& port, std::uint32_t bit, bool value) {
   if constexpr (std::is_integral_v<Port>) {
@@ -140,7 +140,7 @@ constexpr unitylink_rtl table = {UNITYLINK_RTL_ABI, READ_WORDS, WRITE_WORDS, GRO
 
 }  // namespace
 
-// Where the VHDL has an assertion the netlist calls this.
+// The netlist calls this when an assertion of the VHDL fails.
 extern "C" void unitylink_failed(const char* place) {
   if (at_work != nullptr && at_work->failure.empty()) {
     at_work->failure = place;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// As much of rclcpp's published interface as the generated node uses; nothing is carried anywhere.
+// The part of rclcpp's public interface that the generated node uses. Nothing is sent anywhere.
 #pragma once
 #include <chrono>
 #include <cstddef>
