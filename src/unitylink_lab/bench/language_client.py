@@ -4,32 +4,44 @@
 from __future__ import annotations
 
 import json
+import os
+import select
 import subprocess
 import sys
-from collections.abc import Iterable
-from threading import Event, Thread
+from collections.abc import Iterable, Sequence
 from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from .figure import BenchError
 
-_PATIENCE_S = 60.0  # for one message, however long the conversation
+_SERVER = (sys.executable, "-m", "unitylink", "lsp")
+_CHUNK_BYTES = 65536
 
 
 class LanguageClient:
     """One server process and its conversation.
 
-    Answers and notifications are read in the order in which the server sends them.
+    Answers and notifications are read in the order in which the server sends them. A server that hangs does
+    not hang its caller: after `patience_s` without the next message, or without reading one, it is a
+    BenchError, and the process is killed.
     """
 
-    def __init__(self, *, encodings: Iterable[str] = ("utf-16",)) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "unitylink", "lsp"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
-        self._over = Event()
-        self._waits_since_s: float | None = None
-        Thread(target=self._watch, daemon=True).start()  # a silent server must not hang its caller
+    def __init__(
+        self,
+        *,
+        encodings: Iterable[str] = ("utf-16",),
+        command: Sequence[str] = _SERVER,
+        patience_s: float = 60.0,
+    ) -> None:
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._to_server = self._process.stdin.fileno()
+        self._from_server = self._process.stdout.fileno()
+        os.set_blocking(self._to_server, False)
+        self.patience_s = patience_s
+        self._unsent = bytearray()
+        self._unread = bytearray()
         self._id = 0
         self.notifications: list[dict[str, Any]] = []
         general = {"positionEncodings": list(encodings)}
@@ -84,13 +96,16 @@ class LanguageClient:
 
     def close(self) -> None:
         """End the server as the protocol says. BenchError if it does not end well."""
-        self.request("shutdown", None)
-        self.notify("exit", None)
-        assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.close()
-        code = self._process.wait(timeout=_PATIENCE_S)
-        self._process.stdout.close()
-        self._over.set()
+        try:
+            self.request("shutdown", None)
+            self.notify("exit", None)
+            assert self._process.stdin is not None
+            self._process.stdin.close()
+            code = self._process.wait(timeout=self.patience_s)
+        except subprocess.TimeoutExpired as error:
+            raise BenchError(f"the language server did not end within {self.patience_s:g} s") from error
+        finally:
+            self._kill()
         if code:
             raise BenchError(f"the language server ended with {code}")
 
@@ -106,33 +121,58 @@ class LanguageClient:
         self._kill()
 
     def _kill(self) -> None:
-        self._over.set()
         self._process.kill()
-        self._process.communicate()
-
-    def _watch(self) -> None:
-        while not self._over.wait(_PATIENCE_S):
-            since_s = self._waits_since_s
-            if since_s is not None and monotonic() - since_s > _PATIENCE_S:
-                self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            pipe.close()
 
     def _send(self, message: dict[str, object]) -> None:
         body = json.dumps({"jsonrpc": "2.0", **message}).encode()
-        assert self._process.stdin is not None
-        self._process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
-        self._process.stdin.flush()
+        self._unsent += b"Content-Length: %d\r\n\r\n" % len(body) + body
+        until_s = monotonic() + self.patience_s
+        while self._unsent:
+            self._move(until_s)
 
     def _receive(self) -> dict[str, Any]:
-        assert self._process.stdout is not None
-        length = 0
-        self._waits_since_s = monotonic()
-        while line := self._process.stdout.readline().strip():
-            name, _, value = line.partition(b":")
-            if name.lower() == b"content-length":
-                length = int(value)
-        if not length:
-            raise BenchError(f"the language server ended or was silent for {_PATIENCE_S:g} s")
-        message = json.loads(self._process.stdout.read(length))
-        self._waits_since_s = None
-        assert isinstance(message, dict)
-        return message
+        until_s = monotonic() + self.patience_s
+        while True:
+            head, found, rest = bytes(self._unread).partition(b"\r\n\r\n")
+            length = _length_of(head) if found else 0
+            if found and len(rest) >= length:
+                self._unread = bytearray(rest[length:])
+                message = json.loads(rest[:length])
+                assert isinstance(message, dict)
+                return message
+            self._move(until_s)
+
+    def _move(self, until_s: float) -> None:
+        """Send and receive what is possible now; wait for that at most until `until_s`.
+
+        Both, because a server may not read before its own output has been read.
+        """
+        poll = select.poll()
+        poll.register(self._from_server, select.POLLIN)
+        if self._unsent:
+            poll.register(self._to_server, select.POLLOUT)
+        ready = dict(poll.poll(max(until_s - monotonic(), 0.0) * 1000))
+        if not ready:
+            raise BenchError(f"the language server was silent for {self.patience_s:g} s")
+        if self._from_server in ready:
+            received = os.read(self._from_server, _CHUNK_BYTES)
+            if not received:
+                raise BenchError("the language server ended")
+            self._unread += received
+        if self._to_server in ready:
+            try:
+                del self._unsent[: os.write(self._to_server, self._unsent)]
+            except BrokenPipeError as error:
+                raise BenchError("the language server ended") from error
+
+
+def _length_of(head: bytes) -> int:
+    for line in head.split(b"\r\n"):
+        name, _, value = line.partition(b":")
+        if name.lower() == b"content-length":
+            return int(value)
+    raise BenchError(f"the language server sent a message without Content-Length: {head[:80]!r}")
