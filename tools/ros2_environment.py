@@ -20,9 +20,9 @@ def make(folder: Path, lock: Path) -> Path:
     made_of = f"{sys.executable} {sys.version}\n{lock.read_text()}"
     if stamp.exists() and stamp.read_text() == made_of:
         return python
-    subprocess.run([sys.executable, "-m", "venv", "--clear", folder], check=True)
-    quiet = [python, "-m", "pip", "--quiet", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*quiet, "install", "--require-hashes", "-r", lock], check=True)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", "--clear", folder], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", python, "-qq", "--disable-pip-version-check"]
+    subprocess.run([*pip, "install", "--no-compile", "--require-hashes", "-r", lock], check=True)
     (site,) = (folder / "lib").glob("python3*/site-packages")
     here = next(path for path in sys.path if path.endswith("site-packages"))
     (site / "unitylink.pth").write_text(f"import site; site.addsitedir({here!r})\n")

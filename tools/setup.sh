@@ -46,7 +46,7 @@ group() {                                 # the stamp makes the second run free
   local stamp="$venv/.group-$1" lock="tools/locks/$1.txt"
   [ -e "$lock" ] || stop "no group '$1'; there are $(basename -s .txt tools/locks/*.txt | paste -s -d' ')"
   [ "$stamp" -nt "$lock" ] && return
-  pip install --require-hashes -r "$lock" || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
+  pip install --no-compile --require-hashes -r "$lock" || stop "could not install the '$1' packages of $lock (see above); is a package index reachable?"
   touch "$stamp"
 }
 

@@ -8,7 +8,7 @@ bin=.venv/bin
 logs=build/test tests=("${@:-tests}")
 export UNITYLINK_WERROR=1                 # the library is built as the checks want it, and once
 unset PYTHONDONTWRITEBYTECODE             # else each of the programs that the tests start compiles the library again
-export PIP_NO_COMPILE=1                   # what is imported is compiled then, and that is a small part of what is installed
+export PIP_NO_COMPILE=0                   # to pip this means: compile nothing. What is imported is compiled then, a small part of what is installed
 say() { printf '\n=== %s\n' "$1"; }
 started=$SECONDS
 
