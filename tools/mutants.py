@@ -50,28 +50,48 @@ def batches() -> dict[Path, Path]:
     return {Path(name): batch for batch in found for name in INCLUDED.findall(batch.read_text("utf-8"))}
 
 
-def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
-    """Write the changed files into `folder`; return what must be compiled with them: whole batches.
+def read_mutants() -> list[dict[str, Any]]:
+    """Return the mistakes of native/mutants.toml."""
+    table = tomllib.loads((ROOT / "native" / "mutants.toml").read_text(encoding="utf-8"))
+    mutants: list[dict[str, Any]] = table["mutant"]
+    return mutants
 
-    One file alone would define again what the rest of its batch in the library defines.
-    """
+
+def edited(mutant: dict[str, Any]) -> dict[str, str]:
+    """Return the changed files, name to text. SystemExit if one has not the text to find exactly once."""
     texts: dict[str, str] = {}
     for edit in (mutant, *([mutant["also"]] if "also" in mutant else [])):
         name = edit["file"]
         text = texts.get(name, (SOURCES / name).read_text(encoding="utf-8"))
         if text.count(edit["find"]) != 1:
             times = text.count(edit["find"])
-            raise SystemExit(f"{mutant['name']}: {name} has this {times} times: {edit['find']}")
+            raise SystemExit(
+                f"{mutant['name']}: {name} has this {times} times instead of once: {edit['find']}"
+            )
         texts[name] = text.replace(edit["find"], edit["replace"])
+    return texts
+
+
+def units_of(mutant: dict[str, Any]) -> list[Path]:
+    """Return the sources that must be compiled: those changed, and those of its patterns."""
+    names = {mutant["file"], *([mutant["also"]["file"]] if "also" in mutant else [])}
+    units = [SOURCES / name for name in sorted(names) if name.endswith(".cpp")]
+    return units + [path for pattern in mutant.get("units", []) for path in SOURCES.glob(pattern)]
+
+
+def changed(mutant: dict[str, Any], folder: Path) -> list[Path]:
+    """Write the changed files into `folder`; return what must be compiled with them: whole batches.
+
+    One file alone would define again what the rest of its batch in the library defines.
+    """
+    texts = edited(mutant)
     for name, text in texts.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    units = [SOURCES / name for name in texts if name.endswith(".cpp")]
-    units += [path for pattern in mutant.get("units", []) for path in SOURCES.glob(pattern)]
     of = batches()
     written = []
-    for batch in sorted({of[unit] for unit in units}):
+    for batch in sorted({of[unit] for unit in units_of(mutant)}):
         text = batch.read_text(encoding="utf-8")
         for name in texts:
             text = text.replace(f'"{SOURCES / name}"', f'"{folder / name}"')
@@ -140,8 +160,9 @@ def main() -> int:
     arguments = parser.parse_args()
     if not all(library.exists() for library in LIBRARIES):
         raise SystemExit("no build/native: run `make native-tests` first")
-    table = tomllib.loads((ROOT / "native" / "mutants.toml").read_text(encoding="utf-8"))
-    mutants = [mutant for mutant in table["mutant"] if arguments.only in mutant["name"]]
+    mutants = [mutant for mutant in read_mutants() if arguments.only in mutant["name"]]
+    if not mutants:
+        raise SystemExit(f"no mutant has {arguments.only!r} in its name")
     if arguments.sample:
         mutants = mutants[:: -(-len(mutants) // arguments.sample)]
     missed = 0

@@ -18,7 +18,7 @@ SpiClient = Callable[..., str]
 
 MOVE = """
     from unitylink import connect
-    with connect("spi:/dev/spidev0.0?speed_hz=20000000&fifo=256&protocol={protocol}") as link:
+    with connect("spi:/dev/spidev0.0?speed_hz=20000000&fifo=256&{options}") as link:
         for number in range(20):
             link.write(0x12, number)
             assert link.read(0x12) == number
@@ -47,7 +47,7 @@ def port_of(board: Board) -> str:
 def test_words_both_ways_and_publishes(
     spi_client: SpiClient, board: Board, tmp_path: Path, asked: str, spoken: str
 ) -> None:
-    said = spi_client(MOVE.replace("{protocol}", asked), port=port_of(board))
+    said = spi_client(MOVE.replace("{options}", f"protocol={asked}"), port=port_of(board))
     assert said.splitlines() == ["True", f"{spoken} 0 0 0"]
     log = (tmp_path / "spi.log").read_text().splitlines()
     assert log[:3] == ["mode 0", "bits 8", "speed_hz 20000000"]
@@ -56,9 +56,7 @@ def test_words_both_ways_and_publishes(
 
 def test_a_wire_says_that_the_board_has_something(spi_client: SpiClient, board: Board) -> None:
     """Without it the second publish would come with the next look: ten minutes later."""
-    code = MOVE.replace("fifo=256", "fifo=256&poll=600&waiting=/dev/gpiochip0:25").replace(
-        "{protocol}", "auto"
-    )
+    code = MOVE.replace("{options}", "poll=600&waiting=/dev/gpiochip0:25")
     said = spi_client(code, port=port_of(board), gpiochip="/dev/gpiochip0")
     assert said.splitlines() == ["True", "framed 0 0 0"]
 

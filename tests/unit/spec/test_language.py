@@ -381,6 +381,7 @@ BASE = (
     ],
 )
 def test_hash_is_of_wire_and_interface(old: str, new: str, same: bool) -> None:
+    assert old in BASE
     changed = BASE.replace(old, new)
     changed = changed.replace("COMM=c", "COMM=d") if "(d)" in changed else changed
     before, after = compile_text(BASE).spec, compile_text(changed).spec
