@@ -7,8 +7,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -23,12 +21,14 @@
 #include "device/board.hpp"
 #include "device/device.hpp"
 #include "failing.hpp"
+#include "open_files.hpp"
 #include "unitylink.h"
 
 using namespace unitylink;
 using failing::Exempt;
 using failing::How;
 using failing::What;
+using test::open_files;
 
 namespace {
 
@@ -235,20 +235,6 @@ class Session {
   std::uint32_t addresses_[word_count];
 };
 
-std::size_t open_files() {
-  const std::filesystem::directory_iterator files("/proc/self/fd");
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
-}
-
-std::size_t mappings_of(const std::string& path) {
-  std::ifstream maps("/proc/self/maps");
-  std::size_t found = 0;
-  for (std::string line; std::getline(maps, line);) {
-    found += line.find(path) != std::string::npos ? 1 : 0;
-  }
-  return found;
-}
-
 struct Place {
   const char* endpoint = "tcp";
   bool cut = false;  // the line breaks in the middle
@@ -374,56 +360,6 @@ TEST_CASE("a port that the system refuses says why, and leaves nothing open") {
     CHECK(borne == place.borne);
     CHECK(open_files() <= files + 1);
   }
-}
-
-TEST_CASE("registers in memory: the n-th allocation, opening or mapping fails") {
-  const Exempt exempt;
-  std::string path = "/tmp/unitylink-nth-XXXXXX";
-  const int file = ::mkstemp(path.data());
-  REQUIRE(file >= 0);
-  REQUIRE(::ftruncate(file, 1024) == 0);
-  const std::string url = "mmap:" + path;
-  constexpr struct {
-    What what;
-    How how;
-    std::uint32_t least;
-  } manners[] = {{What::allocation, How::once, 20},
-                 {What::allocation, How::from_then_on, 20},
-                 {What::opening, How::none_left, 3},
-                 {What::opening, How::broken, 3}};
-  for (const auto& [what, how, least_times] : manners) {
-    const std::size_t files = open_files();
-    std::uint32_t nth = 1;
-    for (bool happened = true; happened; ++nth) {
-      CAPTURE(nth);
-      failing::arm(what, how, nth);
-      std::thread([&] {
-        const Exempt this_thread;
-        const std::uint32_t addresses[] = {1, 2}, given[] = {nth, nth + 1};
-        std::uint32_t got[2] = {}, name = 0;
-        const ul_subscription_options often{sizeof(ul_subscription_options), 1, 0, 1, 4};
-        ul_link* link = nullptr;
-        --Exempt::depth;
-        const ul_status opened = ul_open(url.c_str(), &link);
-        const ul_status wrote = link == nullptr ? opened : ul_write_many(link, addresses, given, 2, nullptr);
-        const ul_status read = link == nullptr ? opened : ul_read_many(link, addresses, 2, got, 0, nullptr);
-        const ul_status listens = link == nullptr ? opened : ul_subscribe(link, addresses, 2, &often, &name);
-        ++Exempt::depth;
-        happened = failing::disarm();
-        const bool all = opened == UL_OK && wrote == UL_OK && read == UL_OK && listens == UL_OK;
-        CHECK((happened || all));
-        CHECK((all || *ul_last_error_text() != 0));
-        CHECK((opened == UL_OK) == (link != nullptr));
-        CHECK((wrote != UL_OK || read != UL_OK || (got[0] == nth && got[1] == nth + 1)));
-        ul_free(link);
-      }).join();
-    }
-    CHECK(nth > least_times);
-    CHECK(open_files() == files);
-    CHECK(mappings_of(path) == 0);
-  }
-  ::close(file);
-  ::unlink(path.c_str());
 }
 
 TEST_CASE("the n-th read, write or wait fails") {

@@ -12,8 +12,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <new>
+#include <thread>
 #include <vector>
 
 #include "layer0_driver/ftdi_port.hpp"
@@ -28,39 +31,49 @@ constexpr std::size_t transfer_bytes = 16 * 1024;  // at most: a short packet en
 constexpr unsigned int send_timeout_ms = 100;      // how often the thread checks whether it must end
 constexpr long events_timeout_us = 50'000;
 constexpr std::uint64_t patience_ns = 100'000'000;
+constexpr const char* unplugged = "the FTDI chip was unplugged";
 
 // If the link does not fetch its bytes, they stay in the transfers. When these are full, the chip stops the board.
 class FtdiDriver final : public PumpedDriver {
  public:
-  FtdiDriver(std::unique_ptr<ftdi::Port> port, const SocketPair& pair, std::uint64_t byte_time_ns, bool event_told)
-      : PumpedDriver(pair), port_(std::move(port)), byte_time_ns_(byte_time_ns), event_told_(event_told) {
+  FtdiDriver(std::unique_ptr<ftdi::Port> port, SocketPair pair, std::uint64_t byte_time_ns, bool event_told)
+      : PumpedDriver(std::move(pair)), port_(std::move(port)), byte_time_ns_(byte_time_ns), event_told_(event_told) {
+    for (Incoming& one : incoming_) {
+      one.driver = this;
+      one.transfer = {port_->library().alloc_transfer(0), port_->library().free_transfer};
+      if (one.transfer == nullptr) {
+        throw std::bad_alloc();
+      }
+    }
+  }
+  ~FtdiDriver() override { FtdiDriver::close(); }
+
+  void begin() {
     start([this] { receive_all(); });
     start([this] { send_all(); });
   }
-  ~FtdiDriver() override { FtdiDriver::close(); }
 
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
   void messages_end_with(std::uint8_t end) noexcept override {
     if (!event_told_ && running()) {
-      static_cast<void>(port_->set_event(end));  // if it fails, the chip delivers when its latency timer ends
+      static_cast<void>(port_->send_event(end));  // if it fails, the chip delivers when its latency timer ends
     }
   }
 
  private:
   void let_go(bool ours) noexcept override {
-    if (ours) {
-      port_.reset();
-    } else {
-      static_cast<void>(port_.release());
+    for (Incoming& one : incoming_) {  // before the port, which unloads the library
+      ours ? one.transfer.reset() : static_cast<void>(one.transfer.release());
     }
+    ours ? port_.reset() : static_cast<void>(port_.release());
   }
 
   // ---- from the chip
 
   struct Incoming {
-    FtdiDriver* driver = nullptr;
-    usb::Transfer* transfer = nullptr;
     std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(transfer_bytes);
+    std::unique_ptr<usb::Transfer, void (*)(usb::Transfer*)> transfer{nullptr, nullptr};
+    FtdiDriver* driver = nullptr;
     bool under_way = false;
   };
 
@@ -82,28 +95,32 @@ class FtdiDriver final : public PumpedDriver {
         }
         return;
       case usb::TransferStatus::cancelled: return;
-      case usb::TransferStatus::no_device: ended("the FTDI chip was unplugged"); return;
-      default:
-        ended("USB transfer from the FTDI chip failed, status " + std::to_string(static_cast<int>(transfer.status)));
-        return;
+      case usb::TransferStatus::no_device: ended(unplugged); return;
+      case usb::TransferStatus::stall: ended("USB transfer from the FTDI chip failed: stall"); return;
+      case usb::TransferStatus::overflow: ended("USB transfer from the FTDI chip failed: overflow"); return;
+      default: ended("USB transfer from the FTDI chip failed"); return;
     }
   }
 
   void submit(Incoming& incoming) {
-    const int code = port_->library().submit_transfer(incoming.transfer);
+    const int code = port_->library().submit_transfer(incoming.transfer.get());
     incoming.under_way = code == 0;
     if (code != 0) {
-      ended(code == usb::error_no_device ? "the FTDI chip was unplugged"
-                                         : std::string("USB: ") + port_->library().error_name(code));
+      failed_at("USB transfer from the FTDI chip failed: ", code);
+    }
+  }
+
+  void failed_at(const char* what, int code) noexcept {
+    if (code == usb::error_no_device) {
+      ended(unplugged);
+    } else {
+      ended(what, port_->library().error_name(code));
     }
   }
 
   void receive_all() {
     usb::Library& usb = port_->library();
-    std::array<Incoming, transfers> incoming;
-    for (Incoming& one : incoming) {
-      one.driver = this;
-      one.transfer = usb.alloc_transfer(0);
+    for (Incoming& one : incoming_) {
       *one.transfer = usb::Transfer{
           port_->handle(), 0,    port_->in(),      usb::bulk, 0, {}, static_cast<int>(one.bytes.size()), 0,
           &arrived,        &one, one.bytes.data(), 0};
@@ -111,31 +128,30 @@ class FtdiDriver final : public PumpedDriver {
         submit(one);
       }
     }
-    const auto under_way = [&] { return std::ranges::any_of(incoming, &Incoming::under_way); };
     bool cancelled = false;
-    while (under_way()) {
+    while (std::ranges::any_of(incoming_, &Incoming::under_way)) {
       if (!running() && !cancelled) {
         cancelled = true;
-        for (const Incoming& one : incoming) {
+        for (const Incoming& one : incoming_) {
           if (one.under_way) {
-            usb.cancel_transfer(one.transfer);
+            usb.cancel_transfer(one.transfer.get());
           }
         }
       }
       usb::Interval patience{0, events_timeout_us};
-      usb.handle_events_timeout(port_->context(), &patience);
-    }
-    for (const Incoming& one : incoming) {
-      usb.free_transfer(one.transfer);
+      const int code = usb.handle_events_timeout(port_->context(), &patience);
+      if (code < 0 && code != usb::error_interrupted) {
+        failed_at("USB events cannot be handled: ", code);
+        std::this_thread::sleep_for(std::chrono::microseconds(events_timeout_us));  // it may go on to fail at once
+      }
     }
   }
 
   // ---- to the chip
 
   void send_all() {
-    std::vector<std::uint8_t> bytes(transfer_bytes);
     while (running()) {
-      push(std::span(bytes.data(), fetch(bytes, patience_ns)));
+      push(std::span(outgoing_.data(), fetch(outgoing_, patience_ns)));
     }
   }
 
@@ -145,10 +161,8 @@ class FtdiDriver final : public PumpedDriver {
       const int code = port_->library().bulk_transfer(port_->handle(), port_->out(), bytes.data(),
                                                       static_cast<int>(bytes.size()), &done, send_timeout_ms);
       bytes = bytes.subspan(static_cast<std::size_t>(done));
-      if (code == usb::error_no_device) {
-        ended("the FTDI chip was unplugged");
-      } else if (code != 0 && code != usb::error_timeout) {  // a timeout: the board takes no bytes now
-        ended(std::string("USB transfer to the FTDI chip failed: ") + port_->library().error_name(code));
+      if (code != 0 && code != usb::error_timeout) {  // a timeout: the board takes no bytes now
+        failed_at("USB transfer to the FTDI chip failed: ", code);
       }
     }
   }
@@ -156,6 +170,9 @@ class FtdiDriver final : public PumpedDriver {
   std::unique_ptr<ftdi::Port> port_;
   std::uint64_t byte_time_ns_;
   bool event_told_;
+  // made with the driver, so that the threads need no memory
+  std::array<Incoming, transfers> incoming_;
+  std::vector<std::uint8_t> outgoing_ = std::vector<std::uint8_t>(transfer_bytes);
 };
 
 // The kernel's serial port of the chip, with a warning that it is used instead.
@@ -251,7 +268,9 @@ Outcome open_ftdi(const Url& url, const Patience&, std::unique_ptr<Driver>& driv
     return outcome;
   }
   const std::uint64_t byte_time_ns = settings.mode == ftdi::Mode::serial ? 10'000'000'000 / settings.baud_hz : 0;
-  driver = std::make_unique<FtdiDriver>(std::move(port), pair, byte_time_ns, settings.event_told);
+  auto made = std::make_unique<FtdiDriver>(std::move(port), std::move(pair), byte_time_ns, settings.event_told);
+  made->begin();
+  driver = std::move(made);
   return {};
 }
 

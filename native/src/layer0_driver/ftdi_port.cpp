@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 
 #include "layer0_driver/serial_driver.hpp"
 
@@ -21,6 +22,7 @@ Outcome refused(const usb::Library& library, int code, const std::string& what) 
       return {Status::permission,
               text + "; you need the right to use the USB device: `unitylink doctor` shows the udev rule"};
     case usb::error_busy: return {Status::busy, text + "; another program holds it"};
+    case usb::error_no_memory: throw std::bad_alloc();
     case usb::error_no_device: return {Status::not_found, text + "; it was unplugged"};
     default: return {Status::closed, text};
   }
@@ -187,7 +189,7 @@ Outcome Port::set_up(const Settings& settings) {
   then(Request::bit_mode, mode_reset, 0, "bit mode");
   then(Request::latency_timer, settings.latency_ms, 0, "latency timer");
   if (outcome.ok()) {
-    outcome = set_event(settings.event);
+    outcome = told(send_event(settings.event), "event character");
   }
   if (mode_ == Mode::serial) {
     then(Request::baud_rate, divisor.value, divisor.index, "baud rate");
@@ -202,13 +204,16 @@ Outcome Port::set_up(const Settings& settings) {
   return outcome;
 }
 
-Outcome Port::set_event(std::optional<std::uint8_t> event) {
+int Port::send_event(std::optional<std::uint8_t> event) noexcept {
   const auto value = event ? static_cast<std::uint16_t>(*event | event_enabled) : std::uint16_t{0};
-  return request(Request::event_character, value, 0, "event character");
+  return transfer(Request::event_character, value, 0);
 }
 
 Outcome Port::request(Request request, std::uint16_t value, std::uint16_t index, const char* what) {
-  const int code = transfer(request, value, index);
+  return told(transfer(request, value, index), what);
+}
+
+Outcome Port::told(int code, const char* what) const {
   return code < 0
              ? refused(*library_, code, std::string(what) + " of the " + std::string(chip_->name) + " cannot be set")
              : Outcome{};

@@ -38,13 +38,15 @@ class Port {
   [[nodiscard]] usb::Handle* handle() const noexcept { return handle_; }
   [[nodiscard]] std::uint8_t in() const noexcept { return static_cast<std::uint8_t>(0x81 + 2 * channel_); }
   [[nodiscard]] std::uint8_t out() const noexcept { return static_cast<std::uint8_t>(0x02 + 2 * channel_); }
-  [[nodiscard]] Outcome set_event(std::optional<std::uint8_t> event);
+  // Sets the event character; nullopt: none. Returns a code of libusb.
+  [[nodiscard]] int send_event(std::optional<std::uint8_t> event) noexcept;
   [[nodiscard]] std::size_t packet_bytes() const noexcept { return packet_bytes_; }
 
  private:
   explicit Port(std::shared_ptr<usb::Library> library) : library_(std::move(library)) {}
   [[nodiscard]] Outcome find(const std::string& serial_number, usb::Device** devices, std::size_t count);
   [[nodiscard]] Outcome set_up(const Settings& settings);
+  [[nodiscard]] Outcome told(int code, const char* what) const;
   [[nodiscard]] Outcome request(Request request, std::uint16_t value, std::uint16_t index, const char* what);
   int transfer(Request request, std::uint16_t value, std::uint16_t index) noexcept;  // returns a code of libusb
 

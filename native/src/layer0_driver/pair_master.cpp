@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <linux/serial.h>
+#include <new>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -52,14 +53,13 @@ bool wait(const Driver& port, short events, std::chrono::steady_clock::time_poin
 }  // namespace
 
 struct Master::Node {
-  Node(const Settings& told, int far) : settings(told), descriptor(far) {}
-  ~Node() { ::close(descriptor); }
+  Node(const Settings& told, Descriptor end) : settings(told), far(std::move(end)) {}
 
   // `out` is what the link wants to send. `in` is for the link, which has not fetched it yet.
   void collect() {
     std::uint8_t bytes[4096];
     while (out.size() < 4 * turn_bytes) {
-      const ssize_t count = ::recv(descriptor, bytes, sizeof bytes, MSG_DONTWAIT);
+      const ssize_t count = ::recv(far.get(), bytes, sizeof bytes, MSG_DONTWAIT);
       if (count <= 0) {
         return;
       }
@@ -67,7 +67,7 @@ struct Master::Node {
     }
   }
   [[nodiscard]] bool hand_on() {
-    const ssize_t count = in.empty() ? 0 : ::send(descriptor, in.data(), in.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t count = in.empty() ? 0 : ::send(far.get(), in.data(), in.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     in.erase(in.begin(), in.begin() + std::max<ssize_t>(count, 0));
     return in.empty();
   }
@@ -83,7 +83,7 @@ struct Master::Node {
   }
 
   const Settings settings;
-  const int descriptor;
+  const Descriptor far;
   std::vector<std::uint8_t> out, in;
   Clock::time_point next = Clock::now();  // when it is polled even if there is nothing to send
   Clock::time_point busy_until{};
@@ -135,8 +135,8 @@ Master::~Master() {
   thread_.join();
 }
 
-Outcome Master::join(const Settings& settings, int descriptor) {
-  auto node = std::make_shared<Node>(settings, descriptor);
+Outcome Master::join(const Settings& settings, Descriptor far) {
+  auto node = std::make_shared<Node>(settings, std::move(far));
   const std::scoped_lock lock(mutex_);
   if (!why_.empty()) {
     return {Status::closed, why_};
@@ -159,16 +159,28 @@ std::string Master::reason() const {
   return why_;
 }
 
-void Master::fail(const std::string& why) {
+void Master::fail(const std::string& why) noexcept {
   const std::scoped_lock lock(mutex_);
-  why_ = why;
+  try {
+    why_ = why;
+  } catch (const std::bad_alloc&) {
+    why_ = "no memory";  // short enough to need none
+  }
   port_->close();  // now, so that another master can open the port even if a link of this one is not closed yet
   for (const auto& [number, node] : nodes_) {
-    ::shutdown(node->descriptor, SHUT_RDWR);
+    ::shutdown(node->far.get(), SHUT_RDWR);
   }
 }
 
 void Master::serve() noexcept {
+  try {
+    give_turns();
+  } catch (const std::bad_alloc&) {
+    fail("no memory");
+  }
+}
+
+void Master::give_turns() {
   while (!stop_) {
     std::vector<std::shared_ptr<Node>> nodes;
     {
@@ -201,7 +213,7 @@ void Master::pause(Clock::time_point until) {
   {
     const std::scoped_lock lock(mutex_);
     for (const auto& [number, node] : nodes_) {
-      waiting.push_back({node->descriptor, static_cast<short>(node->out.size() < 4 * turn_bytes ? POLLIN : 0), 0});
+      waiting.push_back({node->far.get(), static_cast<short>(node->out.size() < 4 * turn_bytes ? POLLIN : 0), 0});
     }
   }
   if (poll_until(waiting, until) && waiting[0].revents != 0) {

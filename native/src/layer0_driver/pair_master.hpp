@@ -35,9 +35,8 @@ class Master {
   Master& operator=(const Master&) = delete;
   ~Master();
 
-  // Adds a node. `descriptor` is the far end of its socket pair. The master owns it from then on. busy: the node has a
-  // link already.
-  [[nodiscard]] Outcome join(const Settings& settings, int descriptor);
+  // Adds a node. `far` is the far end of its socket pair. busy: the node has a link already.
+  [[nodiscard]] Outcome join(const Settings& settings, Descriptor far);
   void leave(unsigned node);
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept { return port_->byte_time_ns(); }
   [[nodiscard]] std::string reason() const;  // why the port is gone; empty: it is not
@@ -49,7 +48,8 @@ class Master {
   void serve() noexcept;
   [[nodiscard]] bool give_turn(Node& node);
   [[nodiscard]] bool say(const std::vector<std::uint8_t>& bytes);
-  void fail(const std::string& why);
+  void fail(const std::string& why) noexcept;
+  void give_turns();
   void pause(Clock::time_point until);
 
   std::unique_ptr<Driver> port_;

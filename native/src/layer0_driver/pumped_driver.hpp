@@ -8,16 +8,18 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
+#include "layer0_driver/descriptor.hpp"
 #include "layer0_driver/descriptor_driver.hpp"
 
 namespace unitylink {
 
 struct SocketPair {
-  int near = -1;  // the link's
-  int far = -1;   // the threads'
+  Descriptor near;  // the link's
+  Descriptor far;   // the threads'
 };
 
 // The error is closed, with the reason of the operating system.
@@ -31,13 +33,14 @@ class PumpedDriver : public DescriptorDriver {
   [[nodiscard]] std::string reason() const override;
 
  protected:
-  explicit PumpedDriver(const SocketPair& pair) noexcept : DescriptorDriver(pair.near), far_(pair.far) {}
+  explicit PumpedDriver(SocketPair pair) noexcept : DescriptorDriver(pair.near.release()), far_(std::move(pair.far)) {}
 
-  void start(std::function<void()> pump) { pumps_.emplace_back(std::move(pump)); }
+  // Starts a thread. Without memory or threads it throws. So call it when the driver has an owner, which closes it.
+  void start(std::function<void()> pump);
   // False: the link was closed or the port is gone, so the threads must end.
   [[nodiscard]] bool running() const noexcept { return !stop_ && !gone_; }
-  // A thread calls this when the port is gone. From now on reason() returns `why`.
-  void ended(const std::string& why);
+  // A thread calls this when the port is gone. From now on reason() returns both texts.
+  void ended(std::string_view what, std::string_view why = {}) noexcept;
   // Gives bytes from the port to the link, and waits until the link has room for them.
   void hand_on(std::span<const std::uint8_t> bytes);
   // Waits for bytes that the link wants to send, and returns their number. Returns 0 after `patience_ns`, or when the
@@ -48,7 +51,7 @@ class PumpedDriver : public DescriptorDriver {
   virtual void let_go(bool ours) noexcept = 0;
 
  private:
-  int far_;
+  Descriptor far_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> gone_ = false;
   mutable std::mutex mutex_;

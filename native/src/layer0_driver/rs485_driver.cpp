@@ -8,8 +8,6 @@
 //   poll=      (0.001) s between two polls of a node that has nothing to send
 //   silence=   (0.02) s after which a node that does not answer its poll counts as absent
 
-#include <unistd.h>
-
 #include "layer0_driver/pair_master.hpp"
 #include "layer0_driver/pumped_driver.hpp"
 #include "layer0_driver/serial_driver.hpp"
@@ -26,13 +24,23 @@ constexpr std::uint64_t silence_ns_default = 20'000'000;
 // The link's end of the socket pair. The master has the other end.
 class Rs485Driver final : public DescriptorDriver {
  public:
-  Rs485Driver(std::shared_ptr<Master> master, unsigned node, int descriptor)
-      : DescriptorDriver(descriptor), master_(std::move(master)), node_(node), byte_time_ns_(master_->byte_time_ns()) {}
+  Rs485Driver(std::shared_ptr<Master> master, unsigned node, Descriptor near)
+      : DescriptorDriver(near.release()),
+        master_(std::move(master)),
+        node_(node),
+        byte_time_ns_(master_->byte_time_ns()) {}
   ~Rs485Driver() override { Rs485Driver::close(); }
 
+  [[nodiscard]] Outcome join(const pair_bus::Settings& settings, Descriptor far) {
+    Outcome outcome = master_->join(settings, std::move(far));
+    joined_ = outcome.ok();
+    return outcome;
+  }
   void close() noexcept override {
     if (master_ != nullptr) {
-      master_->leave(node_);
+      if (joined_) {
+        master_->leave(node_);
+      }
       master_.reset();  // the last link closes the port
     }
     DescriptorDriver::close();
@@ -50,6 +58,7 @@ class Rs485Driver final : public DescriptorDriver {
  private:
   std::shared_ptr<Master> master_;
   unsigned node_;
+  bool joined_ = false;
   std::uint64_t byte_time_ns_;
 };
 
@@ -90,11 +99,11 @@ Outcome open_rs485(const Url& url, const Patience&, std::unique_ptr<Driver>& dri
   if (Outcome outcome = make_socket_pair(pair); !outcome.ok()) {
     return outcome;
   }
-  if (Outcome outcome = master->join(settings, pair.far); !outcome.ok()) {
-    ::close(pair.near);
+  auto made = std::make_unique<Rs485Driver>(std::move(master), settings.node, std::move(pair.near));
+  if (Outcome outcome = made->join(settings, std::move(pair.far)); !outcome.ok()) {
     return outcome;
   }
-  driver = std::make_unique<Rs485Driver>(std::move(master), settings.node, pair.near);
+  driver = std::move(made);
   return {};
 }
 

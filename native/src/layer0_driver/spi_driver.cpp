@@ -40,16 +40,18 @@ constexpr std::uint8_t filler = 0;
 // signals that it has bytes, so it need not be polled.
 class SpiDriver final : public PumpedDriver {
  public:
-  SpiDriver(std::unique_ptr<SpiPort> port, std::unique_ptr<GpioLine> line, const SocketPair& pair,
-            std::uint64_t byte_time_ns, std::uint64_t poll_ns)
-      : PumpedDriver(pair),
+  SpiDriver(std::unique_ptr<SpiPort> port, std::unique_ptr<GpioLine> line, SocketPair pair, std::uint64_t byte_time_ns,
+            std::uint64_t poll_ns)
+      : PumpedDriver(std::move(pair)),
         port_(std::move(port)),
         line_(std::move(line)),
         byte_time_ns_(byte_time_ns),
-        poll_ns_(poll_ns) {
+        poll_ns_(poll_ns) {}
+  ~SpiDriver() override { SpiDriver::close(); }
+
+  void begin() {
     start([this] { clock_all(); });
   }
-  ~SpiDriver() override { SpiDriver::close(); }
 
   [[nodiscard]] std::uint64_t byte_time_ns() const noexcept override { return byte_time_ns_; }
   void messages_end_with(std::uint8_t end) noexcept override { end_ = end; }
@@ -61,7 +63,7 @@ class SpiDriver final : public PumpedDriver {
   }
 
   void clock_all() {
-    std::vector<std::uint8_t> out(message_bytes + filler_bytes_most), in(out.size());
+    std::vector<std::uint8_t>&out = out_, &in = in_;
     std::size_t look = look_bytes;
     bool whole = true;  // the last message from the link is complete
     Clock::time_point busy_until = Clock::now();
@@ -79,10 +81,10 @@ class SpiDriver final : public PumpedDriver {
       std::fill(out.begin() + static_cast<std::ptrdiff_t>(count), out.begin() + static_cast<std::ptrdiff_t>(all),
                 filler);
       if (const int error = port_->exchange(std::span(out).first(all), in); error != 0) {
-        ended(std::string("an SPI transfer failed: ") +
-              (error == EMSGSIZE
-                   ? "spidev's buffer is too small, it needs the 4096 bytes it has by default (spidev.bufsiz)"
-                   : std::strerror(error)));
+        ended("an SPI transfer failed: ",
+              error == EMSGSIZE
+                  ? "spidev's buffer is too small, it needs the 4096 bytes it has by default (spidev.bufsiz)"
+                  : std::strerror(error));
         return;
       }
       const bool goes_on = in[all - 1] != filler || (all > 1 && in[all - 2] != filler);
@@ -112,6 +114,9 @@ class SpiDriver final : public PumpedDriver {
   std::unique_ptr<GpioLine> line_;  // the slave's `waiting`; nullptr without this option
   std::uint64_t byte_time_ns_;
   std::uint64_t poll_ns_;
+  // made with the driver, so that the thread needs no memory
+  std::vector<std::uint8_t> out_ = std::vector<std::uint8_t>(message_bytes + filler_bytes_most);
+  std::vector<std::uint8_t> in_ = std::vector<std::uint8_t>(message_bytes + filler_bytes_most);
   std::atomic<std::uint8_t> end_ = '\n';
   bool inside_ = false;  // the last byte received belongs to an incomplete message
 };
@@ -144,7 +149,10 @@ Outcome open_spi(const Url& url, const Patience&, std::unique_ptr<Driver>& drive
   if (Outcome outcome = make_socket_pair(pair); !outcome.ok()) {
     return outcome;
   }
-  driver = std::make_unique<SpiDriver>(std::move(port), std::move(line), pair, 8'000'000'000 / speed_hz, poll_ns);
+  auto made =
+      std::make_unique<SpiDriver>(std::move(port), std::move(line), std::move(pair), 8'000'000'000 / speed_hz, poll_ns);
+  made->begin();
+  driver = std::move(made);
   return {};
 }
 

@@ -22,7 +22,15 @@ struct DeviceDescriptor {
   std::uint8_t iManufacturer, iProduct, iSerialNumber, bNumConfigurations;
 };
 
-enum : int { error_access = -3, error_no_device = -4, error_busy = -6, error_timeout = -7 };
+enum : int {
+  error_io = -1,
+  error_access = -3,
+  error_no_device = -4,
+  error_busy = -6,
+  error_timeout = -7,
+  error_interrupted = -10,
+  error_no_memory = -11,
+};
 enum class TransferStatus : int { completed, error, timed_out, cancelled, stall, no_device, overflow };
 
 struct Transfer {

@@ -8,14 +8,16 @@
 //   refuse=-3     the result of opening the chip
 //   claim=-6      the result of claiming a channel
 //   take=100      most bytes that the chip takes in one transfer
+// FAKE_USB_FAIL=n: the n-th of the calls since libusb_init, which is the first, fails. Each call reads it again. Events
+// and closing never fail. A call without memory fails like one of libusb.
 #include <algorithm>
 #include <arpa/inet.h>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <poll.h>
@@ -23,6 +25,7 @@
 #include <string>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <vector>
 
 #include "layer0_driver/usb_library.hpp"
 
@@ -31,26 +34,39 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
+constexpr std::size_t gathered_most = 4096;  // the chip's buffer; when it is full, the board waits
+constexpr std::size_t transfers_most = 16;
+
 struct Chip {
   std::map<std::string, std::string> settings;
   std::mutex mutex;
   int board = -1;
-  std::deque<std::uint8_t> gathered;  // bytes from the board for the PC
-  std::deque<Transfer*> waiting;
-  std::deque<Transfer*> cancelled;
+  std::vector<std::uint8_t> gathered;  // bytes from the board for the PC
+  std::vector<Transfer*> waiting;
+  std::vector<Transfer*> cancelled;
   Clock::time_point last = Clock::now();
   std::size_t latency_ms = 16, passed = 0;
   int event = -1;
   std::size_t full = 0, by_event = 0, by_timer = 0;
   bool gone = false;
+  std::atomic<long> calls = 0;  // since libusb_init
+  std::atomic<int> held = 0;    // contexts, lists, handles, claims and transfers that were not given back
 
+  Chip() {  // all memory that events need
+    gathered.reserve(gathered_most);
+    waiting.reserve(transfers_most);
+    cancelled.reserve(transfers_most);
+  }
   long number(const char* key, long otherwise) {
     const auto found = settings.find(key);
     return found == settings.end() ? otherwise : std::strtol(found->second.c_str(), nullptr, 0);
   }
-  void log(const std::string& line) {
-    if (std::FILE* file = std::fopen(settings["log"].c_str(), "a"); file != nullptr) {
-      std::fprintf(file, "%s\n", line.c_str());
+  template <class... Values>
+  void log(const char* format, Values... values) {
+    const auto place = settings.find("log");
+    std::FILE* const file = place == settings.end() ? nullptr : std::fopen(place->second.c_str(), "a");
+    if (file != nullptr) {
+      std::fprintf(file, format, values...);
       std::fclose(file);
     }
   }
@@ -76,9 +92,9 @@ void connect_board() {
 
 void gather() {
   Chip& c = chip();
-  std::uint8_t bytes[4096];
-  while (c.board >= 0 && c.gathered.size() < 4096) {  // the size of the chip's buffer; when it is full, the board waits
-    const ssize_t count = ::recv(c.board, bytes, 4096 - c.gathered.size(), MSG_DONTWAIT);
+  std::uint8_t bytes[gathered_most];
+  while (c.board >= 0 && c.gathered.size() < gathered_most) {
+    const ssize_t count = ::recv(c.board, bytes, gathered_most - c.gathered.size(), MSG_DONTWAIT);
     if (count <= 0) {
       return;
     }
@@ -92,10 +108,8 @@ bool pack(Transfer& transfer, std::size_t count, std::size_t packet) {
   unsigned char* const place = transfer.buffer + transfer.actual_length;
   place[0] = 0x31;  // modem status and line status of an FT2232H
   place[1] = 0x60;
-  for (std::size_t n = 0; n < count; ++n) {
-    place[2 + n] = c.gathered.front();
-    c.gathered.pop_front();
-  }
+  std::copy_n(c.gathered.begin(), count, place + 2);
+  c.gathered.erase(c.gathered.begin(), c.gathered.begin() + static_cast<std::ptrdiff_t>(count));
   c.passed += count;
   transfer.actual_length += static_cast<int>(count + 2);
   const long unplug = c.number("unplug", 0);
@@ -131,24 +145,51 @@ bool serve(Transfer& transfer) {
   }
 }
 
+// Whether this call must fail.
+bool fails() {
+  const char* const nth = std::getenv("FAKE_USB_FAIL");
+  return ++chip().calls == (nth != nullptr ? std::strtol(nth, nullptr, 0) : 0);
+}
+
+// Runs a call, and returns its code. `first`: the calls are counted from this one on.
+template <class Call>
+int guarded(const Call& call, bool first = false) noexcept {
+  try {
+    if (first) {
+      chip().calls = 0;
+    }
+    return fails() ? error_io : call();
+  } catch (const std::bad_alloc&) {
+    return error_no_memory;
+  }
+}
+
 }  // namespace
 
 extern "C" {
 
+// How much the program has not given back yet.
+int fake_usb_held() { return chip().held; }
+
 int libusb_init(Context** context) {
-  Chip& c = chip();
-  *context = reinterpret_cast<Context*>(3);
-  const char* const told = std::getenv("FAKE_USB");
-  std::istringstream words(told != nullptr ? told : "");
-  for (std::string word; words >> word;) {
-    c.settings[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
-  }
-  return 0;
+  return guarded(
+      [&] {
+        Chip& c = chip();
+        const char* const told = std::getenv("FAKE_USB");
+        std::istringstream words(told != nullptr ? told : "");
+        for (std::string word; words >> word;) {
+          c.settings[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
+        }
+        *context = reinterpret_cast<Context*>(3);
+        ++c.held;
+        return 0;
+      },
+      true);
 }
 void libusb_exit(Context*) {
   Chip& c = chip();
-  c.log("full " + std::to_string(c.full) + " event " + std::to_string(c.by_event) + " timer " +
-        std::to_string(c.by_timer));
+  --c.held;
+  c.log("full %zu event %zu timer %zu\n", c.full, c.by_event, c.by_timer);
   c.waiting.clear();
   c.gathered.clear();
   c.full = c.by_event = c.by_timer = c.passed = 0;
@@ -157,55 +198,71 @@ void libusb_exit(Context*) {
   c.board = -1;
 }
 std::intptr_t libusb_get_device_list(Context*, Device*** devices) {
-  static Device* list[] = {reinterpret_cast<Device*>(1), nullptr};
-  *devices = list;
-  return chip().settings.contains("serial") ? 1 : 0;
+  return guarded([&] {
+    static Device* list[] = {reinterpret_cast<Device*>(1), nullptr};
+    *devices = list;
+    ++chip().held;
+    return chip().settings.contains("serial") ? 1 : 0;
+  });
 }
-void libusb_free_device_list(Device**, int) {}
+void libusb_free_device_list(Device**, int) { --chip().held; }
 int libusb_get_device_descriptor(Device*, DeviceDescriptor* told) {
-  *told = {};
-  told->idVendor = 0x0403;
-  told->idProduct = 0x6010;
-  told->bcdDevice = static_cast<std::uint16_t>(chip().number("release", 0x0700));
-  told->iSerialNumber = 3;
-  return 0;
+  return guarded([&] {
+    *told = {};
+    told->idVendor = 0x0403;
+    told->idProduct = 0x6010;
+    told->bcdDevice = static_cast<std::uint16_t>(chip().number("release", 0x0700));
+    told->iSerialNumber = 3;
+    return 0;
+  });
 }
 int libusb_get_max_packet_size(Device*, unsigned char) { return static_cast<int>(chip().number("packet", 512)); }
 int libusb_open(Device*, Handle** handle) {
-  *handle = reinterpret_cast<Handle*>(2);
-  return static_cast<int>(chip().number("refuse", 0));
+  return guarded([&] {
+    const auto code = static_cast<int>(chip().number("refuse", 0));
+    *handle = reinterpret_cast<Handle*>(2);
+    chip().held += code == 0 ? 1 : 0;
+    return code;
+  });
 }
-void libusb_close(Handle*) {}
+void libusb_close(Handle*) { --chip().held; }
 int libusb_get_string_descriptor_ascii(Handle*, std::uint8_t index, unsigned char* text, int length) {
-  const std::string& serial = chip().settings["serial"];
-  const auto count = std::min(serial.size(), static_cast<std::size_t>(length));
-  std::memcpy(text, serial.data(), count);
-  return index == 3 ? static_cast<int>(count) : -1;
+  return guarded([&] {
+    const std::string& serial = chip().settings["serial"];
+    const auto count = std::min(serial.size(), static_cast<std::size_t>(length));
+    std::memcpy(text, serial.data(), count);
+    return index == 3 ? static_cast<int>(count) : error_io;
+  });
 }
 int libusb_set_auto_detach_kernel_driver(Handle*, int) { return 0; }
 int libusb_claim_interface(Handle*, int interface) {
-  chip().log("claim " + std::to_string(interface));
-  return static_cast<int>(chip().number("claim", 0));
+  return guarded([&] {
+    chip().log("claim %d\n", interface);
+    const auto code = static_cast<int>(chip().number("claim", 0));
+    chip().held += code == 0 ? 1 : 0;
+    return code;
+  });
 }
 int libusb_release_interface(Handle*, int interface) {
-  chip().log("release " + std::to_string(interface));
+  chip().log("release %d\n", interface);
+  --chip().held;
   return 0;
 }
 int libusb_control_transfer(Handle*, std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index,
                             unsigned char*, std::uint16_t, unsigned int) {
-  Chip& c = chip();
-  const std::scoped_lock lock(c.mutex);
-  char line[64];
-  std::snprintf(line, sizeof line, "%02X %02X %04X %04X", type, request, value, index);
-  c.log(line);
-  if (request == 0x09) {
-    c.latency_ms = value;
-  } else if (request == 0x06) {
-    c.event = (value & 0x100) != 0 ? value & 0xFF : -1;
-  } else if (request == 0x00 && value == 2) {  // the last request of the set-up
-    connect_board();
-  }
-  return c.gone ? error_no_device : 0;
+  return guarded([&] {
+    Chip& c = chip();
+    const std::scoped_lock lock(c.mutex);
+    c.log("%02X %02X %04X %04X\n", type, request, value, index);
+    if (request == 0x09) {
+      c.latency_ms = value;
+    } else if (request == 0x06) {
+      c.event = (value & 0x100) != 0 ? value & 0xFF : -1;
+    } else if (request == 0x00 && value == 2) {  // the last request of the set-up
+      connect_board();
+    }
+    return c.gone ? static_cast<int>(error_no_device) : 0;
+  });
 }
 int libusb_bulk_transfer(Handle*, unsigned char, unsigned char* bytes, int length, int* done, unsigned int) {
   Chip& c = chip();
@@ -213,6 +270,9 @@ int libusb_bulk_transfer(Handle*, unsigned char, unsigned char* bytes, int lengt
   {
     const std::scoped_lock lock(c.mutex);
     *done = 0;
+    if (fails()) {
+      return error_io;
+    }
     if (c.gone) {
       return error_no_device;
     }
@@ -223,17 +283,26 @@ int libusb_bulk_transfer(Handle*, unsigned char, unsigned char* bytes, int lengt
   *done = static_cast<int>(std::max<ssize_t>(count, 0));
   return *done == length ? 0 : error_timeout;
 }
-Transfer* libusb_alloc_transfer(int) { return new Transfer{}; }
-void libusb_free_transfer(Transfer* transfer) { delete transfer; }
+Transfer* libusb_alloc_transfer(int) {
+  auto* const transfer = fails() ? nullptr : static_cast<Transfer*>(std::calloc(1, sizeof(Transfer)));
+  chip().held += transfer != nullptr ? 1 : 0;
+  return transfer;
+}
+void libusb_free_transfer(Transfer* transfer) {
+  chip().held -= transfer != nullptr ? 1 : 0;
+  std::free(transfer);
+}
 int libusb_submit_transfer(Transfer* transfer) {
-  Chip& c = chip();
-  const std::scoped_lock lock(c.mutex);
-  if (c.gone) {
-    return error_no_device;
-  }
-  transfer->actual_length = 0;
-  c.waiting.push_back(transfer);
-  return 0;
+  return guarded([&] {
+    Chip& c = chip();
+    const std::scoped_lock lock(c.mutex);
+    if (c.gone) {
+      return static_cast<int>(error_no_device);
+    }
+    transfer->actual_length = 0;
+    c.waiting.push_back(transfer);
+    return 0;
+  });
 }
 int libusb_cancel_transfer(Transfer* transfer) {
   Chip& c = chip();
@@ -253,11 +322,11 @@ int libusb_handle_events_timeout(Context*, Interval* patience) {
       const std::scoped_lock lock(c.mutex);
       if (!c.cancelled.empty()) {
         over = c.cancelled.front();
-        c.cancelled.pop_front();
+        c.cancelled.erase(c.cancelled.begin());
         over->status = TransferStatus::cancelled;
       } else if (!c.waiting.empty() && (c.gone || serve(*c.waiting.front()))) {
         over = c.waiting.front();
-        c.waiting.pop_front();
+        c.waiting.erase(c.waiting.begin());
         over->status = c.gone ? TransferStatus::no_device : TransferStatus::completed;
       }
       board = c.board;
@@ -278,6 +347,8 @@ const char* libusb_error_name(int code) {
     case error_access: return "LIBUSB_ERROR_ACCESS";
     case error_busy: return "LIBUSB_ERROR_BUSY";
     case error_no_device: return "LIBUSB_ERROR_NO_DEVICE";
+    case error_io: return "LIBUSB_ERROR_IO";
+    case error_no_memory: return "LIBUSB_ERROR_NO_MEM";
     default: return "LIBUSB_ERROR_OTHER";
   }
 }
