@@ -7,7 +7,7 @@
 #   make test    tries all of it (checks, unit, native, conformance, end to end; TESTS=tests/ros: of the Python tests these only)
 #   make develop  what single tests and checks need: pytest and its company, the native tests, Debian packages
 #   make check   lint, format, types, C++ warnings as errors, the import rule
-#   make format  formats Python and C++ as `make check` wants it
+#   make format  formats Python, C++ and pages as `make check` wants it
 #   make bench   the performance figures, as ratios within one run (QUICK=1: rough numbers; ONLY="import version": these only)
 #   make experiments   the paper's measurements, repeated on a model of its USB chip: build/experiments/report.html (QUICK=1: sooner; ONLY=peers: this part)
 #   make experiments-json   the quick form of it into docs/experiments.json and docs/experiments.md; on a quiet machine
@@ -113,6 +113,7 @@ experiments: $(VENV)/.built $(NATIVE)/.built
 
 experiments-json:
 	@$(MAKE) --no-print-directory experiments QUICK=1
+	@tools/setup.sh group test
 	$(BIN)/python tools/docs/experiments.py --from build/experiments/results.json
 
 coverage: $(VENV)/.built

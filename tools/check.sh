@@ -11,7 +11,7 @@ case "$part" in all | sources | native) ;; *) echo "usage: check.sh [sources|nat
 if [ "$part" != native ]; then            # a line each: `a && b` would let a failing `a` pass
   say "ruff"
   "$bin/ruff" check .
-  say "format of Python and C++ (make format)"
+  say "format of Python, C++ and pages (make format)"
   tools/format.sh --check
   say "mypy --strict"
   "$bin/mypy"

@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 
 from made_part import with_part
+from page_format import formatted
 
 from unitylink_lab.experiments import markdown, pictures, report
 from unitylink_lab.experiments.peer_faults import section
@@ -27,7 +28,7 @@ RESULTS = DOCS / "experiments.json"
 def files() -> dict[Path, str]:
     """Return what the committed results give."""
     results = json.loads(RESULTS.read_text(encoding="utf-8"))
-    page = markdown(report(results), images="images/")
+    page = formatted(markdown(report(results), images="images/"))
     return {
         DOCS / "experiments.md": page,
         DOCS / "faults.md": faults_page(),
@@ -39,7 +40,7 @@ def faults_page() -> str:
     """Return docs/faults.md with its made part anew."""
     results = json.loads((DOCS / "faults-beside-litex.json").read_text(encoding="utf-8"))
     page = (DOCS / "faults.md").read_text(encoding="utf-8")
-    return with_part(page, "experiments.py", markdown(section(results)))
+    return formatted(with_part(page, "experiments.py", markdown(section(results))))
 
 
 def main() -> int:

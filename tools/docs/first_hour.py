@@ -19,6 +19,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from page_format import formatted
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "first-hour.md"
 PATIENCE_S = 300.0  # for one command; pip may wait for its index
@@ -247,7 +249,7 @@ def main() -> int:
     if not given.wheel.is_file():
         raise SystemExit(f"there is no wheel {given.wheel}; `make wheel` makes one")
     page, took_s = transcript(given.wheel.resolve())
-    given.out.write_text(page, "utf-8")
+    given.out.write_text(formatted(page), "utf-8")
     install_s, demo_s = (
         next(s for c, s in took_s.items() if c.startswith(w)) for w in ("pip", "unitylink demo")
     )

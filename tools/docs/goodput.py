@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from made_part import with_part
+from page_format import formatted
 
 from unitylink_lab.bench.goodput import POSTS, REQUESTS, Point, Traffic, goodput
 from unitylink_lab.experiments.svg import log_lines
@@ -60,7 +61,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Draw what gets through a line that loses frames.")
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     options = parser.parse_args()
-    page = with_part(PAGE.read_text(encoding="utf-8"), "goodput.py", table())
+    page = formatted(with_part(PAGE.read_text(encoding="utf-8"), "goodput.py", table()))
     stale = [
         (path, text)
         for path, text in ((PICTURE, picture()), (PAGE, page))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from block import Block
@@ -78,16 +79,20 @@ def page(record: Mapping[str, Mapping[str, Any]]) -> str:
             f"| {sum(map(bool, found['mutants']))} of {len(block.mutants)} |"
         )
     for block in blocks:
-        lines += ["", f"## {block.name}", "", f"{block.what}.", ""]
+        lines += ["", f"## {block.name}", "", _wrapped(f"{block.what}."), ""]
         for kind, title in (("assert", ""), ("assume", "Assumed: "), ("cover", "Reached: ")):
             lines += [
-                f"- {title}`{name}` {sentence}"
+                _wrapped(f"- {title}`{name}` {sentence}", "  ")
                 for name, found_kind, sentence in sentences(block.name)
                 if found_kind == kind
             ]
         if block.not_proven:
-            lines += ["", f"Not proven: {block.not_proven}."]
+            lines += ["", _wrapped(f"Not proven: {block.not_proven}.")]
     return "\n".join(lines) + "\n"
+
+
+def _wrapped(text: str, indent: str = "") -> str:
+    return fill(text, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def sentences(name: str) -> list[tuple[str, str, str]]:

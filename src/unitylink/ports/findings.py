@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from textwrap import fill
 from types import MappingProxyType
 
 
@@ -338,6 +339,11 @@ def example(code: str) -> tuple[Finding, str]:
     return finding(code, **known), FINDINGS[code].more.format(**known)
 
 
+def wrapped(text: str) -> str:
+    """Return a paragraph of the page, over several lines."""
+    return fill(text, 120, break_long_words=False, break_on_hyphens=False)
+
+
 def page() -> str:
     """Return docs/troubleshooting.md.
 
@@ -358,10 +364,12 @@ def page() -> str:
             "",
             f"## {kind.title}",
             "",
-            f"`{code}`, {kind.severity}: {shown.cause}.",
+            wrapped(f"`{code}`, {kind.severity}: {shown.cause}."),
             "",
-            f"    {shown.remedy}",
+            "```sh",
+            shown.remedy,
+            "```",
         ]
         if more:
-            lines += ["", more]
+            lines += ["", wrapped(more)]
     return "\n".join(lines) + "\n"

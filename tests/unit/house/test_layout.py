@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How sources are laid out: lines of at most 120 columns, no tabs, no trailing blanks, VHDL in lower case."""
+"""How sources and pages are laid out: 120 columns, no tabs, no trailing blanks, VHDL in lower case."""
 
 from __future__ import annotations
 
@@ -10,19 +10,38 @@ from pathlib import PurePosixPath
 import pytest
 from unit.house.files import files, text
 
-COLUMNS = 120  # as in .clang-format; ruff keeps Python at 110
-KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd")
+COLUMNS = 120  # as in .clang-format and .mdformat.toml; ruff keeps Python at 110
+KINDS = (".py", ".pyi", ".c", ".cpp", ".h", ".hpp", ".vhd", ".md")
 MADE = ("tests/golden/",)  # by `unitylink generate`: a name or a text of a spec may have any length
 
 PRAGMA = re.compile(r"  # (type: ignore|noqa).*$")  # ruff does not count it either
 NO_CODE = re.compile(r'"[^"\n]*"|\'.\'|--[^\n]*|\d+#[0-9A-Fa-f_]+#')  # strings, characters, comments, numbers
+PIECE = re.compile(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`")  # of a page: a link, a picture, code
 CHARACTERS = {"NUL", "HT", "LF", "CR"}  # the names that VHDL's package `standard` gives them
+
+
+def breakable(file: PurePosixPath, content: str) -> list[bool]:
+    """Tell for each line whether it could be broken.
+
+    On a page, code, tables and headings cannot, nor can a link, a picture or code within a line.
+    """
+    lines = content.split("\n")
+    if file.suffix != ".md":
+        return [True] * len(lines)
+    found, fenced = [], False
+    for line in lines:
+        mark = line.lstrip().startswith("```")
+        fenced ^= mark
+        words = re.sub(r"^[-*\d.]+ +", "", PIECE.sub("x", line.strip()))
+        found.append(not (fenced or mark or words.startswith(("|", "#"))) and " " in words)
+    return found
 
 
 def faults(file: PurePosixPath, content: str) -> Iterator[str]:
     """Yield what is wrong with the layout of a source, each with its line."""
-    for number, line in enumerate(content.split("\n"), 1):
-        if len(PRAGMA.sub("", line)) > COLUMNS:
+    lines = zip(content.split("\n"), breakable(file, content), strict=True)
+    for number, (line, can_be_broken) in enumerate(lines, 1):
+        if can_be_broken and len(PRAGMA.sub("", line)) > COLUMNS:
             yield f"{file}:{number}: {len(line)} columns, more than {COLUMNS}"
         if "\t" in line:
             yield f"{file}:{number}: a tab"
@@ -66,3 +85,12 @@ def test_a_pragma_makes_no_line_too_long() -> None:
     line = "x = " + "1" * 116
     assert not list(faults(PurePosixPath("a.py"), f"{line}  # type: ignore[assignment]\n"))
     assert list(faults(PurePosixPath("a.py"), f"{line}  # why it is so\n"))
+
+
+def test_what_cannot_be_broken_may_be_long() -> None:
+    word, row = "w" * 130, "w " * 65 + "w"
+    page = f"# {row}\n\n- `{row}`.\n\n| {row} |\n\n![{row}](a.svg)\n\n```\n{row}\n```\n\n{word}\n"
+    assert not list(faults(PurePosixPath("a.md"), page))
+    assert list(faults(PurePosixPath("a.md"), f"{page}\n`a` {row}\n")) == [
+        "a.md:15: 135 columns, more than 120"
+    ]
