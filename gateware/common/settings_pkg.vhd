@@ -14,33 +14,38 @@ package settings_pkg is
   type checksum_t is (checksum_crc8, checksum_xor, checksum_none);
 
   type settings_t is record
-    address_bits          : natural range 1 to 32;  -- bits: of a word's address
-    data_bits             : natural range 8 to 32;  -- bits: of a data word
-    clock_hz              : natural range 1000 to 1000000000;  -- Hz: of the clock
-    -- Hz: of publishing; at least groups + 5 clocks lie between two strobes
+    address_bits          : natural range 1 to 32;  -- bits: width of a word's address
+    data_bits             : natural range 8 to 32;  -- bits: width of a data word
+    clock_hz              : natural range 1000 to 1000000000;  -- Hz: frequency of the clock
+    -- Hz: base frequency of publishing; two strobes are at least groups + 5 clocks apart
     base_hz               : natural range 1 to 1000000000;
-    groups                : natural range 1 to 256;  -- groups: publish groups
-    group_size            : natural range 1 to 255;  -- words: addresses a publish group can have
-    rate_bytes            : natural range 1 to 4;  -- bytes: of a group's divisor
-    read_many             : natural range 0 to 255;  -- words: most words of a classic read-many; 0: no such command
+    groups                : natural range 1 to 256;  -- groups: number of publish groups
+    group_size            : natural range 1 to 255;  -- words: most addresses of a publish group
+    rate_bytes            : natural range 1 to 4;  -- bytes: width of a group's divisor
+    -- words: most words of a classic read-many; 0: there is no such command
+    read_many             : natural range 0 to 255;
     publish_mode          : natural range 0 to 2;  -- 0 no publishing, 1 prefers requests, 2 prefers publishes
     configuration_command : boolean;  -- the classic command RLC exists
-    protocol              : protocol_t;  -- what it speaks; nothing of the other one is there
-    datalink              : datalink_t;  -- of the classic protocol: lite checks nothing, none has data as bytes
-    checksum              : checksum_t;  -- of the full datalink
-    polynomial            : natural range 0 to 255;  -- of crc8
-    -- the groups whose event input is an edge; the others' level counts
+    protocol              : protocol_t;  -- protocols that the device speaks; the design contains no other
+    -- classic datalink; lite and none check nothing; none sends data as bytes, not as digits
+    datalink              : datalink_t;
+    checksum              : checksum_t;  -- checksum of the full datalink
+    polynomial            : natural range 0 to 255;  -- polynomial of crc8
+    -- groups whose event is an edge of their event input; for the others it is a level
     edge_events           : std_ulogic_vector(255 downto 0);
-    exchanges             : natural range 0 to 4;  -- groups: exchange groups of the framed protocol; 0: there are none
-    -- words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    -- groups: number of exchange groups of the framed protocol; 0: there are none
+    exchanges             : natural range 0 to 4;
+    -- words: words of an exchange group, in and out; at most 122, 81, 61 or 49 with 1 to 4 address bytes
     exchange_size         : natural range 1 to 122;
     lists                 : boolean;  -- the requests LIST and POST_LIST exist
     deadman               : boolean;  -- the dead-man exists
-    window                : natural range 2 to 128;  -- requests: in flight, a power of two: places of the reply cache
-    gateware_version      : std_ulogic_vector(31 downto 0);  -- what the device tells of itself
-    build                 : std_ulogic_vector(31 downto 0);  -- likewise
-    spec_hash             : std_ulogic_vector(63 downto 0);  -- of all of the spec that reaches the wire; 0: not told
-    timeout_clocks        : natural range 1 to 1000000;  -- clocks: after which a bus access without an answer ends
+    -- requests: most requests in flight; a power of two, and the number of places in the reply cache
+    window                : natural range 2 to 128;
+    gateware_version      : std_ulogic_vector(31 downto 0);  -- version that the device reports
+    build                 : std_ulogic_vector(31 downto 0);  -- number of the build that the device reports
+    -- hash of all that the spec says about the wire; 0: the device reports none
+    spec_hash             : std_ulogic_vector(63 downto 0);
+    timeout_clocks        : natural range 1 to 1000000;  -- clocks: time after which a bus access without an answer ends
   end record;
 
   -- The defaults, but for what is named.

@@ -93,7 +93,7 @@ class Robot {
     return true;
   }
 
-  // The set() of the real-time thread. A number that cannot be written is left out, and counted as refused.
+  // Like set(), for the real-time thread. A number that cannot be written is left out, and counted as refused.
   bool write_newest(const std::uint16_t* values, const double* numbers, std::size_t count) noexcept {
     if (!up || !armed || hanging_) return false;
     for (std::size_t i = 0; i < count; ++i) {
@@ -109,8 +109,8 @@ class Robot {
     return true;
   }
 
-  // Gets the newest published numbers of the values. Those of one group are of one moment. Returns false while the link
-  // is down.
+  // Gets the newest published numbers of the values. All values of a group are of the same moment. Returns false while
+  // the link is down.
   bool read_newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     publishes_.newest(values, numbers, count);
     return up;
@@ -190,7 +190,7 @@ class Robot {
  private:
   struct Wanted {
     std::uint64_t raw = 0;
-    std::uint64_t version = 0;  // counts the sets: the writer compares it to find values not yet written
+    std::uint64_t version = 0;  // counts the calls of set(); the writer compares it to find values not yet written
   };
 
   void wanted_next_(std::uint16_t value, std::uint64_t raw) noexcept {
@@ -315,7 +315,7 @@ class Robot {
            device_.lacking() + ": outputs keep their values when the link is lost, and are made safe when it is back");
     }
     if (!publishes_.start(link_)) return failure();
-    // memory has no line
+    // mapped memory has no line, so UL_MISMATCH is no failure
     if (const ul_status watched = life_.serve(link_); watched != UL_OK && watched != UL_MISMATCH) return failure();
     rise();
     return "";
@@ -330,7 +330,7 @@ class Robot {
       if (!device_.arm()) return failure();
       say_(1, "the dead-man had tripped and made the outputs safe; they are armed again");
     }
-    generation_ = device_.generation();  // a later loss starts all of this again
+    generation_ = device_.generation();  // after a later loss, all of this is done again
     if (device_.tripped()) {
       say_(1, "the dead-man has tripped: the outputs are safe until the service arm is called");
     } else if (old) {
@@ -352,7 +352,7 @@ class Robot {
       until.tv_nsec += 50'000'000;
       if (until.tv_nsec >= 1'000'000'000) until.tv_nsec -= 1'000'000'000, ++until.tv_sec;
       sem_timedwait(&wake_, &until);
-      while (sem_trywait(&wake_) == 0) {}  // the newest values win: one write for all sets so far
+      while (sem_trywait(&wake_) == 0) {}  // one write for all calls of set() so far, because the newest values win
       writer_.beat();
       const std::lock_guard<std::mutex> lock(link_mutex_);
       if (const ul_status line = ul_wait_up(link_, 0); line != UL_OK) {
@@ -361,7 +361,7 @@ class Robot {
         continue;
       }
       const double now = now_s();
-      // while the link still works: not all gateware has a dead-man
+      // done here while the link still works, because not all gateware has a dead-man
       if (up && hanging_ && !made_safe && !device_.tripped()) {
         std::string said;
         made_safe = outputs_.write_safe(said);
@@ -415,7 +415,7 @@ class Robot {
       changed.push_back(static_cast<std::uint16_t>(i));
     }
     if (changed.empty()) return true;
-    for (int tries = 0; tries < 3 && !stop_; ++tries) {  // while the link is up, and the values are still wanted
+    for (int tries = 0; tries < 3 && !stop_; ++tries) {  // as long as the link is up and the values are still wanted
       if (outputs_.burst(changed)) return true;
       ++failed;
       // values from before a loss are not written after it
@@ -423,7 +423,7 @@ class Robot {
     }
     return false;
   }
-  TripleBuffer<Wanted> wanted_;  // what is set, for the keeper
+  TripleBuffer<Wanted> wanted_;  // from set() to the keeper's thread
   std::vector<Wanted> setting_copy_ = std::vector<Wanted>(table_.value_count);
   std::vector<std::uint64_t> written_;
   Outputs outputs_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A node's requests to the device itself: the dead-man, the counters, and whether it still holds the written values. On
-// classic gateware only the last.
+// A node's requests about the device: its dead-man, its counters, and whether it has lost the written values. Classic
+// gateware offers only the last.
 #pragma once
 
 #include <unitylink.h>
@@ -18,11 +18,11 @@ namespace unitylink {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-// For one thread at a time.
+// Only one thread may use it at a time.
 class Device {
  public:
-  // Takes a new link. If the device has a dead-man and there is something to make `safe`, the dead-man trips after
-  // `silence_s` without a sign of life from this program. A deadman= in the link's URL has priority. False: see
+  // Starts to use a new link. If the device has a dead-man and there is something to make `safe`, the dead-man trips
+  // after `silence_s` without a sign of life from this program. A deadman= in the link's URL has priority. False: see
   // ul_last_error_text().
   bool open(ul_link* link, double silence_s, bool safe) {
     link_ = link;
@@ -35,7 +35,7 @@ class Device {
     return renew();
   }
 
-  // Asks for the state of the dead-man, and starts it if it does not run. False: see ul_last_error_text().
+  // Reads the state of the dead-man, and starts it if it does not run. False: see ul_last_error_text().
   bool renew() {
     std::uint32_t state = 0;
     if (has_one_ && !control(protocol::control::arm, state)) return false;
@@ -55,7 +55,7 @@ class Device {
     return start();
   }
 
-  // Whether the dead-man has tripped since the last call. The link handles a missing answer.
+  // Whether the dead-man has tripped since the last call. A missing answer counts as no, because the link handles it.
   bool has_tripped() {
     std::uint32_t state = 0;
     return lacking_.empty() && !tripped_ && control(protocol::control::arm, state) && (state & tripped_bit) != 0;
@@ -68,7 +68,7 @@ class Device {
     return ul_get_statistics(link_, &counted) == UL_OK ? counted.restarts + counted.reconnections : 0;
   }
 
-  // For the diagnostics: the state of the dead-man, and the device's counters.
+  // Adds the state of the dead-man and the device's counters to the diagnostics.
   void tell(Facts& facts) {
     char after[48];
     std::snprintf(after, sizeof after, "trips after %g s", silence_s_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Checks that a node's threads work. The link is told, and with it the gateware's dead-man.
+// Checks that the threads of a node work. If they do, it says so to the link, which keeps the gateware's dead-man from
+// tripping.
 #pragma once
 
 #include <unitylink.h>
@@ -25,7 +26,7 @@ class Sign {
   Sign(const char* what, double most_s) : what_(what), most_s_(most_s) {}
   void beat() noexcept { since_s_ = now_s(); }
   void rest() noexcept { since_s_ = 0.0; }
-  // Why the thread counts as dead. Empty: it works, or no sign is expected of it.
+  // Why the thread counts as dead. Empty: it works, or it need not give a sign now.
   std::string trouble() const {
     const double since_s = since_s_, for_s = now_s() - since_s;
     if (since_s == 0.0 || for_s <= most_s_) return "";
@@ -40,12 +41,12 @@ class Sign {
   std::atomic<double> since_s_{0.0};
 };
 
-// While all signs are fresh, a thread that waits for nothing else tells the link that the program works. `hangs(why)`
-// is called when a sign is late, and with "" when all are fresh again.
+// A separate thread watches all signs. While none is late, it tells the link that the program works. It calls
+// `hangs(why)` when a sign is late, and with "" when no sign is late any more.
 class Life {
  public:
-  static constexpr double patience_s = 1.0;  // for a thread without signs
-  // for a thread that waits for the device: the link ends such a wait earlier
+  static constexpr double patience_s = 1.0;  // the longest silence of a thread, and of this watch
+  // the same for a thread that waits for the device; the link ends such a wait earlier
   static constexpr double device_s = 10.0;
 
   explicit Life(std::function<void(const std::string&)> hangs) : hangs_(std::move(hangs)) {}
@@ -61,13 +62,13 @@ class Life {
     thread_.join();
   }
 
-  // All calls come before start().
+  // Adds a thread to be watched. Call it before start().
   Sign& expect(const char* what, double most_s) { return signs_.emplace_back(what, most_s); }
   void start() {
     thread_ = std::thread([this] { look(); });
   }
 
-  // Sets the link to be told from now on. nullptr: none.
+  // From now on this link gets the signs. nullptr: there is none.
   ul_status serve(ul_link* link) {
     const std::lock_guard<std::mutex> lock(mutex_);
     link_ = link;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a robot is told when it is made (robot.hpp). Times are in seconds.
+// The options of a robot (robot.hpp). Times are in seconds.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct RobotOptions {
   bool safe_at_exit = true;
   bool armed = true;
 
-  // The URL with reconnect=1, unless it says otherwise. A device that cannot be opened again is opened as a new link.
+  // The URL, with reconnect=1 added if it has no reconnect=. Not for `fd:` and `mmap:`, which a link cannot open again.
   [[nodiscard]] std::string lasting_url() const {
     if (url.find("reconnect=") != std::string::npos || url.rfind("fd:", 0) == 0 || url.rfind("mmap:", 0) == 0)
       return url;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The wanted values of a robot's outputs, and how they are written: plain words in one burst, memory that needs a
-// commit as a whole.
+// The wanted values of a robot's outputs, and how they are written. Plain words are written in one burst. Memory with a
+// commit is written as a whole.
 #pragma once
 
 #include <unitylink.h>
@@ -16,7 +16,7 @@
 
 namespace unitylink {
 
-// A number as messages show it.
+// The text of a number in messages.
 inline std::string shown(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", number);
@@ -29,12 +29,13 @@ inline double now_s() noexcept {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// For one thread at a time. False: see `said`, or ul_last_error_text() if it is empty.
+// Only one thread may use it at a time. A call that returns false gives the reason in `said`, or in
+// ul_last_error_text() if `said` is empty.
 class Outputs {
  public:
   explicit Outputs(const Table& table) : table_(table), shadow_(table.value_count), known_(table.value_count) {}
 
-  // Takes a new link: the values on the device are unknown.
+  // Starts to use a new link. The values on the device are unknown then.
   void open(ul_link* link) {
     link_ = link;
     std::fill(known_.begin(), known_.end(), false);
@@ -74,7 +75,8 @@ class Outputs {
       }
       if (!touched) continue;
       if (!settle(table_.units[unit], false)) return false;
-      for (const auto i : outputs) {  // a running robot must not jump: an unknown value stays as the device has it
+      // an unknown output is read and written back unchanged, because a running robot must not jump
+      for (const auto i : outputs) {
         if (!known_[i] && !read_raw(table_.values[i], shadow_[i])) return false;
         known_[i] = true;
       }

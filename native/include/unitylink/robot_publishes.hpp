@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The publishes of a robot. A thread per group drains, decodes and passes on. The newest values are kept for one
-// real-time thread.
+// The publishes of a robot. Each group has a thread that drains and decodes them, and passes them on. The newest values
+// are kept for one real-time thread.
 #pragma once
 
 #include <unitylink.h>
@@ -31,7 +31,7 @@ class Publishes {
       signs_.push_back(&life.expect("a thread that publishes", Life::patience_s));
   }
 
-  // Subscribes all groups. The line may be lost and come back. False: see ul_last_error_text().
+  // Subscribes to all groups. The subscriptions survive a loss of the line. False: see ul_last_error_text().
   bool start(ul_link* link) {
     ul_configuration configuration{};
     configuration.size = sizeof configuration;
@@ -60,14 +60,14 @@ class Publishes {
     }
     return true;
   }
-  // To be called after ul_close.
+  // Waits for the threads. Call it after ul_close.
   void join() {
     for (auto& thread : readers_) thread.join();
     readers_.clear();
   }
 
-  // Gets the newest published numbers of the values. Those of one group are of one moment. Never allocates, locks,
-  // waits or throws.
+  // Gets the newest published numbers of the values. All values of a group are of the same moment. Never allocates,
+  // locks, waits or throws.
   void newest(const std::uint16_t* values, double* numbers, std::size_t count) noexcept {
     newest_.update();
     const auto& raws = newest_.front();
@@ -77,7 +77,7 @@ class Publishes {
   std::atomic<std::uint64_t> taken{0};
 
  private:
-  // The thread of a group: it drains, decodes and passes on.
+  // Runs in the thread of a group: drains, decodes and passes on.
   void follow(ul_link* link, std::size_t group, const std::vector<std::uint32_t>& addresses, std::uint32_t subscription,
               double base_hz) {
     const auto& wanted = table_.groups[group];
@@ -122,7 +122,7 @@ class Publishes {
 
   const Table& table_;
   const OnPublish on_publish_;
-  TripleBuffer<std::uint64_t> newest_;  // from the groups' threads to the real-time thread
+  TripleBuffer<std::uint64_t> newest_;  // passes values from the groups' threads to the real-time thread
   std::vector<std::uint64_t> copy_ = std::vector<std::uint64_t>(table_.value_count);
   std::mutex mutex_;
   std::vector<Sign*> signs_;

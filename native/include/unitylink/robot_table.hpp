@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a generated node knows of its robot: the values of the spec, which are published together, and which need a
-// commit. It also converts between words and numbers. C++17, no allocation.
+// The tables of a generated node: the values of the spec, the groups that are published together, and the memory that
+// needs a commit. Also the conversion between words and numbers. C++17; it allocates nothing.
 #pragma once
 
 #include <algorithm>
@@ -26,11 +26,12 @@ struct Value {
   bool is_float;  // IEEE 754, 32 or 64 bits
   bool writable;
   bool saturate;     // a number beyond the limits is replaced by the limit
-  std::int8_t unit;  // index in `Table::units`; -1: takes effect when it is written
+  std::int8_t unit;  // index in `Table::units`; -1: it needs no commit
   double scale, offset;
-  double multiplier, added, divisor;  // divisor 0: whole numbers do not express it
+  double multiplier, added, divisor;  // divisor 0: use scale and offset
   double minimum, maximum, safe;
-  // of a closed enumeration below 64: one bit for each of its numbers; 0: all numbers within the limits
+  // for a closed enumeration with numbers below 64: one bit for each allowed number; 0: all numbers within the limits
+  // are allowed
   std::uint64_t members;
 };
 
@@ -98,7 +99,7 @@ inline double number(const Value& value, std::uint64_t raw) noexcept {
 
 // Gets the raw number of a float. Returns false if there is none.
 inline bool encode_float(const Value& value, double wanted, std::uint64_t& raw) noexcept {
-  const bool low = wanted < value.minimum;  // false for a limit that is NaN
+  const bool low = wanted < value.minimum;  // false if the limit is NaN
   const bool high = wanted > value.maximum;
   if ((low || high) && !value.saturate) return false;
   double scaled = ((low ? value.minimum : high ? value.maximum : wanted) - value.offset) / value.scale;
@@ -126,7 +127,8 @@ inline bool encode(const Value& value, double wanted, std::uint64_t& raw) noexce
   if (value.is_float) return encode_float(value, wanted, raw);
   const double rounded = std::nearbyint((wanted - value.offset) / value.scale);
   const bool unscaled = value.scale == 1.0 && value.offset == 0.0;
-  if (unscaled && (rounded != wanted || std::isinf(wanted))) return false;  // half a step is a mistake
+  // without a scale, only whole numbers are allowed
+  if (unscaled && (rounded != wanted || std::isinf(wanted))) return false;
   const double top = std::ldexp(1.0, value.is_signed ? value.width - 1 : value.width);
   const double bottom = value.is_signed ? -top : 0.0;
   const bool low = rounded < bottom || rounded < value.minimum, high = rounded >= top || rounded > value.maximum;

@@ -32,7 +32,7 @@ typedef struct unitylink_rtl {
   uint32_t read_words;   /* words the PC reads, as many as `set_word` takes */
   uint32_t write_words;  /* words the PC writes, as many as `get_word` gives */
   uint32_t groups;       /* event lines */
-  void* (*create)(void); /* NULL without memory */
+  void* (*create)(void); /* NULL: there is no memory */
   void (*destroy)(void* model);
   void (*clock)(void* model, unitylink_rtl_pins* pins);
   void (*set_word)(void* model, uint32_t index, uint32_t value);

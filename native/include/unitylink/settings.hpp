@@ -47,40 +47,43 @@ enum class Datalink : std::uint8_t { full, lite, none };
 enum class Checksum : std::uint8_t { crc8, exclusive_or, none };
 
 struct Settings {
-  std::uint32_t address_bits = 8;  // bits: of a word's address
-  std::uint32_t data_bits = 32;  // bits: of a data word
-  std::uint32_t clock_hz = 50000000;  // Hz: of the clock
-  std::uint32_t base_hz = 1000;  // Hz: of publishing; at least groups + 5 clocks lie between two strobes
-  std::uint32_t groups = 16;  // groups: publish groups
-  std::uint32_t group_size = 32;  // words: addresses a publish group can have
-  std::uint32_t rate_bytes = 2;  // bytes: of a group's divisor
-  std::uint32_t read_many = 255;  // words: most words of a classic read-many; 0: no such command
+  std::uint32_t address_bits = 8;  // bits: width of a word's address
+  std::uint32_t data_bits = 32;  // bits: width of a data word
+  std::uint32_t clock_hz = 50000000;  // Hz: frequency of the clock
+  std::uint32_t base_hz = 1000;  // Hz: base frequency of publishing; two strobes are at least groups + 5 clocks apart
+  std::uint32_t groups = 16;  // groups: number of publish groups
+  std::uint32_t group_size = 32;  // words: most addresses of a publish group
+  std::uint32_t rate_bytes = 2;  // bytes: width of a group's divisor
+  std::uint32_t read_many = 255;  // words: most words of a classic read-many; 0: there is no such command
   std::uint32_t publish_mode = 2;  // 0 no publishing, 1 prefers requests, 2 prefers publishes
   bool configuration_command = true;  // the classic command RLC exists
-  Protocol protocol = Protocol::both;  // what it speaks; nothing of the other one is there
-  Datalink datalink = Datalink::full;  // of the classic protocol: lite checks nothing, none has data as bytes
-  Checksum checksum = Checksum::crc8;  // of the full datalink
-  std::uint32_t polynomial = 7;  // of crc8
-  std::bitset<256> edge_events;  // the groups whose event input is an edge; the others' level counts
-  std::uint32_t exchanges = 2;  // groups: exchange groups of the framed protocol; 0: there are none
-  // words: of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+  Protocol protocol = Protocol::both;  // protocols that the device speaks; the design contains no other
+  // classic datalink; lite and none check nothing; none sends data as bytes, not as digits
+  Datalink datalink = Datalink::full;
+  Checksum checksum = Checksum::crc8;  // checksum of the full datalink
+  std::uint32_t polynomial = 7;  // polynomial of crc8
+  std::bitset<256> edge_events;  // groups whose event is an edge of their event input; for the others it is a level
+  std::uint32_t exchanges = 2;  // groups: number of exchange groups of the framed protocol; 0: there are none
+  // words: words of an exchange group, in and out; at most 122, 81, 61 or 49 with 1 to 4 address bytes
   std::uint32_t exchange_size = 30;
   bool lists = true;  // the requests LIST and POST_LIST exist
   bool deadman = true;  // the dead-man exists
-  std::uint32_t window = 64;  // requests: in flight, a power of two: places of the reply cache
-  std::uint32_t gateware_version = 65536;  // what the device tells of itself
-  std::uint32_t build = 0;  // likewise
-  std::uint64_t spec_hash = 0;  // of all of the spec that reaches the wire; 0: not told
+  // requests: most requests in flight; a power of two, and the number of places in the reply cache
+  std::uint32_t window = 64;
+  std::uint32_t gateware_version = 65536;  // version that the device reports
+  std::uint32_t build = 0;  // number of the build that the device reports
+  std::uint64_t spec_hash = 0;  // hash of all that the spec says about the wire; 0: the device reports none
   std::uint32_t request_max = 250;  // bytes: longest payload of a framed request; gateware has the default
   std::uint32_t reply_max = 250;  // bytes: longest payload of a framed reply or publish; gateware has the default
-  std::uint32_t credit = 512;  // bytes: framed requests that may be unanswered; gateware has the default
-  std::uint32_t cache_bytes = 16;  // bytes: reply bytes kept for a repeat; gateware has the default
-  bool long_frames = false;  // payloads of more than 250 bytes; gateware has the default
-  bool published_2012 = false;  // the published gateware of 2012 with its defects; classic protocol only
-  bool bench_memory = false;  // memory starts as in the recordings of the 2012 gateware, not at zero
-  std::uint32_t fifo = 0;  // bytes: buffers of the physical layer in each direction, at least 4; 0: large
-  std::uint32_t baud_hz = 0;  // baud: of a serial line; 0: bytes come as over USB
-  std::uint32_t fifo_latency = 0;  // clocks: through each of these buffers
+  std::uint32_t credit = 512;  // bytes: most bytes of framed requests without an answer; gateware has the default
+  std::uint32_t cache_bytes = 16;  // bytes: most bytes of a reply that is kept for a repeat; gateware has the default
+  bool long_frames = false;  // payloads of more than 250 bytes are allowed; gateware has the default
+  bool published_2012 = false;  // behaves like the gateware of 2012, with its defects; classic protocol only
+  bool bench_memory = false;  // memory starts with the values in the recordings of the 2012 gateware, not with zeros
+  std::uint32_t fifo = 0;  // bytes: size of the buffer of the physical layer, in each direction, at least 4; 0: large
+  // baud: baud rate of a serial line; 0: there is no line, and bytes are flow-controlled as over USB
+  std::uint32_t baud_hz = 0;
+  std::uint32_t fifo_latency = 0;  // clocks: delay of a byte in each of these buffers
   bool honour_flush = false;  // a datalink error empties the receive buffer, as in the UART of 2012
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The newest of a stream of vectors, passed from one thread to another. Neither thread ever waits, allocates, or sees a
-// half vector.
+// Passes vectors from one thread to another. The reader gets only the newest one. Neither thread ever waits or
+// allocates, and a vector is never seen half written.
 #pragma once
 
 #include <array>

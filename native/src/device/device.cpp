@@ -148,7 +148,8 @@ void Device::run_until(Clock clock) {
     } else if (transmitter_clock() <= next) {
       last_activity_ = std::max(last_activity_, next);
       if (transmitter_.errors_full()) {
-        receiver_ready_ = std::max(receiver_ready_, next);  // the receiver has waited for room for its next error
+        // the receiver could not go on until there was room for its next error
+        receiver_ready_ = std::max(receiver_ready_, next);
       }
       transmitter_.step();
     } else if (subscriptions_.next_clock() <= next) {

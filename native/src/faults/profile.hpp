@@ -31,7 +31,7 @@ struct WireFaults {
   [[nodiscard]] bool any() const noexcept { return damages() || lose + repeat + cut + late + overtake > 0; }
 };
 
-// The behaviour of the device. All but the first answer HELLO, OPEN and the classic question, unless stated otherwise.
+// The behaviour of the device. All except `dead` answer HELLO, OPEN and the classic question, unless stated otherwise.
 enum class Peer : std::uint8_t {
   honest,
   dead,       // silent

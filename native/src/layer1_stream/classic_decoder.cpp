@@ -18,7 +18,7 @@ constexpr std::string_view error_codes[] = {
 };
 constexpr std::uint8_t datalink_code_max = datalink_error::physical + 7;
 constexpr std::string_view busy_line = "?busy";
-constexpr std::string_view reply_prefix = "S_";  // of all replies except CNF
+constexpr std::string_view reply_prefix = "S_";  // all replies except CNF begin with it
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) noexcept {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -172,7 +172,7 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
     return Found::message;
   }
   if (message_.letters.empty()) {
-    return Found::message;  // malformed: only an error has none
+    return Found::message;  // malformed: only an error may have no letters
   }
   if (checked) {
     if (at + 3 != text.size() || text[at] != bytes::checksum_mark) {
@@ -198,7 +198,7 @@ ClassicDecoder::Found ClassicDecoder::read_headed(std::span<const std::uint8_t> 
     return read_publish();
   }
   if (!configuration && !message_.letters.starts_with(reply_prefix)) {
-    return Found::message;  // a damaged digit can look like a head with a letter after it; that is not a reply
+    return Found::message;  // not a reply: a damaged digit can look like a head with a letter after it
   }
   message_.kind = MessageKind::reply;
   return Found::message;

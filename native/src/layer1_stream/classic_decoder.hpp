@@ -26,7 +26,7 @@ enum class MessageKind : std::uint8_t {
   datalink_error,     // code
   busy,               // "?busy": the board serves another program
   bad_checksum,       // head says whether it was a reply or a publish
-  malformed,          // the same for head
+  malformed,          // head as above
 };
 
 struct Message {
@@ -46,7 +46,7 @@ struct Message {
 
 struct Publish {
   std::uint32_t group = 0;
-  std::uint32_t count = 0;  // as labelled; the words are those that came
+  std::uint32_t count = 0;  // the number in the message; `words` are those that were received
   bool checked = false;
   std::span<const std::uint32_t> words;
 };
@@ -104,7 +104,7 @@ class ClassicDecoder {
     }
   }
 
-  // Bytes of a line whose end has not yet come.
+  // Number of bytes of a line whose end has not yet arrived.
   [[nodiscard]] std::size_t pending() const noexcept { return used_; }
 
  private:
@@ -115,7 +115,7 @@ class ClassicDecoder {
     const std::span<const std::uint8_t> body = line.first(line.size() - 1);
     std::size_t begin = 0;
     for (std::size_t index = 1; index < body.size(); ++index) {
-      if (is_head(body[index])) {  // the line before it lost its end
+      if (is_head(body[index])) {  // the end of the line before it was lost
         deliver(cut(body.subspan(begin, index - begin)), index - begin, sink);
         begin = index;
       }

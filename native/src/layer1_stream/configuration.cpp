@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t fields_before_frequency = 4;
 constexpr std::size_t fields_after_frequency = 3;
-constexpr std::size_t frequency_bytes_max = 5;  // 32 bits, or the zeros of 256**4
+constexpr std::size_t frequency_bytes_max = 5;  // four bytes for 32 bits; 256**4 is sent as five
 
-// Takes bytes and separators off the front of the text.
+// Reads bytes and separators from the front of the text.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) noexcept : text_(text) {}

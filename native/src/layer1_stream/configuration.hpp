@@ -34,7 +34,7 @@ struct Configuration {
 [[nodiscard]] std::optional<Configuration> parse_configuration(std::string_view fields, const Crc8& sum,
                                                                std::optional<std::uint8_t> checksum,
                                                                bool of_2012 = true) noexcept;
-// Whether 2012 gateware sends one of its bytes as ','.
+// Whether 2012 gateware would send a byte of this configuration as ','.
 [[nodiscard]] bool has_comma_byte(const Configuration& configuration) noexcept;
 
 }  // namespace unitylink

@@ -14,7 +14,7 @@
 
 namespace unitylink {
 
-// What both sides of a session know, and no frame carries.
+// What both sides of a session know, but no frame contains.
 struct FrameKey {
   std::uint16_t epoch = protocol::frame::open_epoch;
   bool always_long = false;  // CRC-32C in every frame

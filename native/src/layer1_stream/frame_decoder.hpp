@@ -28,8 +28,9 @@ enum class Discard : std::uint8_t {
 
 template <class T>
 concept FrameSink = requires(T& sink, const Frame& frame, Discard why, std::size_t bytes, std::uint8_t kind) {
-  sink.on_frame(frame);               // valid only during the call
-  sink.on_discard(why, kind, bytes);  // bytes between two delimiters that are not a frame, and the first of them
+  sink.on_frame(frame);  // valid only during the call
+  // between two delimiters there was no frame; `kind` is the first byte, and `bytes` their number
+  sink.on_discard(why, kind, bytes);
 };
 
 class FrameDecoder {
@@ -83,7 +84,7 @@ class FrameDecoder {
     return size + 1;
   }
 
-  // Bytes of a frame whose end has not yet come. 0 directly after a delimiter.
+  // Number of bytes of a frame whose end has not yet arrived. 0 directly after a delimiter.
   [[nodiscard]] std::size_t pending() const noexcept { return used_; }
   // Drops these bytes, like a device that is reset.
   void reset() noexcept { used_ = 0; }

@@ -22,7 +22,7 @@ class FrameEncoder {
   }
 
   FrameEncoder& byte(std::uint8_t value) noexcept {
-    if (used_ - block_ == full) {  // a full block takes no zero with it
+    if (used_ - block_ == full) {  // after a full block there is no zero
       open_block();
     }
     payload_ += 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes of a payload before its words, for each kind of frame (docs/protocol.md, sections 3 to 6).
+// The number of bytes in a payload before its words, for each kind of frame (docs/protocol.md, sections 3 to 6).
 #pragma once
 
 #include <cstddef>

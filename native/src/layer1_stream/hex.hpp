@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hex digits to values and back, by tables. The classic protocol spends most of its time here.
+// Converts hex digits to values and back, with tables, because the classic protocol spends most of its time here.
 #pragma once
 
 #include <array>

@@ -93,7 +93,7 @@ class ClockFit {
   std::size_t count_ = 0;
   double nominal_ns_ = 0;
   double period_ns_ = 0;
-  double offset_ns_ = 0;  // of the line at its origin, which is the last reading
+  double offset_ns_ = 0;  // offset at the origin of the line, which is the last reading
   double uncertainty_ns_ = 0;
   std::uint64_t origin_clocks_ = 0;
   std::uint64_t origin_ns_ = 0;

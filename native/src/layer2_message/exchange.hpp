@@ -74,9 +74,9 @@ struct Exchange {
   Operation operation = Operation::read;
   bool checked = false;
   bool repeat = true;  // it may be sent twice without harm
-  // read, write; the group of group and exchange commands; a control register
+  // read, write: the address; group and exchange commands: the group; control commands: the register
   std::uint32_t address = 0;
-  std::uint32_t value = 0;                         // write: the word; of a group: the divisor
+  std::uint32_t value = 0;                         // write: the word; define_group: the divisor
   std::span<const std::uint32_t> addresses;        // read_many, transfer; of a group
   std::span<const std::uint32_t> write_addresses;  // transfer
   std::span<const std::uint32_t> write_values;     // also for exchange: the words of the outputs
@@ -91,21 +91,21 @@ struct Exchange {
   std::uint64_t timeout_ns = 0;        // per attempt
   std::uint32_t attempts_max = 1;      // 0 once the caller has given it up
   Batch* batch = nullptr;
-  PublishRing* ring = nullptr;                    // of a group: takes its publishes from now on
+  PublishRing* ring = nullptr;                    // for a group: gets its publishes from now on
   void* owner = nullptr;                          // for on_done
   void (*on_done)(Exchange&) noexcept = nullptr;  // called once, with the engine's lock held; must not call the engine
 
   // The result.
   Status status = Status::ok;
   std::string_view error;          // the device's E_xxx; empty if it gave none
-  std::uint8_t datalink_code = 0;  // the ?xx that made it void last; 0: none
+  std::uint8_t datalink_code = 0;  // the last ?xx that made the request void; 0: none
   std::uint32_t words = 0;         // words that were executed; read_group: addresses
   std::uint8_t first_failure = 0;  // synchronise: the status of the first failed post
   // how often an answer was requested: by the request itself, or by a fence for it
   std::uint32_t attempts = 0;
   bool sent = false;  // at least one of its bytes was sent
-  // Only 2012 gateware: it ended in a bus timeout whose cycle may go on, or was answered by a device whose bus may have
-  // done that.
+  // 2012 gateware only: the request ended in a bus timeout, and its bus cycle may still be open. Or it was answered
+  // while an earlier cycle may have been open.
   bool stray_cycle = false;
   std::uint64_t begun_ns = 0;
   std::uint64_t ended_ns = 0;

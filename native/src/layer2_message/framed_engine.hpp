@@ -78,8 +78,8 @@ class FramedEngine final : public Engine {
   void forget_exchange(std::uint32_t group) noexcept { exchange_groups_[group] = {}; }
   // A new session is being set up like the last one. The words of groups are still read.
   [[nodiscard]] bool restoring() const noexcept { return !idle(restoration_); }
-  // Writes without an answer, 1 to post_words_max of them in one message. False: there is no room until the device has
-  // confirmed some. It is asked to do so.
+  // Makes writes without an answer, 1 to post_words_max of them in one message. False: there is no room until the
+  // device has confirmed some. The engine asks it to.
   static constexpr std::size_t post_words_max = 32;  // words that are lost with one message
   [[nodiscard]] bool post(std::span<const Post> words, std::uint64_t now_ns) noexcept;
   [[nodiscard]] const PostQueue& posts() const noexcept { return posts_; }

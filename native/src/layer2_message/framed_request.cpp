@@ -45,7 +45,7 @@ Part first_part(std::span<const std::uint32_t> addresses, bool same) noexcept {
   return {.count = std::min(addresses.size(), count_max)};
 }
 
-// The addresses, and the words to write there if there are any, as operations of a list.
+// Encodes the addresses as operations of a list. If there are words to write, each operation contains its words.
 void put_words(FrameEncoder& result, std::span<const std::uint32_t> addresses, std::span<const std::uint32_t> words,
                const Configuration& configuration) noexcept {
   FrameEncoder encoder = result;  // a local copy, which the compiler can keep in registers

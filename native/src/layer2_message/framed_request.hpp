@@ -39,7 +39,7 @@ inline constexpr std::size_t sync_reply_bytes = 7;
 // Takes what follows `posts` in a reply with this status. False if the length is not exactly right.
 [[nodiscard]] bool take_reply(Exchange& exchange, std::uint8_t status, std::span<const std::uint8_t> body,
                               const Configuration& configuration) noexcept;
-// The request was done, or tried, so its id is used.
+// True: the device has executed the request, or tried to, so its id is used.
 [[nodiscard]] constexpr bool executed(std::uint8_t status) noexcept {
   return status == protocol::reply_status::ok || status == protocol::reply_status::bus_error ||
          status == protocol::reply_status::bus_timeout;

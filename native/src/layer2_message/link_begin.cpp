@@ -12,7 +12,7 @@ namespace {
 
 using namespace protocol;
 
-constexpr std::uint64_t beginning_bytes = 8192;                // more than all bytes of the beginning of a link
+constexpr std::uint64_t beginning_bytes = 8192;                // the beginning of a link needs fewer bytes than this
 constexpr std::size_t described = control::spec_hash_low + 1;  // the description is in the registers from 0 on
 
 std::string hash_text(std::uint64_t hash) {

@@ -17,29 +17,29 @@ package servo_config_pkg is
 
   -- What the core is built with (docs/settings.md); the device tells it to the PC.
   constant settings : settings_t := core_settings(
-    address_bits          => 8, -- of a word's address
-    data_bits             => 32, -- of a data word
-    clock_hz              => 50000000, -- of the clock
-    base_hz               => 1000, -- of publishing; at least groups + 5 clocks lie between two strobes
-    groups                => 16, -- publish groups
-    group_size            => 32, -- addresses a publish group can have
-    rate_bytes            => 2, -- of a group's divisor
-    read_many             => 255, -- most words of a classic read-many; 0: no such command
+    address_bits          => 8, -- width of a word's address
+    data_bits             => 32, -- width of a data word
+    clock_hz              => 50000000, -- frequency of the clock
+    base_hz               => 1000, -- base frequency of publishing; two strobes are at least groups + 5 clocks apart
+    groups                => 16, -- number of publish groups
+    group_size            => 32, -- most addresses of a publish group
+    rate_bytes            => 2, -- width of a group's divisor
+    read_many             => 255, -- most words of a classic read-many; 0: there is no such command
     publish_mode          => 2, -- 0 no publishing, 1 prefers requests, 2 prefers publishes
     configuration_command => true, -- the classic command RLC exists
-    protocol              => protocol_both, -- what it speaks; nothing of the other one is there
-    datalink              => datalink_full, -- of the classic protocol: lite checks nothing, none has data as bytes
-    checksum              => checksum_crc8, -- of the full datalink
-    polynomial            => 7, -- of crc8
-    edge_events           => x"0000000000000000000000000000000000000000000000000000000000000001", -- the groups whose event input is an edge; the others' level counts
-    exchanges             => 2, -- exchange groups of the framed protocol; 0: there are none
-    exchange_size         => 30, -- of an exchange group, in and out; one frame defines 122, 81, 61 or 49, by address bytes
+    protocol              => protocol_both, -- protocols that the device speaks; the design contains no other
+    datalink              => datalink_full, -- classic datalink; lite and none check nothing; none sends data as bytes, not as digits
+    checksum              => checksum_crc8, -- checksum of the full datalink
+    polynomial            => 7, -- polynomial of crc8
+    edge_events           => x"0000000000000000000000000000000000000000000000000000000000000001", -- groups whose event is an edge of their event input; for the others it is a level
+    exchanges             => 2, -- number of exchange groups of the framed protocol; 0: there are none
+    exchange_size         => 30, -- words of an exchange group, in and out; at most 122, 81, 61 or 49 with 1 to 4 address bytes
     lists                 => true, -- the requests LIST and POST_LIST exist
     deadman               => true, -- the dead-man exists
-    window                => 64, -- in flight, a power of two: places of the reply cache
-    gateware_version      => x"00010000", -- what the device tells of itself
-    build                 => x"00000000", -- likewise
-    spec_hash             => x"330607D12FA28203"); -- of all of the spec that reaches the wire; 0: not told
+    window                => 64, -- most requests in flight; a power of two, and the number of places in the reply cache
+    gateware_version      => x"00010000", -- version that the device reports
+    build                 => x"00000000", -- number of the build that the device reports
+    spec_hash             => x"330607D12FA28203"); -- hash of all that the spec says about the wire; 0: the device reports none
 
   -- What the dead-man writes.
   constant safe_values : safe_values_t(0 to 3) := (0 => (x"00000000", x"00000000"), 1 => (x"00000002", x"00000000"), 2 => (x"00000003", x"00000000"), 3 => (x"00000022", x"00000000"));

@@ -113,7 +113,7 @@ void FramedApplication::step(Clock now, bool port_free, Clock limit) {
     } while (sending() && at_ < std::min(limit, bus_.due()) && physical_.room() > 0);
   } else if (port_free) {
     at_ = std::max(at_, now);
-    if (open() && subscriptions_.pending_at() <= now) {  // publishes go before replies
+    if (open() && subscriptions_.pending_at() <= now) {  // publishes have priority over replies
       if (const auto group = subscriptions_.serve(now)) {
         publish(*group);
       }
